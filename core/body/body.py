@@ -1,0 +1,56 @@
+"""The wearer: a mesh with a skeleton, posed as the scan is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+JOINTS = (
+    "pelvis", "left_hip", "right_hip", "spine1", "left_knee", "right_knee", "spine2", "left_ankle", "right_ankle",
+    "spine3", "left_foot", "right_foot", "neck", "left_collar", "right_collar", "head", "left_shoulder",
+    "right_shoulder", "left_elbow", "right_elbow", "left_wrist", "right_wrist", "left_hand", "right_hand",
+)  # fmt: skip
+"""SMPL's 24 joints in SMPL's order."""
+
+PARENTS = (-1, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 12, 13, 14, 16, 17, 18, 19, 20, 21)
+"""Index of each joint's parent in `JOINTS`; the root's is -1. A bone is named by its child joint."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """Hold a body mesh with joints, bones and skinning weights, all in the scan's pose and place.
+
+    Attributes:
+        vertices: Positions [m], shape [vertex_count, 3]; for a given mesh the mesh itself, never the fitted model.
+        faces: Outward faces, shape [face_count, 3].
+        joints: Joint positions in this pose [m], order of `JOINTS`, shape [24, 3].
+        weights: Linear blend skinning weights of `vertices`, rows sum to 1, shape [vertex_count, 24].
+        transforms: From rest (T-pose) space to this pose, per joint, homogeneous, shape [24, 4, 4].
+        rest_vertices: The fitted model in its T-pose, feet at y = 0, facing +z, shape [model_count, 3].
+        rest_faces: Faces of the fitted model, shape [model_face_count, 3].
+        rest_joints: Joints of the fitted model in its T-pose [m], shape [24, 3].
+        rest_weights: Skinning weights of the fitted model, shape [model_count, 24].
+        heading: Rotation [3, 3] that turns the file's axes to a body that faces +z (identity: it faces +z already).
+        parameters: Shape and pose parameters of the fitted model by name.
+        source: `builtin:female`, `mesh:NAME`, ...
+        fit_rms: RMS distance of the fitted model to the given mesh [m]; 0 for the built-in body.
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    joints: np.ndarray
+    weights: np.ndarray
+    transforms: np.ndarray
+    rest_vertices: np.ndarray
+    rest_faces: np.ndarray
+    rest_joints: np.ndarray
+    rest_weights: np.ndarray
+    heading: np.ndarray
+    parameters: dict[str, np.ndarray] = field(default_factory=dict)
+    source: str = ""
+    fit_rms: float = 0.0
+
+    def joint(self, name: str) -> np.ndarray:
+        """Give the position [m] of a joint by its name, shape [3]."""
+        return self.joints[JOINTS.index(name)]

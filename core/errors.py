@@ -1,0 +1,39 @@
+"""The base of every error that a user may see: a stable code, and a message that names the next step."""
+
+from __future__ import annotations
+
+
+class GarmentqError(Exception):
+    """Something went wrong inside garmentq; please report it with the log.
+
+    Each subclass has a stable `code` (`room.reason`), stored with a failed job and printed by the command line, and
+    takes its docstring's first line as the message when none is given. The message names the next step for the user.
+    """
+
+    code = "garmentq.error"
+
+    def __init__(self, message: str | None = None) -> None:
+        doc = (type(self).__doc__ or "").strip().split("\n", 1)[0]
+        self.message = message or doc
+        super().__init__(self.message)
+
+    def __str__(self) -> str:
+        return self.message
+
+
+class BadInput(GarmentqError):
+    """The input cannot be used; the code says why."""
+
+    code = "input.bad"
+
+
+class NotFound(GarmentqError):
+    """Nothing of that name or id is known; list what there is and try again."""
+
+    code = "not_found"
+
+
+class Cancelled(GarmentqError):
+    """The job was cancelled."""
+
+    code = "job.cancelled"

@@ -1,0 +1,1 @@
+"""Writers of patterns and meshes."""

@@ -1,0 +1,58 @@
+"""What a stage may ask of whoever runs it: show progress, stop when told to, keep and find a checkpoint."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .errors import Cancelled
+
+Arrays = Mapping[str, np.ndarray]
+
+
+def _no_progress(stage: str, fraction: float, message: str) -> None:
+    return None
+
+
+def _never() -> bool:
+    return False
+
+
+def _no_save(name: str, arrays: Arrays) -> None:
+    return None
+
+
+def _no_load(name: str) -> Arrays | None:
+    return None
+
+
+@dataclass(frozen=True)
+class Hooks:
+    """Carry the four calls that a running stage makes to its surroundings.
+
+    Attributes:
+        on_progress: Called with (stage, fraction in 0..1, message).
+        is_cancelled: Asked between iterations; True stops the stage within one of them.
+        save_checkpoint: Keep named arrays under a name; a later run of the same job finds them again.
+        load_checkpoint: The arrays kept under a name, or None.
+    """
+
+    on_progress: Callable[[str, float, str], None] = field(default=_no_progress)
+    is_cancelled: Callable[[], bool] = field(default=_never)
+    save_checkpoint: Callable[[str, Arrays], None] = field(default=_no_save)
+    load_checkpoint: Callable[[str], Arrays | None] = field(default=_no_load)
+
+    def progress(self, stage: str, fraction: float, message: str = "") -> None:
+        """Report progress of a stage and raise `Cancelled` if the job was cancelled meanwhile."""
+        self.on_progress(stage, float(min(max(fraction, 0.0), 1.0)), message)
+        self.check()
+
+    def check(self) -> None:
+        """Raise `Cancelled` if the job was cancelled."""
+        if self.is_cancelled():
+            raise Cancelled()
+
+
+SILENT = Hooks()

@@ -1,0 +1,111 @@
+"""A sewing pattern: flat panels bounded by lines and curves, and the seams that join their edges. No mesh here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+EDGE_KINDS = ("line", "quadratic", "cubic", "arc")
+
+
+@dataclass(frozen=True)
+class Edge:
+    """Describe the curve from control point i of a panel to control point i + 1.
+
+    Handles are relative: (along, across), in units of the chord, across to the left of it (thesis eq. 3.1), so that an
+    edge follows its two control points by a similarity and keeps its kind.
+
+    Attributes:
+        kind: `line`, `quadratic` (one handle), `cubic` (two) or `arc` (one handle: the apex, along = 0.5).
+        handles: Relative coordinates of the handles, shape [handle_count, 2].
+        label: The author's label, or an empty text.
+        contour: Name of the open contour this edge lies on once sewn (`hem`, `cuff.left`, ...), or an empty text.
+    """
+
+    kind: str = "line"
+    handles: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
+    label: str = ""
+    contour: str = ""
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Hold one flat piece of cloth.
+
+    Attributes:
+        name: Unique in the pattern.
+        points: Control points (corners and joins) [m], counter-clockwise from the cloth's outside, shape [n, 2].
+        edges: n edges; edge i runs from point i to point (i + 1) % n.
+        rotation: Turns panel axes into the world's (first drape), shape [3, 3]; rotation[:, 2] is the outward normal.
+        translation: Where the panel's origin stands [m], shape [3].
+        grainline: Angle of the warp from the panel's +y [rad].
+        label: The author's label (`body`, `leg`, ...), or an empty text.
+        mirrored: True where the file drew the panel clockwise: it was mirrored (x to -x) on import and is on export.
+        notches: (edge index, fraction of its length) of each notch.
+    """
+
+    name: str
+    points: np.ndarray
+    edges: tuple[Edge, ...]
+    rotation: np.ndarray = field(default_factory=lambda: np.eye(3))
+    translation: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    grainline: float = 0.0
+    label: str = ""
+    mirrored: bool = False
+    notches: tuple[tuple[int, float], ...] = ()
+
+
+@dataclass(frozen=True)
+class EdgeRef:
+    """Point at one edge of a pattern."""
+
+    panel: str
+    edge: int
+
+
+@dataclass(frozen=True)
+class Seam:
+    """Join two edges.
+
+    Attributes:
+        a, b: The two edges.
+        reversed: True (the rule for two outward counter-clockwise panels) where a's start meets b's end.
+        gathered: True where the sides' lengths are meant to differ (ratio outside 1 +- 0.03 in the template).
+    """
+
+    a: EdgeRef
+    b: EdgeRef
+    reversed: bool = True
+    gathered: bool = False
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """Hold the panels and seams of one garment.
+
+    Attributes:
+        name: For people.
+        panels: The panels, in the author's order.
+        seams: The seams.
+        category: One of `segment.CATEGORIES`, or an empty text where nobody said.
+        extra: What a file held beyond this (parameters, properties), kept for export.
+    """
+
+    name: str
+    panels: tuple[Panel, ...]
+    seams: tuple[Seam, ...]
+    category: str = ""
+    extra: dict[str, Any] = field(default_factory=dict)
+
+    def panel(self, name: str) -> Panel:
+        """Give a panel by name.
+
+        Raises:
+            KeyError: where there is none.
+        """
+        for panel in self.panels:
+            if panel.name == name:
+                return panel
+        raise KeyError(name)

@@ -1,0 +1,98 @@
+"""What one recovery takes and gives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .body import Body
+from .pattern import Garment, Pattern
+from .scan import Scan
+from .segment import Target
+from .settings import RecoverySettings
+from .simulate import Fabric
+
+STAGES = ("scan", "body", "segment", "template", "grade", "drape", "deform", "measure")
+"""The stages of a recovery in order; progress and seconds are reported by these names."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """Name the files of one recovery.
+
+    Attributes:
+        scan: The garment's file.
+        body: The wearer's mesh file, a text `builtin:female,height=1.70`, or None (refused with `body.missing`).
+        template: A pattern file that serves as the base pattern, or None to choose from the library.
+        settings: Everything else.
+    """
+
+    scan: Path
+    body: Path | str | None = None
+    template: Path | None = None
+    settings: RecoverySettings = field(default_factory=RecoverySettings)
+
+
+@dataclass(frozen=True)
+class Gate:
+    """Judge one quality of a result.
+
+    Attributes:
+        name: Stable name, `penetration`.
+        verdict: `pass`, `warn` or `fail`.
+        value: What was measured.
+        limit: Where `fail` begins.
+        message: One sentence with the next step.
+    """
+
+    name: str
+    verdict: str
+    value: float
+    limit: float
+    message: str
+
+
+@dataclass(frozen=True)
+class Recovery:
+    """Hold everything a recovery found.
+
+    Attributes:
+        scan: The checked scan.
+        body: The wearer.
+        target: The garment's surface with its contours.
+        template: Name of the template that was used.
+        pattern: The recovered (graded) pattern.
+        fabric: The fabric.
+        garment: The recovered pattern meshed and sewn; its nodes are the detail mesh.
+        graded: Nodes of the graded drape, before deforming [m], shape [node_count, 3].
+        detail: Nodes of the detail mesh [m], shape [node_count, 3].
+        simulation: Nodes of the simulation mesh [m], shape [node_count, 3], or None where the method makes none.
+        metrics: Flat dotted names to numbers; None where a metric does not apply.
+        gates: The verdicts.
+        warnings: What the user should know, one sentence each.
+        stage_seconds: CPU seconds by stage name.
+        cpu_seconds: CPU seconds of the whole recovery.
+        peak_mb: Largest resident memory of the process [MB].
+        manifest: Versions, hashes and settings that reproduce the result.
+    """
+
+    scan: Scan
+    body: Body
+    target: Target
+    template: str
+    pattern: Pattern
+    fabric: Fabric
+    garment: Garment
+    graded: np.ndarray
+    detail: np.ndarray
+    simulation: np.ndarray | None
+    metrics: dict[str, float | None]
+    gates: tuple[Gate, ...]
+    warnings: tuple[str, ...]
+    stage_seconds: dict[str, float]
+    cpu_seconds: float
+    peak_mb: float
+    manifest: dict[str, Any]

@@ -1,0 +1,62 @@
+"""A garment's surface with its open contours named: what the recovery has to reach."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+CONTOUR_NAMES = (
+    "neck", "waist", "hem",
+    "cuff.left", "cuff.right",
+    "armhole.left", "armhole.right",
+    "leg.left", "leg.right",
+)  # fmt: skip
+"""Every name an open contour can have. Left and right are the wearer's: left is +x on a body that faces +z."""
+
+CATEGORIES = ("tshirt", "long_sleeve_tshirt", "tank", "dress", "trousers", "shorts", "skirt", "jumpsuit")
+"""Every category of garment."""
+
+
+@dataclass(frozen=True)
+class Contour:
+    """Name one open contour of a garment.
+
+    Attributes:
+        name: One of `CONTOUR_NAMES`.
+        vertices: Vertex indices in order along the closed loop, garment on the left, int64, shape [loop_count].
+        length: Circumference of the closed curve after smoothing over 3 cm [m].
+        bones: Names of the bones (by child joint, SMPL-24) that cross the disk spanned by the loop.
+        trusted: False where the loop may be damage (a cut-off hem, a hole's rim) rather than design.
+    """
+
+    name: str
+    vertices: np.ndarray
+    length: float
+    bones: tuple[str, ...] = ()
+    trusted: bool = True
+
+
+@dataclass(frozen=True)
+class Target:
+    """Hold the surface to be reached.
+
+    Attributes:
+        vertices: Positions [m], shape [vertex_count, 3].
+        faces: Outward counter-clockwise faces, shape [face_count, 3].
+        normals: Unit vertex normals, area-weighted, shape [vertex_count, 3].
+        contours: The named open contours.
+        holes: Vertex loops that are damage and no contour.
+        category: One of `CATEGORIES`, chosen from the contours and the bones they encircle.
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    normals: np.ndarray
+    contours: tuple[Contour, ...]
+    holes: tuple[np.ndarray, ...]
+    category: str
+
+    def contour(self, name: str) -> Contour | None:
+        """Find a contour by name, or None."""
+        return next((c for c in self.contours if c.name == name), None)

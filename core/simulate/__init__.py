@@ -1,0 +1,5 @@
+"""The cloth simulator: from a sewn garment, a fabric and a body to an equilibrium drape."""
+
+from .fabric import Fabric
+
+__all__ = ["Fabric"]

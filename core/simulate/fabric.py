@@ -1,0 +1,36 @@
+"""What a cloth is made of, as the simulator sees it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Fabric:
+    """Hold a fabric's mechanical parameters (thesis eq. 3.3 and 3.4; index 0 is the weft, u; 1 the warp, v; 2 shear).
+
+    Attributes:
+        name: Stable name, `cotton_poplin`.
+        H00: Membrane stiffness along u (weft) [N/m].
+        H01: Coupling of u and v [N/m].
+        H11: Membrane stiffness along v (warp) [N/m].
+        H22: Shear stiffness [N/m].
+        k: Bending stiffness [N m].
+        density: Mass per area [kg/m2].
+        thickness: Thickness [m].
+        friction: Coulomb coefficient against skin.
+        title: For people, `cotton poplin, 115 g/m2`.
+        sources: For each parameter `measured: ...`, `derived: ...` or `assumed: ...`.
+    """
+
+    name: str
+    H00: float
+    H01: float
+    H11: float
+    H22: float
+    k: float
+    density: float
+    thickness: float = 5e-4
+    friction: float = 0.3
+    title: str = ""
+    sources: tuple[tuple[str, str], ...] = ()

@@ -1,0 +1,1 @@
+"""Turn queued jobs into results: the Celery application and its task."""
