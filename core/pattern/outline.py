@@ -1,0 +1,165 @@
+"""Draw panels by hand: outlines of lines and cubics in the wearer's front plane, mirrored, placed and sewn by label."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from .pattern import Edge, EdgeRef, Panel, Pattern, Seam
+
+PLACEMENT_DEPTH = 0.25
+"""Distance of front and back panels from the body's middle plane [m]: no grown body is half as deep."""
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """Draw one edge from where the last ended.
+
+    Attributes:
+        end: Where it ends [m].
+        handles: Handles in the draft's axes [m]; none for a line, two for a cubic.
+        label: Edges of two panels with the same label are sewn.
+        contour: Open contour that the edge lies on, or an empty text.
+        notch: Fraction of the edge's length where a notch stands, or None.
+    """
+
+    end: Point
+    handles: tuple[Point, ...] = ()
+    label: str = ""
+    contour: str = ""
+    notch: float | None = None
+
+
+@dataclass(frozen=True)
+class Outline:
+    """Draw a counter-clockwise outline: a start, and strokes; the last one closes it when it ends at the start."""
+
+    start: Point
+    strokes: tuple[Stroke, ...]
+
+
+def smooth(points: list[Point], labels: list[str]) -> list[Stroke]:
+    """Draw a smooth line through points as cubics whose slopes are those of a monotone spline (Fritsch and Carlson).
+
+    The ends run straight; handles stand at a third of the height, so that the curve is x as a function of y.
+    """
+    xs, ys = np.array(points).T
+    secants = np.diff(xs) / np.diff(ys)
+    slopes = np.concatenate([secants[:1], np.zeros(len(points) - 2), secants[-1:]])
+    for i, (before, after) in enumerate(pairwise(secants), start=1):
+        if before * after > 0:
+            slopes[i] = 2 * before * after / (before + after)
+    strokes = []
+    for i, label in enumerate(labels):
+        third = (ys[i + 1] - ys[i]) / 3
+        first = (float(xs[i] + slopes[i] * third), float(ys[i] + third))
+        second = (float(xs[i + 1] - slopes[i + 1] * third), float(ys[i + 1] - third))
+        strokes.append(Stroke(points[i + 1], (first, second), label=label))
+    return strokes
+
+
+def unfold(outline: Outline, closing: str, dip: float = 0.0) -> Outline:
+    """Mirror a left half that ends at the middle and close it with one edge on the contour `closing`."""
+    other = mirror(outline)
+    start, end = outline.start, (-outline.start[0], outline.start[1])
+    handles: tuple[Point, ...] = ()
+    if dip:
+        # A parabola's middle lies halfway to its handle; as a cubic its handles stand at 2/3 of that.
+        low = end[1] - dip * 4 / 3
+        handles = ((end[0] / 3, low), (start[0] / 3, low))
+    return Outline(start, (*outline.strokes, *other.strokes, Stroke(start, handles, contour=closing)))
+
+
+def mirror(outline: Outline, swap: bool = True) -> Outline:
+    """Mirror an outline at x = 0 and walk it backwards, so that it stays counter-clockwise.
+
+    With `swap`, left and right change places in labels and contours too: the other half of a garment. Without, it is
+    the same piece of the wearer seen from behind.
+    """
+    ends = [outline.start, *(s.end for s in outline.strokes)]
+    strokes = []
+    for i in range(len(outline.strokes) - 1, -1, -1):
+        s = outline.strokes[i]
+        strokes.append(
+            Stroke(
+                _flip(ends[i]),
+                tuple(_flip(h) for h in s.handles[::-1]),
+                _other_side(s.label) if swap else s.label,
+                _other_side(s.contour) if swap else s.contour,
+                None if s.notch is None else 1.0 - s.notch,
+            )
+        )
+    return Outline(_flip(ends[-1]), tuple(strokes))
+
+
+def _other_side(text: str) -> str:
+    swapped = {"left": "right", "right": "left"}
+    return ".".join(swapped.get(word, word) for word in text.split("."))
+
+
+def _flip(point: Point) -> Point:
+    return (-point[0], point[1])
+
+
+def place_panel(
+    name: str, outline: Outline, height: float, grain: float = 0.0, label: str = "body", across: float = 0.0
+) -> Panel:
+    """Place a drawn outline before or behind the body, moved by `across` to the wearer's left [m].
+
+    A panel whose name holds `back` stands behind, turned about y. The draft is made in world x, so a back panel, seen from outside, is its mirror image; the turn brings it back.
+    """
+    behind = "back" in name
+    drawn = mirror(outline, swap=False) if behind else outline
+    points = np.array([drawn.start, *(s.end for s in drawn.strokes[:-1])])
+    edges, notches = [], []
+    for i, stroke in enumerate(drawn.strokes):
+        ends = points[[i, (i + 1) % len(points)]]
+        kind = "cubic" if stroke.handles else "line"
+        edges.append(Edge(kind, _relative(ends, stroke.handles), stroke.label, stroke.contour))
+        if stroke.notch is not None:
+            notches.append((i, stroke.notch))
+    turn = np.diag([-1.0, 1.0, -1.0]) if behind else np.eye(3)
+    place = np.array([across, height, -PLACEMENT_DEPTH if behind else PLACEMENT_DEPTH])
+    return Panel(name, points, tuple(edges), turn, place, grain, label, notches=tuple(notches))
+
+
+def _relative(ends: np.ndarray, handles: tuple[Point, ...]) -> np.ndarray:
+    """Give handles along and across the chord, in chords (thesis eq. 3.1), shape [handle_count, 2]."""
+    if not handles:
+        return np.zeros((0, 2))
+    chord = ends[1] - ends[0]
+    across = np.array([-chord[1], chord[0]])
+    off = np.array(handles) - ends[0]
+    return np.stack([off @ chord, off @ across], axis=1) / (chord @ chord)
+
+
+def length(outline: Outline, label: str) -> float:
+    """Measure the length of the strokes whose label begins so, by 200 chords each (1e-6 of the length) [m]."""
+    total, here = 0.0, outline.start
+    t = np.linspace(0.0, 1.0, 201)[:, None]
+    for stroke in outline.strokes:
+        if stroke.label.startswith(label):
+            a, b = np.array(here), np.array(stroke.end)
+            if stroke.handles:
+                h, k = (np.array(p) for p in stroke.handles)
+                line = (1 - t) ** 3 * a + 3 * t * (1 - t) ** 2 * h + 3 * t**2 * (1 - t) * k + t**3 * b
+            else:
+                line = a + t * (b - a)
+            total += float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
+        here = stroke.end
+    return total
+
+
+def sew_by_label(name: str, category: str, panels: list[Panel]) -> Pattern:
+    """Sew every two edges that share a label."""
+    sides: dict[str, list[EdgeRef]] = {}
+    for panel in panels:
+        for i, edge in enumerate(panel.edges):
+            if edge.label:
+                sides.setdefault(edge.label, []).append(EdgeRef(panel.name, i))
+    seams = tuple(Seam(*pair) for pair in sides.values())
+    return Pattern(name, tuple(panels), seams, category)
