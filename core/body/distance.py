@@ -1,0 +1,221 @@
+"""Signed distance to a body, twice continuously differentiable: a cubic B-spline on a regular grid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numba import njit
+
+from ..errors import BadInput
+
+BAND = 4
+"""Cells on each side of the surface with exact distances. The spline's prefilter damps an error by 0.27 a cell, so the
+centimetre-sized errors beyond are below 0.05 mm at the surface."""
+
+FAR = 1.0
+"""Distance reported outside the grid [m]: beyond every contact thickness."""
+
+
+class DistanceBad(BadInput):
+    """The body mesh gives no signed distance; repair the mesh and try again."""
+
+    code = "body.distance_bad"
+
+
+@dataclass(frozen=True)
+class DistanceGrid:
+    """Hold the signed distance to a body as a tricubic B-spline (numerics 1 and 4).
+
+    d(x) = offset + sum_ijk c_ijk b(s_0 - i) b(s_1 - j) b(s_2 - k),  s = (x - origin) / spacing, negative inside.
+    The gradient's length differs from 1 by about a per cent near the surface; only its direction and d are used as a
+    distance. Against the exact mesh distance at 1 cm spacing: p99 error about 0.3 mm within 1 cm of the body.
+
+    Attributes:
+        origin: Position of the first grid point [m], shape [3].
+        spacing: Distance of grid points [m].
+        coefficients: B-spline coefficients [m], shape [nx, ny, nz].
+        offset: Added to every distance [m]; positive shrinks the body by so much (see `shrunk`).
+    """
+
+    origin: np.ndarray
+    spacing: float
+    coefficients: np.ndarray
+    offset: float = 0.0
+
+    @classmethod
+    def from_mesh(
+        cls, vertices: np.ndarray, faces: np.ndarray, spacing: float = 0.01, margin: float = 0.10
+    ) -> DistanceGrid:
+        """Sample the distance to a mesh (vertices [m], shape [n, 3]; outward faces, shape [m, 3]).
+
+        Exact within `BAND` cells of the surface, from a distance transform beyond. The sign is the winding number's,
+        so small holes and self-intersections do no harm; a mesh that is inside out is turned.
+
+        Raises:
+            DistanceBad: where the mesh is empty or not finite.
+        """
+        from scipy.ndimage import distance_transform_edt
+
+        vertices, faces = np.asarray(vertices, dtype=np.float64), np.asarray(faces, dtype=np.int64)
+        if not len(faces) or not np.isfinite(vertices).all():
+            raise DistanceBad()
+        used = vertices[np.unique(faces)]
+        pad = max(margin, (BAND + 2) * spacing)
+        origin = used.min(0) - pad
+        shape = np.ceil((used.max(0) + pad - origin) / spacing).astype(np.int64) + 1
+        near = np.ones(shape, dtype=bool)
+        samples = _sample_surface(vertices, faces, spacing)
+        near[tuple(np.rint((samples - origin) / spacing).astype(np.int64).T)] = False
+        rough = distance_transform_edt(near)
+        band = rough <= BAND + 1
+        values = rough * spacing
+        exact, inside = _measure(origin + spacing * np.argwhere(band), vertices, faces)
+        outer = _inside_beyond(band, origin, spacing, vertices, faces)
+        values[outer] *= -1.0
+        values[band] = np.where(inside, -exact, exact)
+        return cls.from_values(origin, spacing, values)
+
+    @classmethod
+    def from_values(cls, origin: np.ndarray, spacing: float, values: np.ndarray) -> DistanceGrid:
+        """Build a grid that interpolates given distances [m], shape [nx, ny, nz], at the grid points."""
+        from scipy.ndimage import spline_filter
+
+        coefficients = spline_filter(np.asarray(values, dtype=np.float64), order=3, mode="mirror")
+        return cls(np.asarray(origin, dtype=np.float64), float(spacing), np.ascontiguousarray(coefficients))
+
+    def shrunk(self, depth: float) -> DistanceGrid:
+        """Give the body shrunk by `depth` [m] along its normals; costs nothing, for a body that is inflated."""
+        return replace(self, offset=self.offset + depth)
+
+    def moved(self, translation: np.ndarray) -> DistanceGrid:
+        """Give the body moved by a translation [m], shape [3]."""
+        return replace(self, origin=self.origin + np.asarray(translation, dtype=np.float64))
+
+    def distance(self, points: np.ndarray) -> np.ndarray:
+        """Give signed distances [m], shape [n], of points [m], shape [n, 3]; `FAR` outside the grid."""
+        return self.evaluate(points)[0]
+
+    def evaluate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Give distances [m] [n], gradients [n, 3] and Hessians [1/m] [n, 3, 3] at points [m], shape [n, 3]."""
+        points = np.ascontiguousarray(points, dtype=np.float64)
+        values, slopes = np.zeros(len(points)), np.zeros((len(points), 3))
+        curves = np.zeros((len(points), 3, 3))
+        _sample_all(points, self.coefficients, self.origin, self.spacing, self.offset, values, slopes, curves)
+        return values, slopes, curves
+
+
+def _sample_surface(vertices: np.ndarray, faces: np.ndarray, spacing: float) -> np.ndarray:
+    """Cover every face with points no further apart than half a cell."""
+    triangles = vertices[faces]
+    longest = np.sqrt(((triangles - np.roll(triangles, -1, axis=1)) ** 2).sum(-1).max(1))
+    parts = np.maximum(1, np.ceil(longest / (0.5 * spacing)).astype(np.int64))
+    found = []
+    for n in np.unique(parts):
+        i, j = np.divmod(np.arange((n + 1) ** 2), n + 1)
+        i, j = i[i + j <= n] / n, j[i + j <= n] / n
+        weights = np.stack([1 - i - j, i, j], axis=1)
+        found.append(np.einsum("wa,fad->fwd", weights, triangles[parts == n]).reshape(-1, 3))
+    return np.concatenate(found)
+
+
+def _measure(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Give exact unsigned distances and whether each point is inside."""
+    import igl
+
+    squared = igl.point_mesh_squared_distance(points, vertices, faces)[0]
+    winding = igl.fast_winding_number(vertices, faces, points)
+    if np.abs(winding).sum() > 0 and winding[np.abs(winding) > 0.5].sum() < 0:
+        winding = -winding
+    return np.sqrt(squared), winding > 0.5
+
+
+def _inside_beyond(
+    band: np.ndarray, origin: np.ndarray, spacing: float, vertices: np.ndarray, faces: np.ndarray
+) -> np.ndarray:
+    """Tell which cells beyond the band are inside: one winding number for each connected region."""
+    from scipy.ndimage import label
+
+    regions, count = label(~band)
+    if not count:
+        return np.zeros_like(band)
+    first = np.unique(regions, return_index=True)
+    places = np.stack(np.unravel_index(first[1][first[0] > 0], band.shape), axis=1)
+    _, inside = _measure(origin + spacing * places, vertices, faces)
+    return np.concatenate([[False], inside])[regions]
+
+
+@njit(cache=True, inline="always")
+def _weights(t, w, dw, ddw):  # type: ignore[no-untyped-def]
+    """Write the four cubic B-spline weights at t in 0..1 with their derivatives."""
+    s = 1.0 - t
+    w[0], w[3] = s * s * s / 6.0, t * t * t / 6.0
+    w[1] = 2.0 / 3.0 - t * t + 0.5 * t * t * t
+    w[2] = 2.0 / 3.0 - s * s + 0.5 * s * s * s
+    dw[0], dw[3] = -0.5 * s * s, 0.5 * t * t
+    dw[1] = -2.0 * t + 1.5 * t * t
+    dw[2] = 2.0 * s - 1.5 * s * s
+    ddw[0], ddw[3] = s, t
+    ddw[1], ddw[2] = -2.0 + 3.0 * t, -2.0 + 3.0 * s
+
+
+@njit(cache=True)
+def sample_distance(point, coefficients, origin, spacing, offset, reach, weights, slope, curve):  # type: ignore[no-untyped-def]
+    """Give the distance at one point [m] and write its gradient [3] and Hessian [3, 3].
+
+    Further than `reach` [m] from the surface by the nearest coefficient, and outside the grid, only a rough distance is
+    given and `slope` and `curve` are left as they are. `weights`: scratch, shape [9, 4].
+    """
+    nx, ny, nz = coefficients.shape
+    s0 = (point[0] - origin[0]) / spacing
+    s1 = (point[1] - origin[1]) / spacing
+    s2 = (point[2] - origin[2]) / spacing
+    # negated so that a position that is not a number counts as outside
+    if not (s0 >= 1.0 and s1 >= 1.0 and s2 >= 1.0 and s0 < nx - 2.0 and s1 < ny - 2.0 and s2 < nz - 2.0):
+        return FAR
+    i, j, k = int(s0), int(s1), int(s2)
+    rough = coefficients[i, j, k] + offset
+    if rough > reach + 3.0 * spacing:
+        return rough
+    _weights(s0 - i, weights[0], weights[1], weights[2])
+    _weights(s1 - j, weights[3], weights[4], weights[5])
+    _weights(s2 - k, weights[6], weights[7], weights[8])
+    value, g0, g1, g2 = 0.0, 0.0, 0.0, 0.0
+    h00, h01, h02, h11, h12, h22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for a in range(4):
+        for b in range(4):
+            r0, r1, r2 = 0.0, 0.0, 0.0
+            for c in range(4):
+                z = coefficients[i - 1 + a, j - 1 + b, k - 1 + c]
+                r0 += z * weights[6, c]
+                r1 += z * weights[7, c]
+                r2 += z * weights[8, c]
+            plain = weights[0, a] * weights[3, b]
+            along, across = weights[1, a] * weights[3, b], weights[0, a] * weights[4, b]
+            value += plain * r0
+            g0 += along * r0
+            g1 += across * r0
+            g2 += plain * r1
+            h00 += weights[2, a] * weights[3, b] * r0
+            h01 += weights[1, a] * weights[4, b] * r0
+            h02 += along * r1
+            h11 += weights[0, a] * weights[5, b] * r0
+            h12 += across * r1
+            h22 += plain * r2
+    slope[0], slope[1], slope[2] = g0 / spacing, g1 / spacing, g2 / spacing
+    square = spacing * spacing
+    curve[0, 0], curve[1, 1], curve[2, 2] = h00 / square, h11 / square, h22 / square
+    curve[0, 1] = curve[1, 0] = h01 / square
+    curve[0, 2] = curve[2, 0] = h02 / square
+    curve[1, 2] = curve[2, 1] = h12 / square
+    return value + offset
+
+
+@njit(cache=True)
+def _sample_all(points, coefficients, origin, spacing, offset, values, slopes, curves):  # type: ignore[no-untyped-def]
+    """Sample many points at full accuracy."""
+    weights = np.zeros((9, 4))
+    for v in range(len(points)):
+        values[v] = sample_distance(
+            points[v], coefficients, origin, spacing, offset, np.inf, weights, slopes[v], curves[v]
+        )
