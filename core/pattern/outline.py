@@ -110,7 +110,8 @@ def place_panel(
 ) -> Panel:
     """Place a drawn outline before or behind the body, moved by `across` to the wearer's left [m].
 
-    A panel whose name holds `back` stands behind, turned about y. The draft is made in world x, so a back panel, seen from outside, is its mirror image; the turn brings it back.
+    A panel whose name holds `back` stands behind, turned about y. The draft is made in world x, so a
+    back panel, seen from outside, is its mirror image; the turn brings it back.
     """
     behind = "back" in name
     drawn = mirror(outline, swap=False) if behind else outline
@@ -161,5 +162,5 @@ def sew_by_label(name: str, category: str, panels: list[Panel]) -> Pattern:
         for i, edge in enumerate(panel.edges):
             if edge.label:
                 sides.setdefault(edge.label, []).append(EdgeRef(panel.name, i))
-    seams = tuple(Seam(*pair) for pair in sides.values())
+    seams = tuple(Seam(a, b) for a, b in sides.values())
     return Pattern(name, tuple(panels), seams, category)
