@@ -1,1 +1,41 @@
 """Metrics, quality gates and the report."""
+
+from .contours import boundary_loops, carry_contours
+from .fit import measure_distance, measure_fit
+from .gates import judge, overall
+from .intersections import self_intersections
+from .packs import Pack, read_packs, read_true_mesh, read_true_pattern
+from .patterns import (
+    PATTERN_METRICS,
+    TruePanel,
+    TruePattern,
+    TrueSeam,
+    measure_pattern,
+    measure_seams,
+    unmatched_panels,
+)
+from .surface import penetration_depth
+from .turning import turning_distance
+
+__all__ = [
+    "PATTERN_METRICS",
+    "Pack",
+    "TruePanel",
+    "TruePattern",
+    "TrueSeam",
+    "boundary_loops",
+    "carry_contours",
+    "judge",
+    "measure_distance",
+    "measure_fit",
+    "measure_pattern",
+    "measure_seams",
+    "overall",
+    "penetration_depth",
+    "read_packs",
+    "read_true_mesh",
+    "read_true_pattern",
+    "self_intersections",
+    "turning_distance",
+    "unmatched_panels",
+]

@@ -1,0 +1,117 @@
+"""Judge a result: each gate compares one number with a limit that has a reason, and says what to do next."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from ..recovery import Gate
+
+Metrics = Mapping[str, float | None]
+
+
+@dataclass(frozen=True)
+class Rule:
+    """Say how one gate is judged.
+
+    Attributes:
+        name: Name of the gate.
+        value: Reads the judged value from the metrics, or None where it was not measured.
+        warn: Above this the gate warns.
+        fail: Above this it fails.
+        what: What is measured, with `{value}` in it.
+        next_step: What the user should do about it.
+        reason: Why the limits are where they are.
+    """
+
+    name: str
+    value: Callable[[Metrics], float | None]
+    warn: float
+    fail: float
+    what: str
+    next_step: str
+    reason: str
+
+
+def _read(name: str) -> Callable[[Metrics], float | None]:
+    return lambda metrics: metrics.get(name)
+
+
+def _percent_of_faces(name: str, beyond: str = "") -> Callable[[Metrics], float | None]:
+    """Read a count as per cent of all faces, what another count had already left out."""
+
+    def value(metrics: Metrics) -> float | None:
+        count, faces = metrics.get(name), metrics.get("faces")
+        if count is None or not faces:
+            return None
+        return 100.0 * max(0.0, count - ((metrics.get(beyond) or 0.0) if beyond else 0.0)) / faces
+
+    return value
+
+
+RULES = (
+    Rule(
+        "surface_fit_s2t", _read("surface_rms_mm.s2t"), 2.5, 10.0,
+        "The detail mesh lies {value:.1f} mm (RMS) from the scan",
+        "look at the error map: the template may lack a part that the scan has; try another with --template.",
+        "2.5 mm is a good scanner's noise and the cloth's thickness; at 10 mm the folds are other ones.",
+    ),
+    Rule(
+        "surface_fit_t2s", _read("surface_rms_mm.t2s"), 4.0, 15.0,
+        "The scan lies {value:.1f} mm (RMS) from the detail mesh",
+        "part of the scan has no counterpart: cut away what is not the garment, or choose a template with --template.",
+        "Wider than the other way, since deep folds that a 1.5 cm mesh bridges count here; 15 mm means a missing part.",
+    ),
+    Rule(
+        "seams", _read("seam_mismatch_mm"), 0.5, 3.0,
+        "The two sides of a seam differ by up to {value:.2f} mm in length",
+        "ease the longer side in when sewing, or grade again from another template.",
+        "Grading keeps 0.1 mm; 3 mm (1/8 inch) is the sewing tolerance of industry specifications.",
+    ),
+    Rule(
+        "penetration", _read("body_penetration_mm"), 1.0, 5.0,
+        "The garment lies up to {value:.1f} mm inside the body",
+        "check that body and scan belong together and share units and place; garmentq inspect shows both.",
+        "Under 1 mm nothing shows in a render; scans touch their bodies up to 5 mm deep, more is a misplaced body.",
+    ),
+    Rule(
+        "flips", _percent_of_faces("flipped_faces"), 0.5, 3.0,
+        "{value:.2f} % of the faces point against the scan",
+        "look for inside-out folds in the error map; a higher --vertices resolves tight folds better.",
+        "Where two layers touch, the closest one is a toss-up, which costs some 0.5 %; 3 % is a turned region.",
+    ),
+    Rule(
+        "self_intersections",
+        _percent_of_faces("self_intersecting_faces", beyond="graded.self_intersecting_faces"), 0.5, 3.0,
+        "{value:.2f} % of the faces pass through others and did not before deforming",
+        "repair the scan where it intersects itself, or simulate on the simulation mesh instead of the detail mesh.",
+        "A scan's own contacts leave a few faces; from 3 % on a simulator will not start from this mesh.",
+    ),
+    Rule(
+        "drape_residual", _read("drape.residual"), 0.01, 0.1,
+        "The drape is out of balance by {value:.3f} of the cloth's weight",
+        "the drape had not settled: a stiffer fabric or a pattern closer to the body's size helps.",
+        "At 1 % of the weight positions move less than a fold's width; at 10 % the cloth is still falling.",
+    ),
+)  # fmt: skip
+"""Every gate, in the order of the report."""
+
+
+def judge(metrics: Metrics) -> tuple[Gate, ...]:
+    """Judge the metrics of a result; a gate whose number was not measured is left out."""
+    gates = []
+    for rule in RULES:
+        value = rule.value(metrics)
+        if value is None:
+            continue
+        # Written so that a value which is no number fails.
+        verdict = "pass" if value <= rule.warn else "warn" if value <= rule.fail else "fail"
+        what = rule.what.format(value=value)
+        message = f"{what}." if verdict == "pass" else f"{what}: {rule.next_step}"
+        gates.append(Gate(rule.name, verdict, float(value), rule.fail, message))
+    return tuple(gates)
+
+
+def overall(gates: tuple[Gate, ...]) -> str:
+    """Give the worst verdict of all gates; `pass` where there is none."""
+    return next((verdict for verdict in ("fail", "warn") if any(gate.verdict == verdict for gate in gates)), "pass")

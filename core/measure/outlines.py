@@ -1,0 +1,85 @@
+"""Compare flat outlines: width, rigid fit, distance along corresponding edges."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from .contours import distance_to_polyline, resample_loop
+
+EDGE_SAMPLES = 50
+"""Points on each edge: 2 cm apart on the longest side of trousers."""
+
+HEADINGS = 12
+"""Starting angles of a fit without corresponding edges; a fit from 15 degrees off finds its way."""
+
+FIT_SWEEPS = 30
+"""Closest-point sweeps of such a fit; they settle within 20 on panels."""
+
+
+def polygon_area(polygon: np.ndarray) -> float:
+    """Give the area of a polygon [m2], positive where it runs counter-clockwise."""
+    x, y = (polygon - polygon[0]).T
+    return float(0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+
+
+def polygon_width(polygon: np.ndarray) -> float:
+    """Give the least distance [m] between two parallel lines that hold the polygon."""
+    corners = polygon[ConvexHull(polygon).vertices]
+    side = np.roll(corners, -1, axis=0) - corners
+    side = side / np.linalg.norm(side, axis=1, keepdims=True)
+    height = corners @ np.stack([-side[:, 1], side[:, 0]])
+    return float(np.min(height.max(axis=0) - height.min(axis=0)))
+
+
+def resample_line(line: np.ndarray, count: int) -> np.ndarray:
+    """Give points at equal arc length along an open polyline, both ends included [m], shape [count, 2]."""
+    arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    wanted = np.linspace(0.0, arc[-1], count)
+    return np.stack([np.interp(wanted, arc, line[:, k]) for k in range(2)], axis=1)
+
+
+def polyline_length(line: np.ndarray) -> float:
+    """Give the length of an open polyline [m]."""
+    return float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
+
+
+def fit_rigidly(source: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """Turn and move points onto their counterparts by least squares, no scale, no mirror; shape [n, 2].
+
+    Equation: the best angle is atan2(sum a x b, sum a . b) over the centred points a of the source and b of the target.
+    """
+    a, b = source - source.mean(axis=0), target - target.mean(axis=0)
+    angle = np.arctan2(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]), np.sum(a * b))
+    return a @ _turn(angle).T + target.mean(axis=0)
+
+
+def edge_rms(ours: Sequence[np.ndarray], truth: Sequence[np.ndarray]) -> float:
+    """Measure the RMS distance [m] of corresponding edges after one rigid fit of the whole panel."""
+    source = np.concatenate([resample_line(line, EDGE_SAMPLES) for line in ours])
+    target = np.concatenate([resample_line(line, EDGE_SAMPLES) for line in truth])
+    return float(np.sqrt(np.mean(np.sum((fit_rigidly(source, target) - target) ** 2, axis=1))))
+
+
+def outline_rms(ours: np.ndarray, truth: np.ndarray) -> float:
+    """Measure the symmetric closest-point RMS [m] of two closed outlines after the best rigid fit."""
+    source, target = resample_loop(ours, 400), resample_loop(truth, 400)
+    best = np.inf
+    for heading in np.arange(HEADINGS) * 2.0 * np.pi / HEADINGS:
+        moved = (source - source.mean(axis=0)) @ _turn(heading).T + target.mean(axis=0)
+        for _ in range(FIT_SWEEPS):
+            moved = fit_rigidly(moved, _closest(moved, target))
+        forward, backward = distance_to_polyline(moved, target), distance_to_polyline(target, moved)
+        best = min(best, float(np.sqrt(0.5 * (np.mean(forward**2) + np.mean(backward**2)))))
+    return best
+
+
+def _closest(points: np.ndarray, others: np.ndarray) -> np.ndarray:
+    gap = points[:, None] - others[None]
+    return others[np.argmin(np.einsum("ijk,ijk->ij", gap, gap), axis=1)]
+
+
+def _turn(angle: float) -> np.ndarray:
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])

@@ -1,0 +1,148 @@
+"""Read target packs: garments of others with their true patterns, as `garmentq bench` measures us on them."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import BadInput, NotFound
+from .patterns import TruePanel, TruePattern, TrueSeam
+
+
+class PacksMissing(NotFound):
+    """No folder with a meta.json was found there; give the folder that holds the target packs."""
+
+    code = "bench.no_packs"
+
+
+class PackUnknown(NotFound):
+    """No pack of that name is there; list the folder to see their names."""
+
+    code = "bench.unknown_pack"
+
+
+class PackBad(BadInput):
+    """A pack's file cannot be read; see the format of target packs in docs/bench.md."""
+
+    code = "bench.pack_bad"
+
+
+@dataclass(frozen=True)
+class Pack:
+    """Name the files of one target.
+
+    Attributes:
+        name: The folder's name.
+        folder: Where it is.
+        category: What its author calls it; only for the table, a recovery never sees it.
+        garment: The target's surface.
+        body: The wearer's mesh, or None.
+        template: The base pattern, or None.
+        is_scan: True where the input is a fused scan of person and garment.
+    """
+
+    name: str
+    folder: Path
+    category: str
+    garment: Path
+    body: Path | None
+    template: Path | None
+    is_scan: bool
+
+
+def read_packs(folder: Path, only: tuple[str, ...] = ()) -> tuple[Pack, ...]:
+    """Find the packs in a folder, in the order of their names.
+
+    Args:
+        folder: Holds one folder per pack; or is itself a pack.
+        only: Names to keep; all where empty.
+
+    Raises:
+        PacksMissing: where no folder has a meta.json.
+        PackUnknown: where a name in `only` is not there.
+        PackBad: where a meta.json is no JSON object.
+    """
+    folders = [folder] if (folder / "meta.json").is_file() else sorted(p.parent for p in folder.glob("*/meta.json"))
+    if not folders:
+        raise PacksMissing(f"'{folder}' holds no folder with a meta.json; give the folder that holds the target packs.")
+    packs = tuple(_read_pack(path) for path in folders)
+    unknown = sorted(set(only) - {pack.name for pack in packs})
+    if unknown:
+        names = ", ".join(pack.name for pack in packs)
+        raise PackUnknown(f"no pack is named {', '.join(repr(name) for name in unknown)}; there are {names}.")
+    return tuple(pack for pack in packs if not only or pack.name in only)
+
+
+def read_true_mesh(pack: Pack) -> tuple[np.ndarray, np.ndarray]:
+    """Read the truth's surface as it is in the file: nothing merged, nothing repaired.
+
+    Returns:
+        Positions [m], shape [n, 3], and faces, shape [m, 3].
+
+    Raises:
+        PackBad: where the file is no triangle mesh.
+    """
+    import trimesh
+
+    try:
+        mesh: Any = trimesh.load(pack.garment, process=False)
+        vertices = np.array(mesh.vertices, dtype=np.float64)
+        faces = np.array(mesh.faces, dtype=np.int64)
+    except Exception as error:  # trimesh raises whatever its reader raised
+        raise PackBad(f"the truth '{pack.garment}' cannot be read as a triangle mesh.") from error
+    if not len(faces) or not np.isfinite(vertices).all():
+        raise PackBad(f"the truth '{pack.garment}' has no faces, or positions that are no numbers.")
+    return vertices, faces
+
+
+def read_true_pattern(pack: Pack) -> TruePattern | None:
+    """Read the truth's pattern, or None where the pack has none.
+
+    Raises:
+        PackBad: where pattern.json does not have the format of target packs.
+    """
+    path = pack.folder / "pattern.json"
+    if not path.is_file():
+        return None
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+        if data.get("unit", "m") != "m":
+            raise ValueError("unit")
+        panels = tuple(
+            TruePanel(
+                name,
+                np.asarray(panel["outline"], dtype=np.float64).reshape(-1, 2),
+                tuple(np.asarray(line, dtype=np.float64).reshape(-1, 2) for line in panel.get("edges") or ()),
+            )
+            for name, panel in data["panels"].items()
+        )
+        seams = tuple(TrueSeam(_side(seam["a"]), _side(seam["b"])) for seam in data.get("stitches") or ())
+    except (ValueError, KeyError, TypeError, AttributeError, OSError) as error:
+        raise PackBad(f"'{path}' is not a true pattern in metres; see docs/bench.md.") from error
+    return TruePattern(panels, seams)
+
+
+def _side(side: Any) -> tuple[str, int]:
+    return str(side[0]), int(side[1])
+
+
+def _read_pack(folder: Path) -> Pack:
+    try:
+        meta = json.loads((folder / "meta.json").read_text(encoding="utf-8"))
+        category = str(meta.get("category", ""))
+    except (ValueError, AttributeError, OSError) as error:
+        raise PackBad(f"'{folder / 'meta.json'}' is no JSON object; see docs/bench.md.") from error
+    body, template = folder / "body.ply", folder / "template.json"
+    return Pack(
+        name=folder.name,
+        folder=folder,
+        category=category,
+        garment=folder / "garment.ply",
+        body=body if body.is_file() else None,
+        template=template if template.is_file() else None,
+        is_scan=(folder / "scan.ply").is_file(),
+    )
