@@ -1,0 +1,121 @@
+"""Resistance to folding: the dihedral angle (thesis eq. 3.4), as the gradient of an energy."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from .topology import add_block
+
+
+@njit(cache=True)
+def bending(x, hinges, scale, rest, k, order, exact, slots, gradient, blocks):  # type: ignore[no-untyped-def]
+    """Add the hinges' gradient (order >= 1) and Hessian blocks (order 2) and give their energy [J].
+
+    E_h = 2 k c (1 - cos((theta - theta0) / 2)),  c = |e|^2 / (A1 + A2),  dE/dtheta = k c sin((theta - theta0) / 2).
+
+    Notation: `hinges` nodes (0, 1, 2, 3) with the edge from 0 to 1; `scale` c; `rest` theta0 [rad]; `k` [N m]; theta
+    the angle between both normals, pi - alpha of eq. 3.4; grad theta the u_i of eq. 3.4 (Bridson et al. 2003).
+    On a regular mesh a cylinder of curvature kappa costs k kappa^2 / 4 per area: the flexural rigidity is B = k / 2.
+
+    **Deviation**: eq. 3.4 is a force; it is used as the gradient of the energy above, which it is for theta0 = 0 and
+    rest lengths and areas in c, so that the Hessian is exact and symmetric. The PSD form keeps d2E grad grad^T.
+    """
+    energy = 0.0
+    e, p, q, n1, n2 = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
+    slope = np.zeros((4, 3))
+    curve = np.zeros((10, 3, 3))
+    for h in range(hinges.shape[0]):
+        i0, i1, i2, i3 = hinges[h, 0], hinges[h, 1], hinges[h, 2], hinges[h, 3]
+        for d in range(3):
+            e[d] = x[i1, d] - x[i0, d]
+            p[d] = x[i2, d] - x[i0, d]
+            q[d] = x[i3, d] - x[i0, d]
+        cross(e, p, n1)
+        cross(q, e, n2)
+        squared, m1, m2 = dot(e, e), dot(n1, n1), dot(n2, n2)
+        # a face squeezed to a needle (height under 1e-4 of its edge) has no direction to bend in
+        if m1 < 1e-8 * squared * squared or m2 < 1e-8 * squared * squared or squared == 0.0:
+            continue
+        length = math.sqrt(squared)
+        # (n1 x n2) . e / |e| = |e| (n1 . q) up to sign: n1 x n2 is parallel to e
+        sine = -length * dot(n1, q)
+        angle = math.atan2(sine, dot(n1, n2)) - rest[h]
+        stiffness = k * scale[h]
+        energy += 2.0 * stiffness * (1.0 - math.cos(0.5 * angle))
+        if order == 0:
+            continue
+        first = stiffness * math.sin(0.5 * angle)
+        second = 0.5 * stiffness * math.cos(0.5 * angle)
+        t1, t2 = dot(p, e) / squared, dot(q, e) / squared
+        for d in range(3):
+            slope[2, d] = -length * n1[d] / m1
+            slope[3, d] = -length * n2[d] / m2
+            slope[0, d] = -(1.0 - t1) * slope[2, d] - (1.0 - t2) * slope[3, d]
+            slope[1, d] = -t1 * slope[2, d] - t2 * slope[3, d]
+            for a in range(4):
+                gradient[hinges[h, a], d] += first * slope[a, d]
+        if order == 1:
+            continue
+        n = 0
+        if not exact:
+            second = abs(second)
+        for a in range(4):
+            for b in range(a, 4):
+                for d in range(3):
+                    for f in range(3):
+                        curve[n, d, f] = second * slope[a, d] * slope[b, f]
+                n += 1
+        if exact:
+            _curve_triangle(e, p, n1, 1.0, squared, length, m1, t1, slope[2], first, 2, 5, 7, curve)
+            _curve_triangle(e, q, n2, -1.0, squared, length, m2, t2, slope[3], first, 3, 6, 9, curve)
+        for n in range(10):
+            add_block(blocks, slots[h, n], curve[n])
+    return energy
+
+
+@njit(cache=True)
+def _curve_triangle(e, p, n, sign, squared, length, m, t, apex, first, to0, to1, own, curve):  # type: ignore[no-untyped-def]
+    """Add `first` times one triangle's share of the Hessian of theta.
+
+    The apex gradient G = -|e| n / m, n = sign e x p, m = n.n, depends on this triangle alone; the edge's ends carry
+    -t G and -(1 - t) G with t = p.e / |e|^2. `to0`, `to1`, `own`: slots of blocks (0, apex), (1, apex), (apex, apex).
+    """
+    for d in range(3):
+        for f in range(3):
+            # entry (d, f) of the cross-product matrices [e]x and [p]x, and of n x e and n x p
+            g, s = 3 - d - f, 0.0
+            if d != f:
+                s = 1.0 if (f - d) % 3 == 2 else -1.0
+                ex, px = s * e[g], s * p[g]
+            else:
+                ex, px = 0.0, 0.0
+            f1, f2 = (f + 1) % 3, (f + 2) % 3
+            nxe = n[f1] * e[f2] - n[f2] * e[f1]
+            nxp = n[f1] * p[f2] - n[f2] * p[f1]
+            by_p = -length * sign * (ex - 2.0 * n[d] * nxe / m) / m
+            by_e = -n[d] * e[f] / (length * m) + length * sign * (px - 2.0 * n[d] * nxp / m) / m
+            t_p = e[f] / squared
+            t_e = (p[f] - 2.0 * t * e[f]) / squared
+            curve[own, d, f] += first * by_p
+            curve[to1, f, d] += first * by_e
+            curve[to0, f, d] -= first * (by_p + by_e)
+            curve[4, d, f] += first * (-t * by_e - apex[d] * t_e)
+            curve[1, d, f] += first * (-(1.0 - t) * by_e + apex[d] * t_e)
+            curve[0, d, f] += first * ((1.0 - t) * (by_p + by_e) - apex[d] * (t_p + t_e))
+
+
+@njit(cache=True, inline="always")
+def cross(a, b, out):  # type: ignore[no-untyped-def]
+    """Write a x b to `out`."""
+    out[0] = a[1] * b[2] - a[2] * b[1]
+    out[1] = a[2] * b[0] - a[0] * b[2]
+    out[2] = a[0] * b[1] - a[1] * b[0]
+
+
+@njit(cache=True, inline="always")
+def dot(a, b):  # type: ignore[no-untyped-def]
+    """Give a . b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -1,0 +1,155 @@
+"""The whole energy of a cloth: membrane, bending, weight, contact, friction, springs and inertia."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..body import DistanceGrid
+from .bending import bending
+from .contact import contact
+from .fabric import Fabric
+from .friction import Friction, friction
+from .hold import Hold
+from .membrane import membrane
+from .settings import GRAVITY, SimulateSettings
+from .topology import Topology
+
+_NO_BLOCKS = np.zeros((0, 3, 3))
+
+
+@dataclass(frozen=True)
+class Inertia:
+    """Tie nodes to where they would fly: E = weight / 2 sum_v m_v |x_v - target_v|^2.
+
+    Attributes:
+        target: Positions [m], shape [node_count, 3].
+        weight: 1 / dt^2 [1/s2].
+    """
+
+    target: np.ndarray
+    weight: float
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Give the energy [J] of a cloth in its surroundings, its gradient [N] and its Hessian [N/m].
+
+    Attributes:
+        topology: The mesh.
+        fabric: What it is made of.
+        grid: Signed distance to the body, or None.
+        hold: Held nodes, or None.
+        gravity: Acceleration [m/s2], shape [3].
+        settings: Contact parameters.
+        friction: Lagged friction, or None.
+        inertia: For an implicit time step, or None.
+    """
+
+    topology: Topology
+    fabric: Fabric
+    grid: DistanceGrid | None = None
+    hold: Hold | None = None
+    gravity: tuple[float, float, float] = GRAVITY
+    settings: SimulateSettings = SimulateSettings()
+    friction: Friction | None = None
+    inertia: Inertia | None = None
+
+    @property
+    def masses(self) -> np.ndarray:
+        """Give the lumped mass of each node [kg], shape [node_count]."""
+        return self.fabric.density * self.topology.node_areas
+
+    @property
+    def fixed(self) -> np.ndarray:
+        """Tell which nodes are fixed, shape [node_count]."""
+        fixed = np.zeros(self.topology.node_count, dtype=bool)
+        if self.hold is not None and self.hold.stiffness is None:
+            fixed[self.hold.nodes] = True
+        return fixed
+
+    def value(self, nodes: np.ndarray) -> float:
+        """Give the energy [J] at nodes [m], shape [node_count, 3]."""
+        return self._evaluate(nodes, 0, False)[0]
+
+    def gradient(self, nodes: np.ndarray) -> tuple[float, np.ndarray]:
+        """Give energy and gradient [N], shape [node_count, 3]; fixed nodes' rows are zero."""
+        energy, gradient, _ = self._evaluate(nodes, 1, False)
+        gradient[self.fixed] = 0.0
+        return energy, gradient
+
+    def hessian(self, nodes: np.ndarray, exact: bool = True) -> tuple[float, np.ndarray, np.ndarray]:
+        """Give energy, gradient and the 3x3 Hessian blocks (upper half, for `Topology.assemble`).
+
+        `exact` False gives a positive semi-definite approximation: for states far from equilibrium.
+        """
+        energy, gradient, blocks = self._evaluate(nodes, 2, exact)
+        gradient[self.fixed] = 0.0
+        return energy, gradient, blocks
+
+    def touch(self, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Give the contact force [N], shape [node_count], and its unit direction, shape [node_count, 3]."""
+        count = self.topology.node_count
+        force, normal, waste = np.zeros(count), np.zeros((count, 3)), np.zeros((count, 3))
+        if self.grid is not None:
+            self._contact(nodes, 1, False, waste, _NO_BLOCKS, force, normal)
+        return force, normal
+
+    def _contact(self, nodes, order, exact, gradient, blocks, force, normal) -> float:  # type: ignore[no-untyped-def]
+        grid, settings, topology = self.grid, self.settings, self.topology
+        assert grid is not None
+        return float(
+            contact(
+                nodes, grid.coefficients, grid.origin, grid.spacing, grid.offset, topology.node_areas,
+                settings.contact_stiffness, settings.thickness, order, exact, topology.diagonal, gradient, blocks,
+                force, normal,
+            )  # fmt: skip
+        )
+
+    def _evaluate(self, nodes: np.ndarray, order: int, exact: bool) -> tuple[float, np.ndarray, np.ndarray]:
+        topology, fabric = self.topology, self.fabric
+        nodes = np.ascontiguousarray(nodes, dtype=np.float64)
+        gradient = np.zeros_like(nodes)
+        blocks = np.zeros((len(topology.block_rows), 3, 3)) if order == 2 else _NO_BLOCKS
+        stiffness = np.array([fabric.H00, fabric.H01, fabric.H11, fabric.H22])
+        energy = membrane(
+            nodes, topology.faces, topology.shape_gradients, topology.areas, stiffness, order, exact,
+            topology.face_slots, gradient, blocks,
+        )  # fmt: skip
+        energy += bending(
+            nodes, topology.hinges, topology.hinge_scale, topology.hinge_rest, fabric.k, order, exact,
+            topology.hinge_slots, gradient, blocks,
+        )  # fmt: skip
+        if self.grid is not None:
+            waste = np.zeros_like(nodes)
+            energy += self._contact(nodes, order, exact, gradient, blocks, np.zeros(len(nodes)), waste)
+        if self.friction is not None:
+            f = self.friction
+            energy += friction(
+                nodes, f.anchors, f.normals, f.limits, f.slip, order, topology.diagonal, gradient, blocks
+            )
+        energy += self._add_loads(nodes, order, gradient, blocks)
+        return float(energy), gradient, blocks
+
+    def _add_loads(self, nodes: np.ndarray, order: int, gradient: np.ndarray, blocks: np.ndarray) -> float:
+        """Add weight, inertia and springs, which are linear or quadratic."""
+        masses, gravity = self.masses, np.asarray(self.gravity, dtype=np.float64)
+        energy = -float(masses @ (nodes @ gravity))
+        gradient -= masses[:, None] * gravity
+        diagonal = self.topology.diagonal
+        if self.inertia is not None:
+            stiffness = (self.inertia.weight * masses)[:, None]
+            away = nodes - self.inertia.target
+            energy += 0.5 * float((stiffness * away**2).sum())
+            gradient += stiffness * away
+            if order == 2:
+                blocks[diagonal] += stiffness[:, :, None] * np.eye(3)
+        if self.hold is not None and self.hold.stiffness is not None:
+            held, weights = self.hold.nodes, self.hold.stiffness * np.array(self.hold.directions)
+            away = nodes[held] - self.hold.points
+            energy += 0.5 * float((weights * away**2).sum())
+            np.add.at(gradient, held, weights * away)
+            if order == 2:
+                np.add.at(blocks, diagonal[held], np.diag(weights))
+        return energy

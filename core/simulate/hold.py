@@ -1,0 +1,63 @@
+"""Nodes that something other than the cloth holds: a waistband, a pin, a clamp."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import BadInput
+from ..pattern import Garment
+
+
+class HoldBad(BadInput):
+    """The nodes to hold are not on the cloth; name one of the garment's contours."""
+
+    code = "simulate.hold_bad"
+
+
+@dataclass(frozen=True)
+class Hold:
+    """Hold nodes at points: fixed where `stiffness` is None, else by springs (numerics 6).
+
+    Attributes:
+        nodes: Held nodes, shape [held_count].
+        points: Where they are held [m], shape [held_count, 3].
+        stiffness: Spring stiffness of each node [N/m], or None to fix them.
+        directions: Weight of the spring along x, y and z; (0, 1, 0) holds the height only, as a waistband's friction.
+    """
+
+    nodes: np.ndarray
+    points: np.ndarray
+    stiffness: float | None = None
+    directions: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+    def __post_init__(self) -> None:
+        """Check the shapes.
+
+        Raises:
+            HoldBad: where nodes and points do not match, or a fixed node has free directions.
+        """
+        if np.shape(self.points) != (len(self.nodes), 3) or not np.isfinite(self.points).all():
+            raise HoldBad("a hold needs one finite point for each node.")
+        if self.stiffness is None and self.directions != (1.0, 1.0, 1.0):
+            raise HoldBad("a hold along some directions only needs a stiffness.")
+
+    @classmethod
+    def of_contour(
+        cls,
+        garment: Garment,
+        name: str,
+        stiffness: float | None = None,
+        directions: tuple[float, float, float] = (1.0, 1.0, 1.0),
+    ) -> Hold:
+        """Hold a named contour of a garment where it stands.
+
+        Raises:
+            HoldBad: where the garment has no contour of that name.
+        """
+        contour = garment.contour(name)
+        if contour is None:
+            known = ", ".join(c.name for c in garment.contours) or "none"
+            raise HoldBad(f"the garment has no contour '{name}'; it has: {known}.")
+        return cls(contour.vertices, garment.nodes[contour.vertices], stiffness, directions)
