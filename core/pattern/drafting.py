@@ -10,10 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from scipy.optimize import root
 
+from .garmentcode import save_pattern
 from .outline import Outline, Point, Stroke, length, mirror, place_panel, sew_by_label, smooth, unfold
 from .pattern import Panel, Pattern
 
@@ -291,3 +293,13 @@ DRAFTS: dict[str, Callable[[], Pattern]] = {
     "skirt": draft_skirt,
 }
 """The draft of each template by name."""
+
+
+def write_library(folder: Path) -> None:
+    """Draft every template and write its pattern file: `python -m garmentq.core.pattern.drafting`."""
+    for name, draft in DRAFTS.items():
+        save_pattern(draft(), folder / f"{name}.json")
+
+
+if __name__ == "__main__":
+    write_library(Path(__file__).parent / "library")

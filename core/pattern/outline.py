@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
+from .curves import relative_to_chord, unit_length
 from .pattern import Edge, EdgeRef, Panel, Pattern, Seam
 
 PLACEMENT_DEPTH = 0.25
@@ -115,42 +117,27 @@ def place_panel(
     """
     behind = "back" in name
     drawn = mirror(outline, swap=False) if behind else outline
-    points = np.array([drawn.start, *(s.end for s in drawn.strokes[:-1])])
-    edges, notches = [], []
-    for i, stroke in enumerate(drawn.strokes):
-        ends = points[[i, (i + 1) % len(points)]]
-        kind = "cubic" if stroke.handles else "line"
-        edges.append(Edge(kind, _relative(ends, stroke.handles), stroke.label, stroke.contour))
-        if stroke.notch is not None:
-            notches.append((i, stroke.notch))
+    starts = [drawn.start, *(s.end for s in drawn.strokes[:-1])]
+    edges = tuple(_edge(start, stroke) for start, stroke in zip(starts, drawn.strokes, strict=True))
+    notches = tuple((i, s.notch) for i, s in enumerate(drawn.strokes) if s.notch is not None)
     turn = np.diag([-1.0, 1.0, -1.0]) if behind else np.eye(3)
     place = np.array([across, height, -PLACEMENT_DEPTH if behind else PLACEMENT_DEPTH])
-    return Panel(name, points, tuple(edges), turn, place, grain, label, notches=tuple(notches))
+    return Panel(name, np.array(starts), edges, turn, place, grain, label, notches=notches)
 
 
-def _relative(ends: np.ndarray, handles: tuple[Point, ...]) -> np.ndarray:
-    """Give handles along and across the chord, in chords (thesis eq. 3.1), shape [handle_count, 2]."""
-    if not handles:
-        return np.zeros((0, 2))
-    chord = ends[1] - ends[0]
-    across = np.array([-chord[1], chord[0]])
-    off = np.array(handles) - ends[0]
-    return np.stack([off @ chord, off @ across], axis=1) / (chord @ chord)
+def _edge(start: Point, stroke: Stroke) -> Edge:
+    if not stroke.handles:
+        return Edge("line", label=stroke.label, contour=stroke.contour)
+    handles = relative_to_chord(np.array(stroke.handles), np.array(start), np.array(stroke.end))
+    return Edge("cubic", handles, stroke.label, stroke.contour)
 
 
 def length(outline: Outline, label: str) -> float:
-    """Measure the length of the strokes whose label begins so, by 200 chords each (1e-6 of the length) [m]."""
+    """Measure the length of the strokes whose label begins so [m]."""
     total, here = 0.0, outline.start
-    t = np.linspace(0.0, 1.0, 201)[:, None]
     for stroke in outline.strokes:
         if stroke.label.startswith(label):
-            a, b = np.array(here), np.array(stroke.end)
-            if stroke.handles:
-                h, k = (np.array(p) for p in stroke.handles)
-                line = (1 - t) ** 3 * a + 3 * t * (1 - t) ** 2 * h + 3 * t**2 * (1 - t) * k + t**3 * b
-            else:
-                line = a + t * (b - a)
-            total += float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
+            total += math.dist(here, stroke.end) * unit_length(_edge(here, stroke))
         here = stroke.end
     return total
 

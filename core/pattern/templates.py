@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from ..errors import NotFound
-from .drafting import DRAFTS
+from .garmentcode import load_pattern
 from .pattern import Pattern
 
 
@@ -40,6 +41,10 @@ TEMPLATES = (
 """Every shipped template."""
 
 
+LIBRARY = Path(__file__).parent / "library"
+"""Where the pattern files are; `drafting.write_library` makes them."""
+
+
 def list_templates() -> tuple[TemplateInfo, ...]:
     """List the shipped templates."""
     return TEMPLATES
@@ -51,7 +56,7 @@ def load_template(name: str) -> Pattern:
     Raises:
         TemplateUnknown: where there is none of that name; the message lists those there are.
     """
-    if name not in DRAFTS:
+    if name not in (info.name for info in TEMPLATES):
         known = ", ".join(info.name for info in TEMPLATES)
         raise TemplateUnknown(f"template '{name}' is not one of {known}; `garmentq templates list` shows them.")
-    return DRAFTS[name]()
+    return load_pattern(LIBRARY / f"{name}.json")
