@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -109,3 +110,28 @@ class Pattern:
             if panel.name == name:
                 return panel
         raise KeyError(name)
+
+    @property
+    def points(self) -> np.ndarray:
+        """Give all control points [m], panel after panel, shape [point_count, 2]."""
+        return np.concatenate([panel.points for panel in self.panels])
+
+    @property
+    def point_starts(self) -> np.ndarray:
+        """Give the index in `points` of each panel's first control point, and the total, shape [panel_count + 1]."""
+        return np.cumsum([0] + [len(panel.points) for panel in self.panels])
+
+    def with_points(self, points: np.ndarray | Mapping[str, np.ndarray]) -> Pattern:
+        """Move control points; curves follow their chords.
+
+        Args:
+            points: All control points [m], shape [point_count, 2] as in `points`, or those of some panels by name.
+        """
+        if isinstance(points, Mapping):
+            moved = [np.asarray(points.get(panel.name, panel.points), float) for panel in self.panels]
+        else:
+            moved = np.split(np.asarray(points, float), self.point_starts[1:-1])
+        if any(new.shape != panel.points.shape for new, panel in zip(moved, self.panels, strict=True)):
+            raise ValueError("points have another shape than the pattern's control points")
+        pairs = zip(self.panels, moved, strict=True)
+        return replace(self, panels=tuple(replace(panel, points=new) for panel, new in pairs))

@@ -1,0 +1,57 @@
+"""Typed values out of untrusted JSON: each refusal says where."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from .errors import PatternValueBad
+
+
+def get_object(value: Any, where: str) -> dict[str, Any]:
+    """Give a JSON object or refuse it."""
+    if not isinstance(value, dict):
+        raise PatternValueBad(f"{where} must be an object.")
+    return value
+
+
+def get_list(value: Any, where: str) -> list[Any]:
+    """Give a JSON list or refuse it."""
+    if not isinstance(value, list):
+        raise PatternValueBad(f"{where} must be a list.")
+    return value
+
+
+def get_text(value: Any, where: str) -> str:
+    """Give a text of at most 200 characters or refuse it."""
+    if not isinstance(value, str) or len(value) > 200:
+        raise PatternValueBad(f"{where} must be a text of at most 200 characters.")
+    return value
+
+
+def get_number(value: Any, where: str, low: float, high: float) -> float:
+    """Give a finite number within [low, high] or refuse it; booleans count as 0 and 1."""
+    if not isinstance(value, int | float):
+        raise PatternValueBad(f"{where} must be a number.")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not low <= number <= high:
+        raise PatternValueBad(f"{where} is out of range ({low:g} to {high:g}).")
+    return number
+
+
+def get_vector(value: Any, size: int, where: str, bound: float) -> list[float]:
+    """Give `size` numbers, none larger than the bound, or refuse them."""
+    items = get_list(value, where)
+    if len(items) != size:
+        raise PatternValueBad(f"{where} must have {size} numbers.")
+    return [get_number(item, where, -bound, bound) for item in items]
+
+
+def get_index(value: Any, count: int, where: str) -> int:
+    """Give an index below count or refuse it."""
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < count:
+        raise PatternValueBad(f"{where} must be a whole number from 0 to {count - 1}.")
+    return value
