@@ -1,0 +1,146 @@
+"""Deform a graded drape onto a target: repair, Jacobian stage, polish, clearance from the body."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..body import Body
+from ..hooks import SILENT, Hooks
+from ..measure import self_intersections
+from ..pattern import Garment
+from ..segment import Target
+from .body_distance import BodyDistance, body_depth
+from .clearance import clear_body
+from .deformation import Deformation
+from .jacobian_stage import optimise_jacobians
+from .objective import Objective
+from .operators import face_vectors, gradient_operator, unit
+from .polish import polish_nodes
+from .rest_metric import RestMetric
+from .settings import DeformSettings
+from .target_repair import PreparedTarget, prepare_target
+
+DEFAULT = DeformSettings()
+"""The setting that is used where none is given."""
+
+DEEP = 1e-3
+"""Depth in the body above which the user is warned [m]; the pipeline's hard limit."""
+
+
+def deform(
+    garment: Garment,
+    target: Target,
+    body: Body,
+    *,
+    settings: DeformSettings = DEFAULT,
+    hooks: Hooks = SILENT,
+) -> Deformation:
+    """Deform a garment's graded drape onto the target's surface.
+
+    Thesis chapter 4 with the changes that each module's **Deviation** explains. The result keeps the garment's faces,
+    so that its pattern stays its uv map.
+
+    Args:
+        garment: The graded drape; its contours are matched with the target's by name.
+        target: The surface to be reached.
+        body: The wearer; the result lies outside its exact mesh.
+        settings: Weights and steps.
+        hooks: Progress under the name `deform`, and cancellation at every step.
+
+    Raises:
+        Cancelled: as soon as the hooks say so.
+    """
+    hooks.progress("deform", 0.0, "repair of the target")
+    nodes = np.ascontiguousarray(garment.nodes, dtype=np.float64)
+    faces = np.ascontiguousarray(garment.faces, dtype=np.int64)
+    gradient, areas = gradient_operator(garment.rest, faces, len(nodes))
+    goal = prepare_target(target, nodes, faces, garment.contours, settings.repair)
+    distance = BodyDistance(body.vertices, body.faces)
+    metric = RestMetric(faces, garment.panel_of_face, areas, settings.metric_scale)
+    inverse = inverse_rest(garment.rest)
+    objective = Objective(nodes, faces, inverse, areas, goal, distance, settings)
+    hooks.progress("deform", 0.1, "Jacobians")
+    stage = optimise_jacobians(nodes, gradient, areas, objective, metric, settings, hooks)
+    x, polished = stage.nodes, False
+    if settings.polish_iterations > 0:
+        finer = polish_nodes(x, faces, gradient, areas, metric, goal, distance, settings, hooks)
+        polished = is_better(finer, x, faces, goal)
+        x = finer if polished else x
+    hooks.progress("deform", 0.9, "clearance")
+    if settings.clear_body:
+        laplacian = (gradient.T @ sp.diags(np.repeat(areas, 2)) @ gradient).tocsr()
+        x = clear_body(x, faces, laplacian, distance, settings.body_margin)
+    flips = (flipped_faces(nodes, faces, goal), flipped_faces(x, faces, goal))
+    crossings = (len(self_intersections(nodes, faces)), len(self_intersections(x, faces)))
+    depth = body_depth(x, faces, distance)
+    hooks.progress("deform", 1.0, "done")
+    return Deformation(
+        nodes=x,
+        iterations=stage.iterations,
+        losses=stage.losses,
+        polished=polished,
+        matched=tuple(c.name for c, _ in goal.pairs),
+        normals_reversed=goal.reversed,
+        normals_unsigned=goal.unsigned,
+        spikes=goal.spikes,
+        flipped_faces=flips,
+        self_intersecting_faces=crossings,
+        body_depth=depth,
+        warnings=_warnings(garment, target, goal, flips, crossings, depth),
+    )
+
+
+def inverse_rest(rest: np.ndarray) -> np.ndarray:
+    """Give the inverse edge matrices of flat triangles [1/m], shape [face_count, 2, 2], columns edges 0-1 and 0-2."""
+    edges = np.stack([rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0]], axis=2)
+    identity = np.array([[1.0, 0.0], [0.0, 1.0]])
+    # a degenerate triangle (aspect beyond 1e6) takes no part in the strain: its area is zero, its inverse arbitrary
+    flat = np.abs(np.linalg.det(edges)) < 1e-6 * (edges**2).sum((1, 2)) + 1e-16
+    return np.asarray(np.linalg.inv(np.where(flat[:, None, None], identity, edges)))
+
+
+def flipped_faces(nodes: np.ndarray, faces: np.ndarray, target: PreparedTarget) -> int:
+    """Count faces whose normal points against the target's at the point closest to their centre."""
+    found = target.surface.closest(nodes[faces].mean(axis=1))
+    cosine = (unit(face_vectors(nodes, faces)) * found.of(target.normals, target.surface.faces)).sum(1)
+    return 0 if target.unsigned else int((cosine < 0).sum())
+
+
+def is_better(finer: np.ndarray, before: np.ndarray, faces: np.ndarray, target: PreparedTarget) -> bool:
+    """Accept the polish only if it is finite and neither flips nor self-intersections have grown."""
+    if not np.isfinite(finer).all():
+        return False
+    if flipped_faces(finer, faces, target) > flipped_faces(before, faces, target):
+        return False
+    return len(self_intersections(finer, faces)) <= len(self_intersections(before, faces))
+
+
+def _warnings(
+    garment: Garment,
+    target: Target,
+    goal: PreparedTarget,
+    flips: tuple[int, int],
+    crossings: tuple[int, int],
+    depth: float,
+) -> tuple[str, ...]:
+    """Say what the user should know, one sentence each."""
+    said = []
+    matched = {c.name for c, _ in goal.pairs}
+    for name in sorted({c.name for c in garment.contours} - matched):
+        said.append(f"The contour '{name}' has no trusted counterpart on the scan; that border was left free.")
+    for name in sorted({c.name for c in target.contours} - {c.name for c in garment.contours}):
+        said.append(f"The scan's contour '{name}' has no counterpart on the garment.")
+    if goal.reversed:
+        said.append("The scan's normals pointed inwards and were turned.")
+    if goal.unsigned:
+        said.append("The scan's normals disagree in sign; only their axes were used.")
+    if goal.spikes:
+        said.append(f"{goal.spikes} outlying points of the scan were moved onto their neighbours.")
+    if flips[1] > flips[0]:
+        said.append(f"{flips[1]} faces point against the scan's surface.")
+    if crossings[1] > crossings[0]:
+        said.append(f"{crossings[1]} faces of the detail mesh intersect others ({crossings[0]} in the graded drape).")
+    if depth > DEEP:
+        said.append(f"The detail mesh reaches {depth * 1e3:.1f} mm into the body; check the body's fit to the scan.")
+    return tuple(said)

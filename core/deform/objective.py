@@ -1,0 +1,178 @@
+"""The loss of the deformation (thesis eq. 4.2 to 4.7) as a torch function of the node positions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from scipy.spatial import cKDTree
+from torch.nn.functional import normalize
+
+from .body_distance import BodyDistance
+from .contour_match import ContourMatch, CurveRows
+from .operators import hinges, vertex_areas
+from .rest_metric import RestMetric
+from .settings import DeformSettings
+from .surface import Surface, SurfacePoints
+from .target_repair import PreparedTarget
+
+BODY_REACH = 0.02
+"""Distance to the body within which a node takes part in the body term [m]: more than it moves between two updates."""
+
+BODY_EVERY = 10
+"""Iterations between two exact distances to the body; in between it is a plane at each node's closest point."""
+
+
+@dataclass
+class Matches:
+    """Hold the correspondences of one iteration; everything in it is constant for the derivative."""
+
+    to_target: SurfacePoints
+    to_source: SurfacePoints
+    source_share: np.ndarray
+    contours: CurveRows | None
+
+
+class Objective:
+    """Weigh a garment's nodes against the target, the body and the garment's own rest shape."""
+
+    def __init__(
+        self,
+        nodes: np.ndarray,
+        faces: np.ndarray,
+        inverse_rest: np.ndarray,
+        areas: np.ndarray,
+        target: PreparedTarget,
+        body: BodyDistance,
+        settings: DeformSettings,
+    ) -> None:
+        self._settings = settings
+        self._target = target
+        self._body = body
+        self._array_faces = np.ascontiguousarray(faces, dtype=np.int64)
+        self._faces = torch.from_numpy(self._array_faces)
+        self._inverse = torch.from_numpy(inverse_rest)
+        self._areas = torch.from_numpy(areas)
+        self._hinges = torch.from_numpy(hinges(faces))
+        share = vertex_areas(nodes, faces)
+        self._share = share / share.sum()
+        self._goal = torch.from_numpy(target.surface.vertices)
+        self._goal_normals = torch.from_numpy(np.ascontiguousarray(target.normals))
+        self._goal_share = torch.from_numpy(target.shares)
+        self._curves = ContourMatch(target.pairs, nodes, target.surface.vertices)
+        self._near: tuple[torch.Tensor, torch.Tensor, torch.Tensor] | None = None
+        self._body_age = 0
+
+    def match(self, nodes: np.ndarray) -> Matches:
+        """Find the correspondences of the current nodes [m], shape [node_count, 3]."""
+        target = self._target
+        if self._settings.distance == "vertices":
+            to_target = _nearest_vertices(nodes, target.surface.vertices, target.surface.faces)
+            to_source = _nearest_vertices(target.surface.vertices, nodes, self._array_faces)
+            return Matches(to_target, to_source, self._share, self._curves.rows(nodes))
+        to_target = target.surface.closest(nodes)
+        to_source = Surface(nodes, self._array_faces).closest(target.surface.vertices)
+        share = np.where(target.on_rim(to_target), 0.0, self._share)
+        return Matches(to_target, to_source, share, self._curves.rows(nodes))
+
+    def terms(self, x: torch.Tensor, matches: Matches, stretch: RestMetric, strain: bool) -> dict[str, torch.Tensor]:
+        """Evaluate every weighted term at the nodes x [m], shape [node_count, 3]."""
+        settings = self._settings
+        corner = x[self._faces]
+        first, second = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+        normal = torch.linalg.cross(first, second)
+        terms = self._data(x, normal, matches)
+        if matches.contours is not None and settings.contour > 0:
+            terms["contour"] = settings.contour * self._contour(x, matches.contours)
+        if settings.bending > 0:
+            terms["bending"] = settings.bending * self._bending(x, normal)
+        if strain and settings.strain > 0:
+            terms["strain"] = settings.strain * self._strain(first, second, stretch)
+        if settings.body > 0:
+            self._watch_body(x)
+            if self._near is not None:
+                terms["body"] = settings.body * self._collision(x)
+        return terms
+
+    def _data(self, x: torch.Tensor, normal: torch.Tensor, matches: Matches) -> dict[str, torch.Tensor]:
+        """Distances both ways (eq. 3.8 or to the surface) and the cosine distance of normals (eq. 4.3)."""
+        faces = self._target.surface.faces
+        foot = torch.from_numpy(matches.to_target.of(self._target.surface.vertices, faces))
+        foot_normal = normalize(torch.from_numpy(matches.to_target.of(self._target.normals, faces)), dim=1, eps=1e-12)
+        index = self._faces[torch.from_numpy(matches.to_source.face)]
+        weights = torch.from_numpy(matches.to_source.weights)[..., None]
+        vertex_normal = torch.zeros_like(x).index_add(0, self._faces.reshape(-1), normal.repeat_interleave(3, 0))
+        vertex_normal = normalize(vertex_normal, dim=1, eps=1e-12)
+        cover = (x[index] * weights).sum(1)
+        cover_normal = normalize((vertex_normal[index] * weights).sum(1), dim=1, eps=1e-12)
+        share = torch.from_numpy(matches.source_share)
+        ahead = ((x - foot) ** 2).sum(1)
+        back = ((cover - self._goal) ** 2).sum(1)
+        cosine = (vertex_normal * foot_normal).sum(1)
+        cosine_back = (cover_normal * self._goal_normals).sum(1)
+        if self._target.unsigned:
+            cosine, cosine_back = cosine.abs(), cosine_back.abs()
+        turned = (share * (1 - cosine)).sum() + (self._goal_share * (1 - cosine_back)).sum()
+        if self._settings.reduction == "sum":
+            distance = ahead.sum() + back.sum()
+        else:
+            distance = (share * ahead).sum() + (self._goal_share * back).sum()
+        return {"distance": distance, "normal": self._settings.normal * turned}
+
+    def _contour(self, x: torch.Tensor, rows: CurveRows) -> torch.Tensor:
+        """Mean squared distance between matched contours, both directions (second term of eq. 4.2)."""
+        along = torch.from_numpy(rows.along)[:, None]
+        points = x[torch.from_numpy(rows.first)] * (1 - along) + x[torch.from_numpy(rows.second)] * along
+        squared = ((points - torch.from_numpy(rows.goal)) ** 2).sum(1)
+        if self._settings.reduction == "sum":
+            return squared.sum()
+        return (squared * torch.from_numpy(rows.share)).sum()
+
+    def _bending(self, x: torch.Tensor, normal: torch.Tensor) -> torch.Tensor:
+        """Sum of k / 2 alpha^2 over inner edges (eq. 4.4), alpha the angle between the two faces' normals."""
+        unit = normalize(normal, dim=1, eps=1e-12)
+        one, other = unit[self._hinges[:, 2]], unit[self._hinges[:, 3]]
+        axis = normalize(x[self._hinges[:, 1]] - x[self._hinges[:, 0]], dim=1, eps=1e-12)
+        angle = torch.atan2((torch.linalg.cross(one, other) * axis).sum(1), (one * other).sum(1))
+        return 0.5 * self._settings.bending_stiffness * (angle**2).sum()
+
+    def _strain(self, first: torch.Tensor, second: torch.Tensor, metric: RestMetric) -> torch.Tensor:
+        """Sum of A (lambda / 2 tr(E)^2 + mu tr(E^2)) (eq. 4.5), E the Green strain against the rest stretch."""
+        undo = torch.from_numpy(np.linalg.inv(metric.stretch))
+        gradient = torch.stack([first, second], 2) @ self._inverse @ undo
+        green = 0.5 * (gradient.transpose(1, 2) @ gradient - torch.eye(2, dtype=gradient.dtype))
+        trace = green[:, 0, 0] + green[:, 1, 1]
+        settings = self._settings
+        density = 0.5 * settings.lame_lambda * trace**2 + settings.lame_mu * (green**2).sum((1, 2))
+        return (density * self._areas).sum()
+
+    def _watch_body(self, x: torch.Tensor) -> None:
+        """Renew the planes of the body at the nodes near it, every `BODY_EVERY` calls."""
+        if self._body_age == 0:
+            distance, out, foot = self._body(x.detach().numpy())
+            near = np.flatnonzero(distance < BODY_REACH)
+            self._near = None
+            if len(near):
+                height = (out[near] * foot[near]).sum(1)
+                self._near = (torch.from_numpy(near), torch.from_numpy(out[near]), torch.from_numpy(height))
+        self._body_age = (self._body_age + 1) % BODY_EVERY
+
+    def _collision(self, x: torch.Tensor) -> torch.Tensor:
+        """Cubes of what is missing to the margin (eq. 4.6), mean over the area, or sum over nodes."""
+        assert self._near is not None
+        near, out, height = self._near
+        missing = torch.relu(self._settings.body_margin + height - (x[near] * out).sum(1)) ** 3
+        if self._settings.reduction == "sum":
+            return missing.sum()
+        return (missing * torch.from_numpy(self._share)[near]).sum()
+
+
+def _nearest_vertices(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> SurfacePoints:
+    """Express each point's nearest vertex as a point of one of its faces."""
+    _, nearest = cKDTree(vertices).query(points)
+    face_of = np.zeros(len(vertices), dtype=np.int64)
+    face_of[faces] = np.arange(len(faces))[:, None]
+    face = face_of[nearest]
+    weights = (faces[face] == nearest[:, None]).astype(np.float64)
+    return SurfacePoints(face, weights)

@@ -1,0 +1,100 @@
+"""Faces of a mesh that pass through another face of it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+
+def self_intersections(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Find the faces that intersect a face with which they share no vertex.
+
+    Boxes are swept along the mesh's longest axis; two triangles intersect when an edge of one passes through the inside
+    of the other. Coplanar overlaps and mere touching do not count.
+
+    Args:
+        vertices: Positions [m], shape [vertex_count, 3].
+        faces: Vertex indices, shape [face_count, 3].
+
+    Returns:
+        Indices of the faces in at least one intersecting pair, ascending.
+    """
+    pairs = intersecting_pairs(vertices, faces)
+    return np.unique(pairs)
+
+
+def intersecting_pairs(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """List the intersecting pairs of faces that share no vertex, shape [pair_count, 2]."""
+    if len(faces) == 0:
+        return np.zeros((0, 2), dtype=np.int64)
+    corners = np.ascontiguousarray(np.asarray(vertices, dtype=np.float64)[faces])
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    axis = int(np.argmax(high.max(axis=0) - low.min(axis=0)))
+    order = np.argsort(low[:, axis], kind="stable").astype(np.int64)
+    found = _sweep(corners, np.ascontiguousarray(faces, dtype=np.int64), low, high, order, axis)
+    return np.asarray(found)
+
+
+@njit(cache=True)
+def _sweep(corners, faces, low, high, order, axis):  # pragma: no cover - compiled
+    """Test every pair of overlapping boxes; boxes come in ascending order of their lower end along the axis."""
+    pairs = np.zeros((64, 2), np.int64)
+    count = 0
+    for a in range(order.shape[0]):
+        i = order[a]
+        for b in range(a + 1, order.shape[0]):
+            j = order[b]
+            if low[j, axis] > high[i, axis]:
+                break
+            apart = False
+            for k in range(3):
+                if low[j, k] > high[i, k] or low[i, k] > high[j, k]:
+                    apart = True
+            if apart or _adjacent(faces[i], faces[j]):
+                continue
+            if _crosses(corners[i], corners[j]) or _crosses(corners[j], corners[i]):
+                if count == pairs.shape[0]:
+                    larger = np.zeros((2 * count, 2), np.int64)
+                    larger[:count] = pairs
+                    pairs = larger
+                pairs[count, 0] = min(i, j)
+                pairs[count, 1] = max(i, j)
+                count += 1
+    return pairs[:count]
+
+
+@njit(cache=True)
+def _adjacent(first, second):  # pragma: no cover - compiled
+    """Tell whether two faces share a vertex."""
+    for p in first:
+        for q in second:
+            if p == q:
+                return True
+    return False
+
+
+@njit(cache=True)
+def _crosses(first, second):  # pragma: no cover - compiled
+    """Tell whether an edge of the first triangle passes through the inside of the second."""
+    for k in range(3):
+        start = first[k]
+        end = first[(k + 1) % 3]
+        below = _volume(second[0], second[1], second[2], start)
+        above = _volume(second[0], second[1], second[2], end)
+        if below * above >= 0.0:
+            continue
+        one = _volume(start, end, second[0], second[1])
+        two = _volume(start, end, second[1], second[2])
+        three = _volume(start, end, second[2], second[0])
+        if (one > 0.0 and two > 0.0 and three > 0.0) or (one < 0.0 and two < 0.0 and three < 0.0):
+            return True
+    return False
+
+
+@njit(cache=True)
+def _volume(a, b, c, d):  # pragma: no cover - compiled
+    """Give six times the signed volume of a tetrahedron."""
+    ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
+    wx, wy, wz = d[0] - a[0], d[1] - a[1], d[2] - a[2]
+    return ux * (vy * wz - vz * wy) - uy * (vx * wz - vz * wx) + uz * (vx * wy - vy * wx)
