@@ -1,0 +1,112 @@
+"""The inside of a GLB held against its size: chunks, accessors, and nothing that points outside."""
+
+from __future__ import annotations
+
+import json
+import struct
+from pathlib import Path
+from typing import Any
+
+from .limits import Limits
+from .refusal import (
+    ContentMismatch,
+    CountTooLarge,
+    ExtensionUnsupported,
+    FileTruncated,
+    HeaderBroken,
+    NoFaces,
+    OutsideReference,
+)
+
+_COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
+_COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
+_JSON_BYTES = 64 * 1024**2
+"""Longest JSON chunk read; a garment's has a few KB."""
+_TRIANGLES = 4
+"""glTF's mode for separate triangles, the default."""
+_HARMLESS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_mesh_quantization", "EXT_texture_")
+"""Required extensions that change only the looks, or that keep plain accessors."""
+
+
+def check_glb(path: Path, head: bytes, size: int, limits: Limits) -> tuple[None, int]:
+    """Check a GLB's chunks and JSON; give (None, the number of triangles it declares over all meshes).
+
+    Vertices are not counted: a glTF splits them at texture seams and repeats them per node.
+
+    Raises:
+        BadInput: where anything is outside the file, too large, or missing.
+    """
+    name = path.name
+    if head[:4] != b"glTF" or len(head) < 20:
+        raise ContentMismatch(f"{name} does not begin like a GLB file; export the mesh again or rename the file.")
+    version, length, json_bytes, kind = struct.unpack_from("<IIII", head, 4)
+    if version != 2 or kind != 0x4E4F534A:
+        raise HeaderBroken(f"{name} is no glTF 2 binary; export the mesh again.")
+    if length > size or 20 + json_bytes > size:
+        raise FileTruncated(f"{name} declares {length} bytes and holds {size}; export or copy it again.")
+    if json_bytes > _JSON_BYTES:
+        raise CountTooLarge(f"{name}: its JSON has {json_bytes >> 20} MiB; the file is damaged.")
+    with path.open("rb") as file:
+        file.seek(20)
+        text = file.read(json_bytes)
+    try:
+        tree = json.loads(text)
+        if not isinstance(tree, dict):
+            raise ValueError("no object")
+        _check_references(name, tree)
+        _check_views(name, tree, size)
+        _check_accessors(name, tree, limits)
+        return None, _count_triangles(name, tree, limits)
+    except (ValueError, TypeError, KeyError, IndexError, AttributeError, RecursionError) as error:
+        raise HeaderBroken(f"{name}: the glTF JSON is not understood; export the mesh again.") from error
+
+
+def _check_references(name: str, tree: dict[str, Any]) -> None:
+    for group in ("buffers", "images"):
+        for entry in tree.get(group, []):
+            if "uri" in entry:
+                raise OutsideReference(
+                    f"{name} points to '{str(entry['uri'])[:60]}'; export it as one GLB with everything embedded."
+                )
+    for extension in tree.get("extensionsRequired", []):
+        if not str(extension).startswith(_HARMLESS):
+            raise ExtensionUnsupported(f"{name} needs {extension}; export it as GLB without compression.")
+
+
+def _check_views(name: str, tree: dict[str, Any], size: int) -> None:
+    buffers = tree.get("buffers", [])
+    for view in tree.get("bufferViews", []):
+        end = int(view.get("byteOffset", 0)) + int(view["byteLength"])
+        if view.get("byteOffset", 0) < 0 or end > int(buffers[int(view["buffer"])]["byteLength"]) or end > size:
+            raise FileTruncated(f"{name}: a buffer view reaches beyond its buffer; export the mesh again.")
+
+
+def _check_accessors(name: str, tree: dict[str, Any], limits: Limits) -> None:
+    views = tree.get("bufferViews", [])
+    for accessor in tree.get("accessors", []):
+        count = int(accessor["count"])
+        if not 0 <= count <= limits.count:
+            raise CountTooLarge(f"{name} claims {count} elements in an accessor; the file is damaged.")
+        if "bufferView" not in accessor:
+            continue
+        view = views[int(accessor["bufferView"])]
+        width = _COMPONENT_BYTES[accessor["componentType"]] * _COMPONENTS[accessor["type"]]
+        stride = int(view.get("byteStride", 0)) or width
+        end = int(accessor.get("byteOffset", 0)) + stride * (count - 1) + width
+        if count and end > int(view["byteLength"]):
+            raise FileTruncated(f"{name}: an accessor of {count} elements reaches beyond its data; export it again.")
+
+
+def _count_triangles(name: str, tree: dict[str, Any], limits: Limits) -> int:
+    accessors = tree.get("accessors", [])
+    total = 0
+    for mesh in tree.get("meshes", []):
+        for primitive in mesh["primitives"]:
+            if primitive.get("mode", _TRIANGLES) == _TRIANGLES:
+                of = primitive.get("indices", primitive["attributes"].get("POSITION"))
+                total += 0 if of is None else int(accessors[int(of)]["count"]) // 3
+    if total == 0:
+        raise NoFaces(f"{name} holds no triangles; export the garment's mesh.")
+    if total > limits.count:
+        raise CountTooLarge(f"{name} claims {total} triangles, more than the {limits.count} read.")
+    return total

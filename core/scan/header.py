@@ -1,0 +1,248 @@
+"""What a file claims, read without any mesh library and held against its size before anything is parsed."""
+
+from __future__ import annotations
+
+import re
+import struct
+from dataclasses import dataclass
+from pathlib import Path
+
+from .glb import check_glb
+from .limits import Limits
+from .refusal import (
+    ArchiveRefused,
+    ContentMismatch,
+    CountTooLarge,
+    FileMissing,
+    FileTooLarge,
+    FileTruncated,
+    FormatUnknown,
+    HeaderBroken,
+    MeshEmpty,
+    NoFaces,
+)
+
+FORMATS = ("ply", "obj", "stl", "off", "glb")
+"""The accepted extensions; the content must agree."""
+
+_ARCHIVES = (
+    b"PK\x03\x04",
+    b"PK\x05\x06",
+    b"\x1f\x8b",
+    b"7z\xbc\xaf",
+    b"Rar!",
+    b"BZh",
+    b"\xfd7zXZ",
+    b"\x28\xb5\x2f\xfd",
+)
+_PLY_SIZES = {
+    "char": 1, "uchar": 1, "int8": 1, "uint8": 1, "short": 2, "ushort": 2, "int16": 2, "uint16": 2,
+    "int": 4, "uint": 4, "int32": 4, "uint32": 4, "float": 4, "float32": 4, "double": 8, "float64": 8,
+}  # fmt: skip
+_HEAD_BYTES = 65536
+"""A header longer than this is not one that any exporter writes."""
+
+
+@dataclass(frozen=True)
+class Declared:
+    """Say what a file claims to hold.
+
+    Attributes:
+        format: One of `FORMATS`.
+        vertices: Number of vertices, or None where the format does not say.
+        faces: Number of faces (polygons), or None where the format does not say.
+    """
+
+    format: str
+    vertices: int | None = None
+    faces: int | None = None
+
+
+def check_header(path: Path, limits: Limits) -> Declared:
+    """Check extension, magic, size and declared counts of a file before it is parsed.
+
+    Raises:
+        BadInput: a subclass of `refusal` where the file is not acceptable.
+    """
+    if not path.is_file():
+        raise FileMissing(f"{path} is not a file; check the path.")
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        head = file.read(_HEAD_BYTES)
+    extension = path.suffix.lower().lstrip(".")
+    if extension in FORMATS and any(head.startswith(magic) for magic in _ARCHIVES):
+        raise ArchiveRefused(f"{path.name} is an archive named .{extension}; unpack it and give the mesh file inside.")
+    if extension not in FORMATS:
+        raise _refuse_extension(path.name, extension)
+    if size > limits.file_bytes:
+        limit = limits.file_bytes >> 20
+        raise FileTooLarge(f"{path.name} has {size >> 20} MiB, more than the {limit} MiB read; decimate the mesh.")
+    if size == 0:
+        raise MeshEmpty(f"{path.name} is an empty file; export the mesh again.")
+    check = {"ply": _check_ply, "obj": _check_obj, "stl": _check_stl, "off": _check_off, "glb": _check_glb}[extension]
+    return check(path, head, size, limits)
+
+
+def _refuse_extension(name: str, extension: str) -> Exception:
+    accepted = ", ".join(FORMATS).upper()
+    if extension == "gltf":
+        return FormatUnknown(f"{name}: a .gltf keeps its data in other files; export it as one .glb.")
+    if extension in ("zip", "3mf", "usdz", "gz", "7z", "rar", "tar", "tgz", "bz2", "xz", "zst"):
+        return ArchiveRefused(f"{name} is an archive (.{extension}); give a mesh file instead ({accepted}).")
+    return FormatUnknown(f"{name}: files of type .{extension or '?'} are not read; export the mesh as {accepted}.")
+
+
+def _check_count(name: str, count: int, what: str, limits: Limits) -> None:
+    if count < 0:
+        raise HeaderBroken(f"{name} claims {count} {what}; export the mesh again.")
+    if count > limits.count:
+        raise CountTooLarge(
+            f"{name} claims {count} {what}, more than the {limits.count} read; the file is damaged or must be decimated."
+        )
+
+
+def _check_ply(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
+    if re.match(rb"ply\s", head) is None:
+        raise ContentMismatch(f"{path.name} does not begin like a PLY file; export the mesh again or rename the file.")
+    end = re.search(rb"\nend_header[ \t]*\r?\n", head)
+    if end is None:
+        raise HeaderBroken(f"{path.name}: the PLY header does not end; the file is damaged.")
+    lines = head[: end.start()].decode("latin-1").splitlines()
+    form, elements = _read_ply_header(path.name, lines)
+    counts = dict.fromkeys(("vertex", "face"), 0)
+    body = size - end.end()
+    minimum = 0
+    for name, count, stride in elements:
+        _check_count(path.name, count, f"{name} elements", limits)
+        counts[name] = count
+        minimum += count * stride
+    if form == "ascii":
+        rows = sum(count for _, count, stride in elements if stride)
+        found = _count_lines(path, end.end(), rows)
+        if found < rows:
+            raise FileTruncated(f"{path.name} declares {rows} rows and holds {found}; export or copy it again.")
+    elif minimum > body:
+        raise FileTruncated(f"{path.name} needs at least {minimum} bytes of data and holds {body}; copy it again.")
+    if counts["vertex"] == 0:
+        raise MeshEmpty(f"{path.name} holds no vertices; export the mesh again.")
+    if counts["face"] == 0:
+        raise NoFaces(f"{path.name} holds points without faces; reconstruct a surface from them and give that mesh.")
+    return Declared("ply", counts["vertex"], counts["face"])
+
+
+def _read_ply_header(name: str, lines: list[str]) -> tuple[str, list[tuple[str, int, int]]]:
+    """Read a PLY header: the format, and per element its name, count and least bytes (ascii: 1) of one row."""
+    form = ""
+    elements: list[tuple[str, int, int]] = []
+    for line in lines[1:]:
+        words = line.split()
+        if not words or words[0] in ("comment", "obj_info"):
+            continue
+        try:
+            if words[0] == "format":
+                form = {"ascii": "ascii", "binary_little_endian": "binary", "binary_big_endian": "binary"}[words[1]]
+            elif words[0] == "element":
+                if words[1] in [e[0] for e in elements]:
+                    raise HeaderBroken(f"{name}: element {words[1]} is declared twice; export the mesh again.")
+                elements.append((words[1], int(words[2]), 0))
+            elif words[0] == "property":
+                owner, count, stride = elements.pop()
+                # An empty list is its count alone; a face has at least three indices.
+                least = 3 if owner == "face" and words[-1] in ("vertex_indices", "vertex_index") else 0
+                is_list = words[1] == "list"
+                stride += _PLY_SIZES[words[2]] + least * _PLY_SIZES[words[3]] if is_list else _PLY_SIZES[words[1]]
+                elements.append((owner, count, stride))
+            else:
+                raise KeyError(words[0])
+        except (KeyError, IndexError, ValueError) as error:
+            raise HeaderBroken(f"{name}: PLY header line '{line.strip()[:60]}' is not understood.") from error
+    if not form:
+        raise HeaderBroken(f"{name}: the PLY header names no format; the file is damaged.")
+    return form, elements
+
+
+def _count_lines(path: Path, start: int, enough: int) -> int:
+    """Count lines from an offset on that hold anything, up to `enough`."""
+    found = 0
+    with path.open("rb") as file:
+        file.seek(start)
+        for line in file:
+            found += bool(line.strip())
+            if found >= enough:
+                break
+    return found
+
+
+def _check_stl(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
+    count = struct.unpack_from("<I", head, 80)[0] if len(head) >= 84 else -1
+    if size == 84 + 50 * count:
+        _check_count(path.name, count, "triangles", limits)
+        if count == 0:
+            raise NoFaces(f"{path.name} holds no triangles; export the mesh again.")
+        return Declared("stl", None, count)
+    if head.lstrip()[:5].lower() == b"solid" and b"\0" not in head:
+        if re.search(rb"\bfacet\b", head) is None:
+            raise NoFaces(f"{path.name} holds no triangles; export the mesh again.")
+        if b"endsolid" not in _read_tail(path, size):
+            raise FileTruncated(f"{path.name} breaks off before 'endsolid'; export or copy it again.")
+        return Declared("stl")
+    if count < 0 or _is_text(head):
+        raise ContentMismatch(f"{path.name} is no STL file; export the mesh again or rename the file.")
+    _check_count(path.name, count, "triangles", limits)
+    if size < 84 + 50 * count:
+        held = (size - 84) // 50
+        raise FileTruncated(f"{path.name} declares {count} triangles and holds {held}; export or copy it again.")
+    return Declared("stl", None, count)
+
+
+def _is_text(head: bytes) -> bool:
+    return all(byte in b"\t\n\r\f" or 32 <= byte < 127 for byte in head[:4096])
+
+
+def _read_tail(path: Path, size: int) -> bytes:
+    with path.open("rb") as file:
+        file.seek(max(0, size - 1024))
+        return file.read().lower()
+
+
+def _check_off(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
+    lines = [line.split("#")[0].strip() for line in head.decode("latin-1").splitlines()]
+    words = " ".join(line for line in lines if line)[:200].split()
+    if not words or words[0] not in ("OFF", "COFF"):
+        raise ContentMismatch(f"{path.name} does not begin like an OFF file; export the mesh again or rename the file.")
+    try:
+        vertices, faces = int(words[1]), int(words[2])
+    except (IndexError, ValueError) as error:
+        raise HeaderBroken(f"{path.name}: the OFF counts are not numbers; the file is damaged.") from error
+    _check_count(path.name, vertices, "vertices", limits)
+    _check_count(path.name, faces, "faces", limits)
+    if vertices == 0:
+        raise MeshEmpty(f"{path.name} holds no vertices; export the mesh again.")
+    if faces == 0:
+        raise NoFaces(f"{path.name} holds points without faces; reconstruct a surface from them and give that mesh.")
+    # Three one-digit numbers with separators per vertex, four per face.
+    if 6 * vertices + 8 * faces > size or _count_lines(path, 0, vertices + faces) < vertices + faces:
+        raise FileTruncated(f"{path.name} holds fewer rows than it declares; export or copy it again.")
+    return Declared("off", vertices, faces)
+
+
+def _check_obj(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
+    # OBJ has no magic: it is text, and its first 64 KiB hold a vertex.
+    if b"\0" in head or re.search(rb"(?m)^[ \t]*v[ \t]+[-+.\d]|^[ \t]*v[ \t]+nan", head) is None:
+        raise ContentMismatch(f"{path.name} holds no OBJ vertices; export the mesh again or rename the file.")
+    vertices = faces = 0
+    with path.open("rb") as file:
+        for line in file:
+            word = line[:3].lstrip()[:2]
+            vertices += word in (b"v ", b"v\t")
+            faces += word in (b"f ", b"f\t")
+    _check_count(path.name, vertices, "vertices", limits)
+    _check_count(path.name, faces, "faces", limits)
+    if faces == 0:
+        raise NoFaces(f"{path.name} holds points without faces; reconstruct a surface from them and give that mesh.")
+    return Declared("obj", vertices, faces)
+
+
+def _check_glb(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
+    vertices, faces = check_glb(path, head, size, limits)
+    return Declared("glb", vertices, faces)

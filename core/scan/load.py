@@ -1,0 +1,263 @@
+"""From a file to a checked `Scan`, alone or together with the body that wears it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import BadInput
+from . import refusal
+from .header import Declared, check_header
+from .limits import Limits
+from .scan import Scan
+from .units import AXES, UNITS, check_choice, check_size, find_units, find_up, to_metres
+
+_REFUSED = 3
+"""Exit status of the parser for a file that it refuses (`parse.REFUSED`)."""
+_CODES = {
+    kind.code: kind for kind in vars(refusal).values() if isinstance(kind, type) and issubclass(kind, BadInput)
+}  # fmt: skip
+NEAR = 0.5
+"""A worn garment stays within this distance of the body [m]; a flared hem hangs at most so far from the legs."""
+DEEP = 0.03
+"""A garment vertex deeper in the body than this is not worn there [m]; scans touch their body up to 5 mm deep."""
+MISPLACED = 0.2
+"""Share of a garment's vertices that may be far from or deep in the body before the two do not belong together."""
+
+
+@dataclass(frozen=True)
+class _Mesh:
+    """Hold a repaired mesh in the file's own unit and axes."""
+
+    name: str
+    sha256: str
+    format: str
+    vertices: np.ndarray
+    faces: np.ndarray
+    colours: np.ndarray | None
+    labels: np.ndarray | None
+    repairs: tuple[str, ...]
+
+
+def load_scan(
+    path: Path, *, units: str | None = None, up: str | None = None, kind: str = "garment", limits: Limits | None = None
+) -> Scan:
+    """Read, check and repair one mesh file.
+
+    Args:
+        path: A PLY, OBJ, STL, OFF or GLB file.
+        units: `m`, `cm` or `mm`, or None to find it from the size.
+        up: `y` or `z`, or None to find it.
+        kind: `garment` or `body`: what the sizes are judged by.
+        limits: What reading may cost.
+
+    Raises:
+        BadInput: with a code `scan.*` where the file cannot be used.
+    """
+    check_choice(units, up)
+    mesh = _read(Path(path), limits or Limits())
+    return _finish(mesh, *_settle(mesh, units, up, kind))
+
+
+def load_pair(
+    scan: Path, body: Path | None, *, units: str | None = None, up: str | None = None, limits: Limits | None = None
+) -> tuple[Scan, Scan | None]:
+    """Read a garment and the body that wears it, and decide units and axes of both together.
+
+    The body's size and shape decide, and the garment takes over its unit and axis where it then lies on the body;
+    otherwise the one unit and axis with which it does. The garment is turned to face away from the body.
+
+    Raises:
+        BadInput: with a code `scan.*` where a file cannot be used, or the garment does not lie on the body.
+    """
+    if body is None:
+        return load_scan(scan, units=units, up=up, limits=limits), None
+    check_choice(units, up)
+    garment_mesh, body_mesh = _read(Path(scan), limits or Limits()), _read(Path(body), limits or Limits())
+    try:
+        settled = _settle(body_mesh, units, up, "body")
+    except refusal.UpAmbiguous:
+        settled = _settle(body_mesh, units, find_up(garment_mesh.vertices, garment_mesh.faces), "body")
+    wearer = _finish(body_mesh, *settled)
+    garment = _place(garment_mesh, wearer, settled, units is not None, up is not None)
+    return _face_outward(garment, wearer), wearer
+
+
+def _settle(mesh: _Mesh, units: str | None, up: str | None, kind: str) -> tuple[str, str]:
+    """Give the unit and up axis: as the user says, as the format says (glTF: metres, y up), or as the size says."""
+    if units is not None:
+        check_size(mesh.vertices, units, kind)
+    else:
+        units = find_units(mesh.vertices, kind, faces=mesh.faces if kind == "garment" else None)
+    if up is None:
+        up = "y" if mesh.format == "glb" else find_up(mesh.vertices, mesh.faces, kind)
+    return units, up
+
+
+def _place(mesh: _Mesh, body: Scan, like: tuple[str, str], units_given: bool, up_given: bool) -> Scan:
+    """Give the garment in the body's unit and axis, or in the only ones in which it lies on the body."""
+    garment = _finish(mesh, *like)
+    if lies_on(garment.vertices, body):
+        return garment
+    others = [
+        (unit, axis)
+        for unit in UNITS
+        for axis in AXES
+        if not (units_given and unit != like[0]) and not (up_given and axis != like[1])
+    ]
+    found = [
+        candidate for pair in others if pair != like and lies_on((candidate := _finish(mesh, *pair)).vertices, body)
+    ]
+    if len(found) == 1:
+        garment = found[0]
+        note = f"Read the garment in {garment.units}, {garment.up_axis} up, and the body in {like[0]}, {like[1]} up."
+        return replace(garment, repairs=(*garment.repairs, note))
+    if len(found) > 1:
+        raise refusal.UnitsAmbiguous(f"{mesh.name} lies on its body in several units; say which with --units.")
+    raise refusal.BodyApart(
+        f"{mesh.name} does not lie on the body in m, cm or mm with y or z up; export both from the same scene, "
+        "with the same unit and axes."
+    )
+
+
+def lies_on(vertices: np.ndarray, body: Scan) -> bool:
+    """Tell whether positions [m], shape [n, 3], can be a garment worn on the body: around it, near it, not inside."""
+    from scipy.spatial import cKDTree
+
+    if float(np.ptp(vertices, axis=0).max()) < 0.2:
+        return False  # Smaller than any garment: it would be a speck between the legs.
+    sample = vertices[np.linspace(0, len(vertices) - 1, min(len(vertices), 2000)).astype(np.int64)]
+    distance, nearest = cKDTree(body.vertices).query(sample)
+    depth = -np.einsum("ij,ij->i", sample - body.vertices[nearest], vertex_normals(body.vertices, body.faces)[nearest])
+    return float(((distance > NEAR) | (depth > DEEP)).mean()) < MISPLACED
+
+
+def vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Give unit vertex normals, area-weighted, shape [vertex_count, 3]; zero where a vertex has no area."""
+    cross = np.cross(vertices[faces[:, 1]] - vertices[faces[:, 0]], vertices[faces[:, 2]] - vertices[faces[:, 0]])
+    normals = np.zeros_like(vertices)
+    for corner in range(3):
+        for axis in range(3):
+            normals[:, axis] += np.bincount(faces[:, corner], cross[:, axis], len(vertices))
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    return normals / np.where(length > 0.0, length, 1.0)
+
+
+def _face_outward(garment: Scan, body: Scan) -> Scan:
+    from .repair import turn_from_body
+
+    if not turn_from_body(garment.vertices, garment.faces, body.vertices, body.faces):
+        return garment
+    note = "Turned the surface away from the body."
+    return replace(garment, faces=garment.faces[:, ::-1].copy(), repairs=(*garment.repairs, note))
+
+
+def _finish(mesh: _Mesh, units: str, up: str) -> Scan:
+    return Scan(
+        vertices=to_metres(mesh.vertices, units, up),
+        faces=mesh.faces,
+        name=mesh.name,
+        sha256=mesh.sha256,
+        units=units,
+        up_axis=up,
+        colours=mesh.colours,
+        labels=mesh.labels,
+        repairs=mesh.repairs,
+    )
+
+
+def _read(path: Path, limits: Limits) -> _Mesh:
+    """Check, parse and repair one file."""
+    declared = check_header(path, limits)
+    with path.open("rb") as file:
+        sha256 = hashlib.file_digest(file, "sha256").hexdigest()
+    arrays = _parse(path, declared.format, limits)
+    vertices, faces = arrays["vertices"], arrays["faces"]
+    _check_arrays(path.name, vertices, faces, declared, limits)
+    from .repair import repair_surface
+
+    surface = repair_surface(vertices, faces)
+    if len(surface.faces) == 0:
+        raise refusal.NoFaces(f"{path.name} holds no face with an area; export the mesh again.")
+    colours, labels = arrays.get("colours"), arrays.get("labels")
+    return _Mesh(
+        name=path.stem,
+        sha256=sha256,
+        format=declared.format,
+        vertices=surface.vertices,
+        faces=surface.faces,
+        colours=None if colours is None else colours[surface.origin].astype(np.float64) / 255.0,
+        labels=None if labels is None else labels[surface.origin],
+        repairs=surface.repairs,
+    )
+
+
+def _parse(path: Path, form: str, limits: Limits) -> dict[str, np.ndarray]:
+    """Parse a file in a process of its own, and read back plain arrays."""
+    bounds = [str(limits.memory_bytes), str(limits.cpu_seconds), str(limits.output_bytes)]
+    one_thread = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+    with tempfile.TemporaryDirectory(prefix="garmentq-parse-") as folder:
+        target = Path(folder) / "arrays.npz"
+        command = [sys.executable, "-m", "garmentq.core.scan.parse", str(path.resolve()), form, str(target), *bounds]
+        try:
+            done = subprocess.run(
+                command,
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                timeout=limits.wall_seconds,
+                env={**os.environ, **one_thread},
+                check=False,
+            )
+        except subprocess.TimeoutExpired as error:
+            raise refusal.LimitsExceeded(
+                f"{path.name}: reading took more than {limits.wall_seconds:g} s; decimate the mesh first."
+            ) from error
+        if done.returncode == _REFUSED:
+            answer = json.loads(done.stdout)
+            kind = _CODES.get(answer["code"], refusal.Unreadable)
+            raise kind(f"{path.name} cannot be read: {answer['message']}; export the mesh again.")
+        if done.returncode != 0:
+            raise refusal.LimitsExceeded(
+                f"{path.name}: the reader was stopped (status {done.returncode}) by its limits of "
+                f"{limits.memory_bytes >> 20} MiB and {limits.cpu_seconds} s; decimate the mesh first."
+            )
+        with np.load(target, allow_pickle=False) as archive:
+            return {name: archive[name] for name in archive.files}
+
+
+def _check_arrays(name: str, vertices: np.ndarray, faces: np.ndarray, declared: Declared, limits: Limits) -> None:
+    """Check what came out of the parser against what the header declared and what a mesh must be."""
+    if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) == 0:
+        raise refusal.MeshEmpty(f"{name} holds no vertices; export the mesh again.")
+    if faces.ndim != 2 or faces.shape[1] != 3 or len(faces) == 0:
+        raise refusal.NoFaces(f"{name} holds no triangles; export the garment's mesh.")
+    if max(len(vertices), len(faces)) > limits.count:
+        raise refusal.CountTooLarge(f"{name} holds more than {limits.count} elements; decimate the mesh.")
+    if declared.vertices is not None and len(vertices) != declared.vertices:
+        raise refusal.CountsDiffer(
+            f"{name} declares {declared.vertices} vertices and holds {len(vertices)}; export the mesh again."
+        )
+    if declared.faces is not None and len(faces) < declared.faces:
+        raise refusal.CountsDiffer(
+            f"{name} declares {declared.faces} faces and holds {len(faces)}; export the mesh again."
+        )
+    if faces.min() < 0 or faces.max() >= len(vertices):
+        bad = int(faces.min() if faces.min() < 0 else faces.max())
+        raise refusal.IndicesBroken(f"{name}: a face refers to vertex {bad} of {len(vertices)}; export the mesh again.")
+    if not np.isfinite(vertices).all():
+        count = int((~np.isfinite(vertices).all(axis=1)).sum())
+        raise refusal.NotFinite(f"{name}: {count} vertices are NaN or infinite; clean the mesh and export it again.")
+    extent = np.ptp(vertices[np.unique(faces)], axis=0)
+    # A garment or body is nowhere flat, and no unit makes it larger than 1e6 or smaller than 1e-6 of that unit.
+    if not (1e-6 < extent.max() < 1e6) or extent.min() < 1e-6 * extent.max() or np.abs(vertices).max() > 1e7:
+        raise refusal.ExtentBroken(
+            f"{name} measures {' x '.join(f'{v:.3g}' for v in extent)}; check what was exported."
+        )

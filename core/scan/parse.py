@@ -1,0 +1,158 @@
+"""The program that parses one untrusted file in its own process: `python -m garmentq.core.scan.parse IN FORMAT OUT`.
+
+It sets its own limits before it opens the file, writes arrays without pickle, and answers by its exit status: 0, or
+`REFUSED` with one JSON object {"code", "message"} on its standard output.
+"""
+
+from __future__ import annotations
+
+import json
+import resource
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+REFUSED = 3
+_LABELS = ("label", "labels", "is_garment", "segment", "segment_id", "class")
+"""Names under which scanners and labelling tools keep an integer per vertex in a PLY."""
+
+
+class Broken(Exception):
+    """The content is wrong in a way that has a code of its own."""
+
+    def __init__(self, code: str, message: str) -> None:
+        super().__init__(message)
+        self.code = code
+
+
+def main(arguments: list[str]) -> int:
+    """Parse one file under the limits given as memory, CPU seconds and output bytes; give the exit status."""
+    source, form, target, memory, seconds, output = arguments
+    resource.setrlimit(resource.RLIMIT_AS, (int(memory), int(memory)))
+    resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 1))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (int(output), int(output)))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    try:
+        arrays = parse(Path(source), form)
+        np.savez(target, **arrays)  # type: ignore[arg-type]
+    except MemoryError:
+        return _answer("scan.limits", "it needs more memory than allowed")
+    except Broken as error:
+        return _answer(error.code, str(error))
+    except Exception as error:
+        # A parser fails in any way on a hostile file; the user gets one line of it.
+        first = (str(error) or type(error).__name__).strip().split("\n", 1)[0]
+        return _answer("scan.unreadable", first[:160])
+    return 0
+
+
+def _answer(code: str, message: str) -> int:
+    sys.stdout.write(json.dumps({"code": code, "message": message}))
+    return REFUSED
+
+
+def parse(path: Path, form: str) -> dict[str, np.ndarray]:
+    """Parse a file into `vertices`, `faces` and, where it has them, `colours` (RGB bytes) and `labels`."""
+    if form == "obj":
+        return _parse_obj(path)
+    if form == "glb":
+        return _parse_glb(path)
+    if form == "ply":
+        from trimesh.exchange.ply import load_ply
+
+        with path.open("rb") as file:
+            return _pick(load_ply(file, skip_materials=True, fix_texture=False))
+    if form == "stl":
+        from trimesh.exchange.stl import load_stl
+
+        with path.open("rb") as file:
+            return _pick(load_stl(file))
+    from trimesh.exchange.off import load_off
+
+    with path.open("rb") as file:
+        return _pick(load_off(file))
+
+
+def _pick(loaded: dict[str, Any]) -> dict[str, np.ndarray]:
+    """Keep positions, faces, colours and labels of what a loader of trimesh gives, before it makes a mesh of it."""
+    vertices = np.asarray(loaded.get("vertices", np.zeros((0, 3))), dtype=np.float64)
+    faces = loaded.get("faces")
+    arrays = {
+        "vertices": vertices,
+        "faces": np.zeros((0, 3), np.int64) if faces is None or len(faces) == 0 else np.asarray(faces, np.int64),
+    }
+    colours = loaded.get("vertex_colors")
+    if colours is not None and len(colours) == len(vertices) and np.ndim(colours) == 2:
+        arrays["colours"] = _as_bytes(np.asarray(colours)[:, :3])
+    rows = loaded.get("metadata", {}).get("_ply_raw", {}).get("vertex", {}).get("data")
+    names = getattr(getattr(rows, "dtype", None), "names", None) or (rows.keys() if isinstance(rows, dict) else ())
+    for name in _LABELS:
+        if name in names and len(np.ravel(rows[name])) == len(vertices):
+            values = np.ravel(rows[name])
+            if np.issubdtype(values.dtype, np.integer):
+                arrays["labels"] = values.astype(np.int64)
+                break
+    return arrays
+
+
+def _as_bytes(colours: np.ndarray) -> np.ndarray:
+    """Give colours as bytes; floats in 0..1 are scaled."""
+    if np.issubdtype(colours.dtype, np.floating):
+        finite = np.nan_to_num(colours)
+        scale = 255.0 if finite.size and finite.max() <= 1.0 else 1.0
+        return np.clip(np.round(finite * scale), 0, 255).astype(np.uint8)
+    return np.clip(colours, 0, 255).astype(np.uint8)
+
+
+def _parse_glb(path: Path) -> dict[str, np.ndarray]:
+    import trimesh
+
+    with path.open("rb") as file:
+        scene = trimesh.load_scene(file, file_type="glb", skip_materials=True, process=False)
+    parts = [part for part in scene.dump() if isinstance(part, trimesh.Trimesh) and len(part.faces)]
+    if not parts:
+        raise Broken("scan.no_faces", "it holds no triangles")
+    offsets = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    arrays = {
+        "vertices": np.concatenate([np.asarray(part.vertices, np.float64) for part in parts]),
+        "faces": np.concatenate([np.asarray(p.faces, np.int64) + o for p, o in zip(parts, offsets[:-1], strict=True)]),
+    }
+    if all(part.visual.kind == "vertex" for part in parts):
+        arrays["colours"] = _as_bytes(np.concatenate([np.asarray(p.visual.vertex_colors)[:, :3] for p in parts]))
+    return arrays
+
+
+def _parse_obj(path: Path) -> dict[str, np.ndarray]:
+    """Parse positions, polygons (as fans) and vertex colours of an OBJ.
+
+    Ours and not trimesh's, which drops wrong indices without a word and splits vertices at texture seams. A negative
+    index counts back from the last vertex, as the format says; zero or beyond the ends is refused.
+    """
+    rows: list[list[float]] = []
+    faces: list[tuple[int, int, int]] = []
+    with path.open("r", encoding="utf-8", errors="replace") as file:
+        for line in file:
+            if line.startswith(("v ", "v\t")):
+                rows.append([float(word) for word in line.split()[1:7]])
+            elif line.startswith(("f ", "f\t")):
+                corners = [int(word.split("/", 1)[0]) for word in line.split("#", 1)[0].split()[1:]]
+                corners = [index - 1 if index > 0 else len(rows) + index if index < 0 else -1 for index in corners]
+                if len(corners) < 3:
+                    raise Broken("scan.indices", "a face has fewer than three corners")
+                if min(corners) < 0:
+                    raise Broken("scan.indices", f"face '{line.strip()[:60]}' refers to a vertex that does not exist")
+                faces += [(corners[0], corners[i], corners[i + 1]) for i in range(1, len(corners) - 1)]
+    width = min((len(row) for row in rows), default=3)
+    if width < 3:
+        raise Broken("scan.unreadable", "a vertex has fewer than three coordinates")
+    table = np.array([row[: 6 if width == 6 else 3] for row in rows], np.float64).reshape(len(rows), -1)
+    arrays = {"vertices": table[:, :3].copy(), "faces": np.array(faces, np.int64).reshape(-1, 3)}
+    if table.shape[1] == 6:
+        arrays["colours"] = _as_bytes(table[:, 3:6])
+    return arrays
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(sys.argv[1:]))

@@ -1,0 +1,143 @@
+"""Every reason for which a file is refused, each with a stable code and the user's next step."""
+
+from __future__ import annotations
+
+from ..errors import BadInput
+
+
+class FileMissing(BadInput):
+    """There is no such file; check the path."""
+
+    code = "scan.missing"
+
+
+class FormatUnknown(BadInput):
+    """This kind of file is not read; export the mesh as PLY, OBJ, STL, OFF or GLB."""
+
+    code = "scan.format"
+
+
+class ArchiveRefused(BadInput):
+    """The file is an archive; unpack it and give the mesh file inside."""
+
+    code = "scan.archive"
+
+
+class ContentMismatch(BadInput):
+    """The content is not what the file's extension says; export the mesh again or rename the file."""
+
+    code = "scan.magic"
+
+
+class FileTooLarge(BadInput):
+    """The file is larger than what is read; decimate the mesh first."""
+
+    code = "scan.too_large"
+
+
+class CountTooLarge(BadInput):
+    """The file claims more elements than are read; decimate the mesh, or check that the file is not damaged."""
+
+    code = "scan.too_many"
+
+
+class FileTruncated(BadInput):
+    """The file is shorter than its header says; export or copy it again."""
+
+    code = "scan.truncated"
+
+
+class HeaderBroken(BadInput):
+    """The header cannot be understood; export the mesh again."""
+
+    code = "scan.header"
+
+
+class OutsideReference(BadInput):
+    """The glTF points to files outside itself; export it as one GLB with everything embedded."""
+
+    code = "scan.outside_uri"
+
+
+class ExtensionUnsupported(BadInput):
+    """The glTF needs an extension that is not read; export it as GLB without compression."""
+
+    code = "scan.gltf_extension"
+
+
+class Unreadable(BadInput):
+    """The file could not be parsed; export the mesh again."""
+
+    code = "scan.unreadable"
+
+
+class LimitsExceeded(BadInput):
+    """Reading the file took more memory or time than allowed; decimate the mesh first."""
+
+    code = "scan.limits"
+
+
+class NoFaces(BadInput):
+    """The file holds no triangles; reconstruct a surface from the points (Poisson, ball pivoting) and give that mesh."""
+
+    code = "scan.no_faces"
+
+
+class MeshEmpty(BadInput):
+    """The file holds no vertices; export the mesh again."""
+
+    code = "scan.empty"
+
+
+class IndicesBroken(BadInput):
+    """A face refers to a vertex that does not exist; export the mesh again."""
+
+    code = "scan.indices"
+
+
+class NotFinite(BadInput):
+    """A coordinate is NaN or infinite; clean the mesh and export it again."""
+
+    code = "scan.not_finite"
+
+
+class CountsDiffer(BadInput):
+    """The file holds other counts than it declares; export the mesh again."""
+
+    code = "scan.counts"
+
+
+class ExtentBroken(BadInput):
+    """The mesh has no usable size; check what was exported."""
+
+    code = "scan.extent"
+
+
+class UnitsUnknown(BadInput):
+    """The size fits neither metres, centimetres nor millimetres; convert the file, or say its unit with --units."""
+
+    code = "scan.units_unknown"
+
+
+class UnitsAmbiguous(BadInput):
+    """The size fits more than one unit; say which with --units m, cm or mm."""
+
+    code = "scan.units_ambiguous"
+
+
+class UpAmbiguous(BadInput):
+    """It cannot be told which axis points up; say which with --up y or z."""
+
+    code = "scan.up_ambiguous"
+
+
+class BodyApart(BadInput):
+    """The garment does not lie on the body; export both from the same scene, with the same unit and axes."""
+
+    code = "scan.body_apart"
+
+
+class ChoiceBad(BadInput):
+    """Units are m, cm or mm and up is y or z; correct the option."""
+
+    code = "scan.choice"

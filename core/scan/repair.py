@@ -1,0 +1,330 @@
+"""Mend what scanners and exporters break, and say what was mended; works in any unit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+MERGE = 1e-7
+"""Vertices closer than this share of the bounding box's diagonal are one: the resolution of float32, in which STL and
+most PLY files hold the same point once per triangle."""
+SLIVER = 1e-6
+"""A triangle whose height is below this share of its longest side has no direction of its own in float32."""
+STRAY = 0.05
+"""A separate piece with less than this share of the largest piece's area is dust, a label or an eye, never a garment."""
+VOTERS = 20000
+"""Faces asked which way is outward from a body; more change no verdict."""
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Hold a triangle mesh on its way through the repair.
+
+    Attributes:
+        vertices: Positions in the file's unit, shape [vertex_count, 3].
+        faces: Vertex indices, shape [face_count, 3].
+        origin: Index in the file of each vertex, shape [vertex_count].
+        repairs: What was mended so far, one sentence each.
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    origin: np.ndarray
+    repairs: tuple[str, ...] = ()
+
+    def note(self, count: int, singular: str, plural: str) -> tuple[str, ...]:
+        """Give the repairs with one more sentence, or unchanged where nothing was mended."""
+        return self.repairs if count == 0 else (*self.repairs, singular if count == 1 else plural.format(count))
+
+
+def repair_surface(vertices: np.ndarray, faces: np.ndarray) -> Surface:
+    """Give a manifold, consistently and outward oriented surface without dust.
+
+    Merges duplicate vertices; removes degenerate, doubled and non-manifold faces; orients each piece consistently and
+    outward; splits vertices at which separate fans meet; drops stray pieces and unused vertices. A clean mesh comes
+    back with the same vertices in the same order and no sentence.
+    """
+    surface = Surface(vertices, faces, np.arange(len(vertices)))
+    for step in (_merge_duplicates, _drop_degenerate, _drop_crowded, _orient_pieces, _split_fans, _drop_strays):
+        surface = step(surface)
+        if len(surface.faces) == 0:
+            return surface
+    return _turn_outward(_drop_unused(surface))
+
+
+def _merge_duplicates(surface: Surface) -> Surface:
+    vertices = surface.vertices
+    step = MERGE * float(np.linalg.norm(np.ptp(vertices, axis=0))) or 1.0
+    keys = np.round((vertices - vertices.min(axis=0)) / step).astype(np.int64)
+    _, first, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    if len(first) == len(vertices):
+        return surface
+    # Keep the file's order: each group is represented by its earliest vertex.
+    order = np.argsort(first)
+    rank = np.argsort(order)
+    kept = first[order]
+    merged = len(vertices) - len(kept)
+    notes = surface.note(merged, "Merged 1 duplicate vertex.", "Merged {} duplicate vertices.")
+    return Surface(vertices[kept], rank[np.ravel(inverse)][surface.faces], surface.origin[kept], notes)
+
+
+def _drop_degenerate(surface: Surface) -> Surface:
+    faces = surface.faces
+    distinct = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
+    _, first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
+    single = np.zeros(len(faces), bool)
+    single[first] = True
+    doubled = int((distinct & ~single).sum())
+    kept = faces[distinct & single]
+    kept, flat = _flip_slivers(surface.vertices, kept)
+    count = int((~distinct).sum()) + flat
+    notes = surface.note(count, "Removed 1 degenerate face.", "Removed {} degenerate faces.")
+    surface = replace(surface, faces=kept, repairs=notes)
+    return replace(surface, repairs=surface.note(doubled, "Removed 1 doubled face.", "Removed {} doubled faces."))
+
+
+def _flip_slivers(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, int]:
+    """Remove flat triangles without opening a crack: each gives its middle vertex to the neighbour at its long side."""
+    corners = vertices[faces]
+    sides = np.linalg.norm(np.roll(corners, -1, axis=1) - np.roll(corners, -2, axis=1), axis=2)
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    longest = sides.max(axis=1) if len(faces) else np.zeros(0)
+    slivers = np.flatnonzero(area <= SLIVER * longest**2)
+    if len(slivers) == 0:
+        return faces, 0
+    table = [list(face) for face in faces]
+    alive = np.ones(len(faces), bool)
+    users: dict[int, set[int]] = {}
+    for middle in {int(v) for v in faces[slivers].ravel()}:
+        users[middle] = set(np.flatnonzero((faces == middle).any(axis=1)).tolist())
+    extra: list[list[int]] = []
+    for sliver in slivers.tolist():
+        middle = table[sliver][int(np.argmax(sides[sliver]))]
+        ends = [v for v in table[sliver] if v != middle]
+        alive[sliver] = False
+        shared = [f for f in users[ends[0]] & users[ends[1]] if alive[f] and {*ends} <= {*table[f]}]
+        if len(shared) == 1 and middle not in table[shared[0]]:
+            face = table[shared[0]]
+            extra.append([middle if v == ends[0] else v for v in face])
+            table[shared[0]] = [middle if v == ends[1] else v for v in face]
+            alive[shared[0]] = area[shared[0]] > SLIVER * longest[shared[0]] ** 2
+    kept = [face for face, lives in zip(table, alive, strict=True) if lives]
+    return np.array(kept + extra, np.int64).reshape(-1, 3), len(slivers)
+
+
+def half_edges(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Give the directed edges of all faces, shape [3 face_count, 2], and the index of each one's undirected edge.
+
+    Half-edge 3 f + i runs from corner i to corner i + 1 of face f.
+    """
+    directed = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2)
+    low, high = directed.min(axis=1), directed.max(axis=1)
+    _, edge = np.unique(low * (int(faces.max()) + 1) + high, return_inverse=True)
+    return directed, edge
+
+
+def _twins(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Give the pairs of half-edges that share an edge used by exactly two faces, and whether they run opposite ways."""
+    directed, edge = half_edges(faces)
+    order = np.argsort(edge, kind="stable")
+    counts = np.bincount(edge)
+    starts = np.cumsum(counts) - counts
+    two = starts[counts == 2]
+    first, second = order[two], order[two + 1]
+    return first, second, directed[first, 0] == directed[second, 1]
+
+
+def _pieces(count: int, first: np.ndarray, second: np.ndarray) -> tuple[int, np.ndarray]:
+    """Label `count` nodes by the connected piece that the links make."""
+    links = coo_matrix((np.ones(len(first), bool), (first, second)), shape=(count, count))
+    number, labels = connected_components(links, directed=False)
+    return int(number), labels
+
+
+def face_areas(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Give the area of each face [unit squared], shape [face_count]."""
+    a, b, c = vertices[faces[:, 0]], vertices[faces[:, 1]], vertices[faces[:, 2]]
+    return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+
+
+def _drop_crowded(surface: Surface) -> Surface:
+    """Keep the two faces of the largest sheet at each edge that three or more faces share."""
+    faces = surface.faces
+    _, edge = half_edges(faces)
+    counts = np.bincount(edge)
+    if counts.max() <= 2:
+        return surface
+    first, second, _ = _twins(faces)
+    number, sheet = _pieces(len(faces), first // 3, second // 3)
+    size = np.bincount(sheet, weights=face_areas(surface.vertices, faces), minlength=number)
+    # Rank the faces of each crowded edge by the area of their sheet; the file's order breaks ties.
+    half = np.flatnonzero(counts[edge] > 2)
+    order = half[np.lexsort((half, -size[sheet[half // 3]], edge[half]))]
+    group = edge[order]
+    starts = np.flatnonzero(np.r_[True, group[1:] != group[:-1]])
+    position = np.arange(len(order)) - np.repeat(starts, np.diff(np.r_[starts, len(order)]))
+    dropped = np.zeros(len(faces), bool)
+    dropped[order[position >= 2] // 3] = True
+    notes = surface.note(int(dropped.sum()), "Removed 1 non-manifold face.", "Removed {} non-manifold faces.")
+    return replace(surface, faces=faces[~dropped], repairs=notes)
+
+
+def _orient_pieces(surface: Surface) -> Surface:
+    """Make the faces of each piece agree, and turn the minority (by area).
+
+    On the double cover each face is there twice, as it is and turned; a link joins the versions of two faces that
+    agree. The versions in the component of a piece's first face are the orientation; a one-sided piece has a single
+    component, is left as it is, and is cut open by the next step.
+    """
+    faces = surface.faces
+    first, second, opposite = _twins(faces)
+    if opposite.all():
+        return surface
+    a, b, count = first // 3, second // 3, len(faces)
+    number, piece = _pieces(count, a, b)
+    shift = np.where(opposite, 0, count)
+    _, version = _pieces(2 * count, np.r_[a, a + count], np.r_[b + shift, b + count - shift])
+    _, starts = np.unique(piece, return_index=True)
+    turned = version[:count] != version[starts][piece]
+    area = face_areas(surface.vertices, faces)
+    against = np.bincount(piece, weights=area * turned, minlength=number)
+    turned ^= (against > 0.5 * np.bincount(piece, weights=area, minlength=number))[piece]
+    notes = surface.note(
+        int(turned.sum()), "Turned 1 face to agree with the others.", "Turned {} faces to agree with the others."
+    )
+    return replace(surface, faces=np.where(turned[:, None], faces[:, ::-1], faces), repairs=notes)
+
+
+def _split_fans(surface: Surface) -> Surface:
+    """Give each fan of faces around a vertex a vertex of its own.
+
+    A corner of a face and the corner of the next face around the vertex are one where both faces share an edge and
+    agree on its direction; the connected sets of corners are the vertices. What cannot be oriented (a Mobius band) is
+    cut open here.
+    """
+    faces = surface.faces
+    first, second, opposite = _twins(faces)
+    first, second = first[opposite], second[opposite]
+    # Half-edge h starts at corner h; its end is the next corner of the same face.
+    first_end, second_end = first - first % 3 + (first + 1) % 3, second - second % 3 + (second + 1) % 3
+    number, label = _pieces(3 * len(faces), np.r_[first, first_end], np.r_[second_end, second])
+    corner = faces.ravel()
+    used = len(np.unique(corner))
+    if number == used:
+        return surface
+    _, sample = np.unique(label, return_index=True)
+    owner = corner[sample]
+    order = np.lexsort((sample, owner))
+    kept = owner[order]
+    rank = np.argsort(order)
+    again = np.r_[False, kept[1:] == kept[:-1]]
+    # The first fan keeps the vertex, copies go to the end.
+    place = np.zeros(number, np.int64)
+    place[~again] = kept[~again]
+    place[again] = len(surface.vertices) + np.arange(int(again.sum()))
+    copies = kept[again]
+    cut = int((~opposite).sum())
+    notes = surface.note(len(copies), "Split 1 non-manifold vertex.", "Split {} non-manifold vertices.")
+    surface = Surface(
+        np.concatenate([surface.vertices, surface.vertices[copies]]),
+        place[rank][label].reshape(-1, 3),
+        np.concatenate([surface.origin, surface.origin[copies]]),
+        notes,
+    )
+    return replace(surface, repairs=surface.note(cut, "Cut 1 one-sided edge.", "Cut {} one-sided edges."))
+
+
+def _drop_strays(surface: Surface) -> Surface:
+    first, second, _ = _twins(surface.faces)
+    number, piece = _pieces(len(surface.faces), first // 3, second // 3)
+    if number == 1:
+        return surface
+    size = np.bincount(piece, weights=face_areas(surface.vertices, surface.faces), minlength=number)
+    kept = size >= STRAY * size.max()
+    notes = surface.note(int((~kept).sum()), "Dropped 1 stray piece.", "Dropped {} stray pieces.")
+    return replace(surface, faces=surface.faces[kept[piece]], repairs=notes)
+
+
+def _drop_unused(surface: Surface) -> Surface:
+    used = np.unique(surface.faces)
+    if len(used) == len(surface.vertices):
+        return surface
+    index = np.zeros(len(surface.vertices), np.int64)
+    index[used] = np.arange(len(used))
+    return Surface(surface.vertices[used], index[surface.faces], surface.origin[used], surface.repairs)
+
+
+def boundary_edges(faces: np.ndarray) -> np.ndarray:
+    """Give the directed edges that only one face has, shape [edge_count, 2]."""
+    directed, edge = half_edges(faces)
+    return directed[np.bincount(edge)[edge] == 1]
+
+
+def boundary_pieces(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Give boundary edges [e, 2], the piece of each [e], and each piece's mean [k, 3] and area vector [k, 3].
+
+    The area vector is half the sum of u x v over the directed edges (u, v), about the mean; for outward faces it
+    points from the opening into the garment.
+    """
+    rim = boundary_edges(faces)
+    if len(rim) == 0:
+        return rim, np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros((0, 3))
+    used, local = np.unique(rim, return_inverse=True)
+    local = local.reshape(-1, 2)
+    number, label = _pieces(len(used), local[:, 0], local[:, 1])
+    piece = label[local[:, 0]]
+    means = np.stack([np.bincount(label, vertices[used, k], number) for k in range(3)], axis=1)
+    means /= np.bincount(label, minlength=number)[:, None]
+    cross = 0.5 * np.cross(vertices[rim[:, 0]] - means[piece], vertices[rim[:, 1]] - means[piece])
+    areas = np.stack([np.bincount(piece, cross[:, k], number) for k in range(3)], axis=1)
+    return rim, piece, means, areas
+
+
+def enclosed_volume(vertices: np.ndarray, faces: np.ndarray) -> float:
+    """Give the signed volume [unit cubed] of the surface with each opening closed by a fan; outward is positive."""
+    centre = vertices[np.unique(faces)].mean(axis=0)
+    a, b, c = (vertices[faces[:, k]] - centre for k in range(3))
+    volume = float(np.einsum("ij,ij->", a, np.cross(b, c)))
+    rim, piece, means, _ = boundary_pieces(vertices, faces)
+    if len(rim):
+        # The lid's triangles run against the boundary's direction.
+        p, q, m = vertices[rim[:, 1]] - centre, vertices[rim[:, 0]] - centre, means[piece] - centre
+        volume += float(np.einsum("ij,ij->", p, np.cross(q, m)))
+    return volume / 6.0
+
+
+def _turn_outward(surface: Surface) -> Surface:
+    """Turn each piece that encloses a negative volume once its openings are closed."""
+    first, second, _ = _twins(surface.faces)
+    number, piece = _pieces(len(surface.faces), first // 3, second // 3)
+    faces = surface.faces.copy()
+    turned = 0
+    for k in range(number):
+        mine = piece == k
+        if enclosed_volume(surface.vertices, faces[mine]) < 0.0:
+            faces[mine] = faces[mine][:, ::-1]
+            turned += 1
+    notes = surface.note(turned, "Turned the surface outward.", "Turned {} pieces outward.")
+    return replace(surface, faces=faces, repairs=notes)
+
+
+def turn_from_body(vertices: np.ndarray, faces: np.ndarray, body_vertices: np.ndarray, body_faces: np.ndarray) -> bool:
+    """Tell whether the faces must be turned so that they face away from the body (area-weighted vote).
+
+    Each face compares its normal with the body's normal at the nearest body vertex.
+    """
+    a, b, c = (body_vertices[body_faces[:, k]] for k in range(3))
+    normals = np.zeros_like(body_vertices)
+    cross = np.cross(b - a, c - a)
+    for k in range(3):
+        np.add.at(normals, body_faces[:, k], cross)
+    pick = np.unique(np.linspace(0, len(faces) - 1, min(VOTERS, len(faces))).astype(np.int64))
+    p, q, r = (vertices[faces[pick, k]] for k in range(3))
+    nearest = cKDTree(body_vertices).query((p + q + r) / 3.0)[1]
+    length = np.linalg.norm(normals[nearest], axis=1)
+    agree = np.einsum("ij,ij->i", np.cross(q - p, r - p), normals[nearest]) / np.where(length > 0, length, 1.0)
+    return bool(agree.sum() < 0.0)

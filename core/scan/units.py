@@ -1,0 +1,109 @@
+"""Which unit a file is in and which axis points up, judged by what a garment or a body can measure."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .refusal import ChoiceBad, UnitsAmbiguous, UnitsUnknown, UpAmbiguous
+from .repair import boundary_pieces, face_areas
+
+UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+"""Metres in one unit of the file."""
+AXES = ("y", "z")
+INCH = 0.0254
+BODY_LONGEST = (0.95, 2.4)
+"""Longest side of a body's bounding box [m]: height or arm span of anyone from a small child on. The span stays below
+2.54, so that no body in inches passes as one in centimetres."""
+GARMENT_LONGEST = (0.28, 2.3)
+"""Longest side of a worn garment's bounding box [m]: from shorts to the span of long sleeves or a gown."""
+GARMENT_SHORTEST = (0.16, 1.2)
+"""Shortest side of a worn garment's bounding box [m]: it goes around a trunk, which is at least that deep. A garment of
+an adult in inches (17 to 45 cm deep) would be 7 to 18 cm deep in centimetres."""
+GARMENT_AREA = (0.2, 8.0)
+"""Area of a garment [m2]: from shorts to a ball gown."""
+GIVEN_LONGEST = (0.1, 5.0)
+"""Longest side that is believed where the user names the unit [m]."""
+UP_RATIO = 1.3
+"""One axis must lead the other by so much; a body seen from above is at most as wide as deep when it sits."""
+
+
+def check_choice(units: str | None, up: str | None) -> None:
+    """Check what the user said about units and axis.
+
+    Raises:
+        ChoiceBad: where it is none of the allowed words.
+    """
+    if units is not None and units not in UNITS:
+        raise ChoiceBad(f"units '{units}' are not known; give m, cm or mm.")
+    if up is not None and up not in AXES:
+        raise ChoiceBad(f"up axis '{up}' is not known; give y or z.")
+
+
+def _fits(extent: np.ndarray, area: float | None, scale: float, kind: str) -> bool:
+    longest, shortest = float(extent.max()) * scale, float(extent.min()) * scale
+    if kind == "body":
+        return BODY_LONGEST[0] <= longest <= BODY_LONGEST[1]
+    fits = GARMENT_LONGEST[0] <= longest <= GARMENT_LONGEST[1] and (
+        GARMENT_SHORTEST[0] <= shortest <= GARMENT_SHORTEST[1]
+    )
+    return fits and (area is None or GARMENT_AREA[0] <= area * scale**2 <= GARMENT_AREA[1])
+
+
+def find_units(vertices: np.ndarray, kind: str = "garment", *, faces: np.ndarray | None = None) -> str:
+    """Find the unit (`m`, `cm` or `mm`) in which positions [unit], shape [n, 3], measure a `garment` or a `body`.
+
+    Raises:
+        UnitsUnknown: where none fits (inches, a toy, a room).
+        UnitsAmbiguous: where several fit.
+    """
+    extent = np.ptp(vertices, axis=0)
+    area = None if faces is None else float(face_areas(vertices, faces).sum())
+    found = [name for name, scale in UNITS.items() if _fits(extent, area, scale, kind)]
+    size = " x ".join(f"{value:.3g}" for value in extent)
+    if len(found) > 1:
+        raise UnitsAmbiguous(f"The {kind} measures {size}, which fits {' and '.join(found)}; say which with --units.")
+    if not found:
+        inches = ", but inches, which are not read" if _fits(extent, area, INCH, kind) else ""
+        raise UnitsUnknown(
+            f"The {kind} measures {size}, which fits neither m, cm nor mm{inches}; convert the file, "
+            "or say its unit with --units."
+        )
+    return found[0]
+
+
+def check_size(vertices: np.ndarray, units: str, kind: str) -> None:
+    """Check that the unit given by the user is possible at all.
+
+    Raises:
+        UnitsUnknown: where the mesh would be smaller than 10 cm or larger than 5 m.
+    """
+    longest = float(np.ptp(vertices, axis=0).max()) * UNITS[units]
+    if not GIVEN_LONGEST[0] <= longest <= GIVEN_LONGEST[1]:
+        raise UnitsUnknown(f"In {units} the {kind} would be {longest:.3g} m long; give its true unit with --units.")
+
+
+def find_up(vertices: np.ndarray, faces: np.ndarray, kind: str = "garment") -> str:
+    """Find the axis (`y` or `z`) that points up.
+
+    A body is longer than deep. A garment's openings (hem, waist, neck) face up and down: their area vectors, each
+    counted by its absolute components, lie along the up axis; sleeves in a T pose add to x only.
+
+    Raises:
+        UpAmbiguous: where neither axis leads.
+    """
+    if kind == "body":
+        _, y, z = np.ptp(vertices, axis=0)
+    else:
+        areas = boundary_pieces(vertices, faces)[3]
+        _, y, z = np.abs(areas).sum(axis=0) if len(areas) else np.ptp(vertices, axis=0)
+    if y >= UP_RATIO * z:
+        return "y"
+    if z >= UP_RATIO * y:
+        return "z"
+    raise UpAmbiguous(f"It cannot be told whether y or z points up in the {kind}'s file; say which with --up y or z.")
+
+
+def to_metres(vertices: np.ndarray, units: str, up: str) -> np.ndarray:
+    """Give positions in metres with y up; z up is turned about x, so (x, y, z) becomes (x, z, -y)."""
+    scaled = vertices * UNITS[units]
+    return scaled if up == "y" else np.stack([scaled[:, 0], scaled[:, 2], -scaled[:, 1]], axis=1)
