@@ -97,7 +97,7 @@ def _check_count(name: str, count: int, what: str, limits: Limits) -> None:
         raise HeaderBroken(f"{name} claims {count} {what}; export the mesh again.")
     if count > limits.count:
         raise CountTooLarge(
-            f"{name} claims {count} {what}, more than the {limits.count} read; the file is damaged or must be decimated."
+            f"{name} claims {count} {what}, more than the {limits.count} read; it is damaged or must be decimated."
         )
 
 

@@ -78,7 +78,7 @@ class LimitsExceeded(BadInput):
 
 
 class NoFaces(BadInput):
-    """The file holds no triangles; reconstruct a surface from the points (Poisson, ball pivoting) and give that mesh."""
+    """The file holds no triangles; reconstruct a surface from its points (Poisson reconstruction) and give that."""
 
     code = "scan.no_faces"
 

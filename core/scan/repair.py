@@ -15,7 +15,7 @@ most PLY files hold the same point once per triangle."""
 SLIVER = 1e-6
 """A triangle whose height is below this share of its longest side has no direction of its own in float32."""
 STRAY = 0.05
-"""A separate piece with less than this share of the largest piece's area is dust, a label or an eye, never a garment."""
+"""A separate piece with less than this share of the largest piece's area is dust or an eye, never a garment."""
 VOTERS = 20000
 """Faces asked which way is outward from a body; more change no verdict."""
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from .refusal import ChoiceBad, UnitsAmbiguous, UnitsUnknown, UpAmbiguous
-from .repair import boundary_pieces, face_areas
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 """Metres in one unit of the file."""
@@ -56,6 +55,8 @@ def find_units(vertices: np.ndarray, kind: str = "garment", *, faces: np.ndarray
         UnitsUnknown: where none fits (inches, a toy, a room).
         UnitsAmbiguous: where several fit.
     """
+    from .repair import face_areas
+
     extent = np.ptp(vertices, axis=0)
     area = None if faces is None else float(face_areas(vertices, faces).sum())
     found = [name for name, scale in UNITS.items() if _fits(extent, area, scale, kind)]
@@ -91,6 +92,8 @@ def find_up(vertices: np.ndarray, faces: np.ndarray, kind: str = "garment") -> s
     Raises:
         UpAmbiguous: where neither axis leads.
     """
+    from .repair import boundary_pieces
+
     if kind == "body":
         _, y, z = np.ptp(vertices, axis=0)
     else:
