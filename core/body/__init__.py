@@ -8,12 +8,50 @@ from typing import TYPE_CHECKING, Any
 from .body import JOINTS, PARENTS, Body
 
 if TYPE_CHECKING:
+    from .builtin import BodyMissing, BodySpecBad, builtin_body
     from .distance import DistanceBad, DistanceGrid, sample_distance
+    from .model import BodyModel
+    from .registration import NotHuman, register_body
+    from .skinning import rest_body, skin, unskin, weights_at
+    from .surface import signed_distance
 
-_LAZY = {"DistanceBad": "distance", "DistanceGrid": "distance", "sample_distance": "distance"}
+_LAZY = {
+    "BodyMissing": "builtin",
+    "BodyModel": "model",
+    "BodySpecBad": "builtin",
+    "DistanceBad": "distance",
+    "DistanceGrid": "distance",
+    "NotHuman": "registration",
+    "builtin_body": "builtin",
+    "register_body": "registration",
+    "rest_body": "skinning",
+    "sample_distance": "distance",
+    "signed_distance": "surface",
+    "skin": "skinning",
+    "unskin": "skinning",
+    "weights_at": "skinning",
+}
 # Modules with compiled kernels or heavy libraries: imported on first use, so that the room itself stays light.
 
-__all__ = ["JOINTS", "PARENTS", "Body", "DistanceBad", "DistanceGrid", "sample_distance"]
+__all__ = [
+    "JOINTS",
+    "PARENTS",
+    "Body",
+    "BodyMissing",
+    "BodyModel",
+    "BodySpecBad",
+    "DistanceBad",
+    "DistanceGrid",
+    "NotHuman",
+    "builtin_body",
+    "register_body",
+    "rest_body",
+    "sample_distance",
+    "signed_distance",
+    "skin",
+    "unskin",
+    "weights_at",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -1,0 +1,164 @@
+"""The built-in body from a short description such as `builtin:female,height=1.70,weight=62,pose=A`."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..errors import BadInput
+from .body import JOINTS, Body
+from .skinning import skin
+from .template import Template, articulate, load_template, rotations_of, transforms_of
+
+DENSITY = 985.0
+"""Mean density of a living body with air in its lungs [kg/m3]; turns the mesh's volume into the weight asked for.
+Assumed: bodies lie between about 0.94 (lungs full) and 1.06 (lungs empty, lean) times water's."""
+
+HEIGHTS = (1.40, 2.10)
+"""Heights [m] that the shape directions were drawn for; beyond them bodies look wrong."""
+USUAL_HEIGHTS = {"female": 1.65, "male": 1.77}
+"""Height [m] where none is asked for: about the mean of young adults in Europe."""
+MASS_INDICES = (16.0, 40.0)
+"""Range of weight over height squared [kg/m2] for the same reason."""
+
+ARM_DROPS = {"T": 0.0, "A": math.radians(45), "arms-down": math.radians(70)}
+"""Angle [rad] by which each arm hangs below the horizontal; 70 degrees is as low as hands clear broad hips."""
+
+
+class BodyMissing(BadInput):
+    """No body was given: give a mesh with `--body body.ply`, or use `--body builtin:female,height=1.70`."""
+
+    code = "body.missing"
+
+
+class BodySpecBad(BadInput):
+    """The built-in body is described as builtin:female|male[,height=1.70][,weight=62][,pose=T|A|arms-down]."""
+
+    code = "body.spec_bad"
+
+
+def builtin_body(spec: str) -> Body:
+    """Make the built-in body that a description asks for.
+
+    The shape is the most probable one of that gender with the height (and weight) given. The feet stand at y = 0 below
+    the pelvis at x = z = 0, facing +z.
+
+    Args:
+        spec: `builtin:female` or `builtin:male`, then any of `height` [m], `weight` [kg], `pose` (T, A, arms-down).
+
+    Raises:
+        BodyMissing: where the description is empty.
+        BodySpecBad: where it cannot be read or asks for a body outside the model's range.
+    """
+    gender, height, weight, pose = parse_spec(spec)
+    template = load_template()
+    shape = shape_for(template, gender, height, weight)
+    rest, joints = template.shaped(shape)
+    floor = np.array([0.0, rest[:, 1].min(), 0.0])
+    rest, joints = rest - floor, joints - floor
+    angles = arm_pose(ARM_DROPS[pose])
+    world, posed = articulate(rotations_of(angles), joints, np.zeros(3))
+    transforms = transforms_of(world, posed, joints)
+    return Body(
+        vertices=skin(rest, template.weights, transforms),
+        faces=template.faces,
+        joints=posed,
+        weights=template.weights,
+        transforms=transforms,
+        rest_vertices=rest,
+        rest_faces=template.faces,
+        rest_joints=joints,
+        rest_weights=template.weights,
+        heading=np.eye(3),
+        parameters={"shape": shape, "pose": angles, "translation": np.zeros(3)},
+        source=f"builtin:{gender}",
+    )
+
+
+def parse_spec(spec: str) -> tuple[str, float, float | None, str]:
+    """Read gender, height [m], weight [kg] and pose out of a description.
+
+    Raises:
+        BodyMissing: where it is empty.
+        BodySpecBad: where it cannot be read.
+    """
+    if not spec.strip():
+        raise BodyMissing()
+    words = [word.strip() for word in spec.strip().removeprefix("builtin").removeprefix(":").split(",")]
+    if not spec.strip().startswith("builtin:") or words[0] not in ("female", "male"):
+        raise BodySpecBad(f"'{spec}' is not a built-in body. {BodySpecBad().message}")
+    numbers: dict[str, float] = {}
+    pose = "T"
+    for word in words[1:]:
+        key, _, value = word.partition("=")
+        if key == "pose" and value in ARM_DROPS:
+            pose = value
+        elif key in ("height", "weight") and key not in numbers:
+            numbers[key] = _number(spec, key, value)
+        else:
+            raise BodySpecBad(f"'{word}' in '{spec}' is not understood. {BodySpecBad().message}")
+    height, weight = numbers.get("height", USUAL_HEIGHTS[words[0]]), numbers.get("weight")
+    if not HEIGHTS[0] <= height <= HEIGHTS[1]:
+        raise BodySpecBad(f"height={height:g} is outside {HEIGHTS[0]:.2f} to {HEIGHTS[1]:.2f} m (height is in metres).")
+    low, high = (index * height**2 for index in MASS_INDICES)
+    if weight is not None and not low <= weight <= high:
+        raise BodySpecBad(f"weight={weight:g} is outside {low:.0f} to {high:.0f} kg for a height of {height:.2f} m.")
+    return words[0], height, weight, pose
+
+
+def shape_for(template: Template, gender: str, height: float, weight: float | None) -> np.ndarray:
+    """Give the most probable shape coefficients [k] of a gender with a height [m] and a weight [kg].
+
+    With z ~ N(mean, C) and the constraints c(z) = (height, volume), minimise (z - mean)' C^-1 (z - mean) subject to
+    c(z) = target: each Newton step on the linearised constraints is z = mean + C A' (A C A')^-1 (t - c(z) + A (z -
+    mean)), with A the derivative of c. The volume is cubic and the height piecewise linear in z, so a few steps do.
+    """
+    mean, covariance = template.means[gender], template.covariances[gender]
+    shape = mean.copy()
+    for _ in range(8):
+        vertices, _ = template.shaped(shape)
+        top, bottom = vertices[:, 1].argmax(), vertices[:, 1].argmin()
+        values = [vertices[top, 1] - vertices[bottom, 1]]
+        slopes = [template.directions[:, top, 1] - template.directions[:, bottom, 1]]
+        targets = [height]
+        if weight is not None:
+            volume, slope = _volume(vertices, template.faces)
+            values.append(volume)
+            slopes.append(np.tensordot(template.directions, slope, axes=2))
+            targets.append(weight / DENSITY)
+        a = np.array(slopes)
+        gap = np.array(targets) - np.array(values) + a @ (shape - mean)
+        shape = mean + covariance @ a.T @ np.linalg.solve(a @ covariance @ a.T, gap)
+    return shape
+
+
+def arm_pose(drop: float) -> np.ndarray:
+    """Give axis-angles [24, 3] of a body whose arms hang `drop` [rad] below the horizontal.
+
+    The collar takes an eighth of the way, as a shoulder girdle does for small angles.
+    """
+    angles = np.zeros((24, 3))
+    for side, sign in (("left", -1.0), ("right", 1.0)):
+        angles[JOINTS.index(f"{side}_collar"), 2] = sign * drop / 8
+        angles[JOINTS.index(f"{side}_shoulder"), 2] = sign * drop * 7 / 8
+    return angles
+
+
+def _number(spec: str, key: str, value: str) -> float:
+    try:
+        number = float(value)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise BodySpecBad(f"{key}='{value}' in '{spec}' is not a number. {BodySpecBad().message}")
+    return number
+
+
+def _volume(vertices: np.ndarray, faces: np.ndarray) -> tuple[float, np.ndarray]:
+    """Give the enclosed volume [m3] and its derivative by the vertices [n, 3]."""
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    slope = np.zeros_like(vertices)
+    for k, opposite in enumerate((np.cross(b, c), np.cross(c, a), np.cross(a, b))):
+        np.add.at(slope, faces[:, k], opposite / 6)
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6), slope
