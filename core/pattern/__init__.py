@@ -1,30 +1,51 @@
 """Sewing patterns: panels, seams, control points, meshing and sewing."""
 
-from .curves import edge_length, edge_points, outline, panel_area, reverse_edge, split_edge
+from .control import ControlMap, map_controls, mean_value_coordinates
+from .curves import edge_length, edge_points, panel_area, panel_outline, reverse_edge, split_edge
 from .garment import Garment
 from .garmentcode import load_pattern, read_pattern, save_pattern, write_pattern
 from .meshing import choose_edge_length
 from .pattern import EDGE_KINDS, Edge, EdgeRef, Panel, Pattern, Seam
+from .resampling import resample
+from .seams import equalise_seams, seam_lengths, seam_mismatch
 from .sewing import mesh_pattern
+from .symmetry import Mirror, Symmetry, find_symmetry
+from .templates import TemplateInfo, TemplateUnknown, list_templates, load_template
+from .validity import check_outline
 
 __all__ = [
     "EDGE_KINDS",
+    "ControlMap",
     "Edge",
     "EdgeRef",
     "Garment",
+    "Mirror",
     "Panel",
     "Pattern",
     "Seam",
+    "Symmetry",
+    "TemplateInfo",
+    "TemplateUnknown",
+    "check_outline",
     "choose_edge_length",
     "edge_length",
     "edge_points",
+    "equalise_seams",
+    "find_symmetry",
+    "list_templates",
     "load_pattern",
+    "load_template",
+    "map_controls",
+    "mean_value_coordinates",
     "mesh_pattern",
-    "outline",
     "panel_area",
+    "panel_outline",
     "read_pattern",
+    "resample",
     "reverse_edge",
     "save_pattern",
+    "seam_lengths",
+    "seam_mismatch",
     "split_edge",
     "write_pattern",
 ]
