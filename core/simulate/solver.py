@@ -66,7 +66,14 @@ class SuperLU:
 
 
 def make_solver(topology: Topology) -> Solver:
-    """Give the quickest solver that is installed, with the pattern analysed."""
-    solver = SuperLU()
+    """Give the quickest solver for definite matrices, with the pattern analysed.
+
+    **Deviation** from numerics 1 (SuperLU, or MKL Pardiso as an extra): our multifrontal Cholesky needs nothing beyond
+    scipy's BLAS and is as quick as Pardiso was. It refuses an indefinite matrix, as descent must; an adjoint at an
+    equilibrium with an indefinite Hessian takes `SuperLU`.
+    """
+    from .multifrontal import Multifrontal
+
+    solver = Multifrontal()
     solver.analyse(topology)
     return solver

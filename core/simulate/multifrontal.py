@@ -1,0 +1,142 @@
+"""A sparse Cholesky factorisation of 3x3-block matrices by dense fronts (Duff and Reid 1983)."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sparse
+from numba import njit
+from scipy.linalg.blas import dgemv, dsyrk, dtrsm, dtrsv
+from scipy.linalg.lapack import dpotrf
+
+from .dissection import dissect
+from .topology import Topology
+
+
+class Multifrontal:
+    """Factor with dense fronts over a nested dissection: BLAS does the work, the pattern is analysed once.
+
+    Each part of the dissection is a front [F11 .; F21 F22]: own rows and boundary rows. F11 = L11 L11^T, L21 = F21
+    L11^-T, and F22 - L21 L21^T is added to the parent's front. A matrix that is not positive definite is refused.
+    """
+
+    def __init__(self) -> None:
+        self._definite = False
+
+    def analyse(self, topology: Topology) -> None:
+        """Order the nodes, lay out the fronts and map every entry of the matrix to its place in them."""
+        count = topology.node_count
+        graph = sparse.csr_matrix(
+            (np.ones(len(topology.block_rows)), (topology.block_rows, topology.block_columns)), shape=(count, count)
+        )
+        graph = (graph + graph.T).tocsr()
+        self._parts = dissect(graph.indptr.astype(np.int64), graph.indices.astype(np.int64))
+        order = np.concatenate([part.nodes for part in self._parts])
+        self._order = (3 * order[:, None] + np.arange(3)).ravel()
+        own = np.array([3 * len(part.nodes) for part in self._parts])
+        rest = np.array([3 * len(part.boundary) for part in self._parts])
+        starts = np.concatenate([[0], np.cumsum(own * (own + rest))])
+        self._fronts = [
+            (int(starts[p]), int(own[p]), int(rest[p]), 3 * part.first) for p, part in enumerate(self._parts)
+        ]
+        self._size = int(starts[-1])
+        self._rows = [(3 * part.boundary[:, None] + np.arange(3)).ravel() for part in self._parts]
+        self._map_entries(topology, own, starts)
+        self._links = []
+        for rows, part in zip(self._rows, self._parts, strict=True):
+            if part.parent < 0:
+                self._links.append(rows[:0])
+                continue
+            up = self._fronts[part.parent]
+            inside = rows < up[3] + up[1]
+            above = up[1] + np.searchsorted(self._rows[part.parent], rows)
+            self._links.append(np.where(inside, rows - up[3], above))
+
+    def _map_entries(self, topology: Topology, own: np.ndarray, starts: np.ndarray) -> None:
+        """Find where each lower entry of the permuted matrix goes; F11 and F21 are stored by columns, one after other."""
+        new = np.zeros(3 * topology.node_count, dtype=np.int64)
+        new[self._order] = np.arange(len(new))
+        row = new[np.repeat(np.arange(len(new)), np.diff(topology.indptr))]
+        column = new[topology.indices]
+        source = np.flatnonzero(row >= column)
+        row, column = row[source], column[source]
+        firsts = np.array([front[3] for front in self._fronts])
+        part = np.searchsorted(firsts, column, side="right") - 1
+        target = np.zeros(len(source), dtype=np.int64)
+        order = np.argsort(part, kind="stable")
+        cuts = np.searchsorted(part[order], np.arange(len(firsts) + 1))
+        for p, (start, n1, n2, first) in enumerate(self._fronts):
+            mine = order[cuts[p] : cuts[p + 1]]
+            r, c = row[mine] - first, column[mine] - first
+            low = r >= n1
+            below = np.searchsorted(self._rows[p], row[mine][low])
+            place = start + c * n1 + r
+            place[low] = start + n1 * n1 + c[low] * n2 + below
+            target[mine] = place
+        self._source, self._target = source, target
+
+    def factor(self, data: np.ndarray) -> bool:
+        """Factor the matrix with these entries; False where it is not positive definite."""
+        store = np.zeros(self._size)
+        store[self._target] = data[self._source]
+        updates: list[list[tuple[np.ndarray, np.ndarray]]] = [[] for _ in self._parts]
+        self._factors: list[tuple[np.ndarray, np.ndarray]] = []
+        self._definite = False
+        for p, (start, n1, n2, _) in enumerate(self._fronts):
+            own = store[start : start + n1 * n1].reshape((n1, n1), order="F")
+            below = store[start + n1 * n1 : start + n1 * (n1 + n2)].reshape((n2, n1), order="F")
+            rest = np.zeros((n2, n2), order="F")
+            for update, link in updates[p]:
+                _add_update(update, link, own, below, rest)
+            updates[p] = []
+            _, info = dpotrf(own, lower=1, clean=0, overwrite_a=1)
+            if info != 0 or not np.isfinite(own[-1, -1]):
+                return False
+            if n2:
+                dtrsm(1.0, own, below, side=1, lower=1, trans_a=1, overwrite_b=1)
+                rest = dsyrk(-1.0, below, beta=1.0, c=rest, lower=1, overwrite_c=1)
+                updates[self._parts[p].parent].append((rest, self._links[p]))
+            self._factors.append((own, below))
+        self._definite = True
+        return True
+
+    def solve(self, right: np.ndarray) -> np.ndarray:
+        """Solve for one right side [n] or several [n, m] with the last factor."""
+        if right.ndim == 2:
+            return np.stack([self.solve(column) for column in right.T], axis=1)
+        x = np.ascontiguousarray(right[self._order], dtype=np.float64)
+        for p, (own, below) in enumerate(self._factors):
+            _, n1, n2, first = self._fronts[p]
+            part = dtrsv(own, x[first : first + n1], lower=1)
+            x[first : first + n1] = part
+            if n2:
+                x[self._rows[p]] -= dgemv(1.0, below, part)
+        for p in range(len(self._factors) - 1, -1, -1):
+            own, below = self._factors[p]
+            _, n1, n2, first = self._fronts[p]
+            part = x[first : first + n1]
+            if n2:
+                part = part - dgemv(1.0, below, x[self._rows[p]], trans=1)
+            x[first : first + n1] = dtrsv(own, part, lower=1, trans=1)
+        result = np.zeros_like(x)
+        result[self._order] = x
+        return result
+
+    def is_positive_definite(self) -> bool:
+        """Tell whether the last matrix factored was positive definite."""
+        return self._definite
+
+
+@njit(cache=True)
+def _add_update(update, link, own, below, rest):  # type: ignore[no-untyped-def]
+    """Add the lower half of a child's update to the parent's front."""
+    n1 = own.shape[0]
+    for c in range(len(link)):
+        column = link[c]
+        for r in range(c, len(link)):
+            row = link[r]
+            if column >= n1:
+                rest[row - n1, column - n1] += update[r, c]
+            elif row >= n1:
+                below[row - n1, column] += update[r, c]
+            else:
+                own[row, column] += update[r, c]
