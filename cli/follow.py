@@ -1,0 +1,119 @@
+"""Wait for jobs and show how far they are, from the events in the database."""
+
+from __future__ import annotations
+
+import sys
+import time
+from contextlib import AbstractContextManager, nullcontext
+from typing import Any
+
+import click
+
+from ..core.recovery import STAGES
+from ..service.database import Database
+from ..service.jobs import ENDED, find_job, read_events
+from ..service.models import EventRow, JobRow
+
+PERIOD_SECONDS = 0.2
+"""How often the database is asked [s]; a person sees no difference below."""
+
+
+class WaitTimedOut(Exception):
+    """The job had not ended when the time was over."""
+
+
+def follow(database: Database, job: str, timeout: float | None, is_quiet: bool) -> JobRow:
+    """Wait until a job has ended, with a bar per stage on a terminal and a line per stage elsewhere.
+
+    Raises:
+        WaitTimedOut: where `timeout` seconds went by first.
+    """
+    deadline = None if timeout is None else time.monotonic() + timeout
+    seen = 0
+    with _choose_display(is_quiet) as display:
+        while True:
+            row = find_job(database, job)
+            for event in read_events(database, job, seen):
+                seen = event.id
+                display.show(event)
+            if row.state in ENDED:
+                return row
+            if deadline is not None and time.monotonic() > deadline:
+                raise WaitTimedOut()
+            time.sleep(PERIOD_SECONDS)
+
+
+def _choose_display(is_quiet: bool) -> AbstractContextManager[Any]:
+    if is_quiet:
+        return nullcontext(_Silence())
+    return Bars() if sys.stderr.isatty() else nullcontext(Lines())
+
+
+class _Silence:
+    def show(self, event: EventRow) -> None:
+        """Show nothing."""
+
+
+class Lines:
+    """Write one line when a stage begins and one for each thing that happens to the job."""
+
+    def __init__(self) -> None:
+        """Begin with no stage."""
+        self.stage = ""
+
+    def show(self, event: EventRow) -> None:
+        """Write what is new."""
+        if event.kind != "progress":
+            detail = event.data.get("message", "")
+            click.echo(f"{event.kind}{': ' + detail if detail else ''}", err=True)
+        elif event.data["stage"] != self.stage:
+            self.stage = event.data["stage"]
+            click.echo(f"  {self.stage} ...", err=True)
+
+
+class Bars:
+    """Draw a bar for each stage on the terminal."""
+
+    def __init__(self) -> None:
+        """Prepare the bars."""
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+        self.progress = Progress(
+            TextColumn("{task.description:9}"),
+            BarColumn(),
+            TextColumn("{task.percentage:3.0f}%"),
+            TimeElapsedColumn(),
+            TextColumn("{task.fields[message]}", markup=False),
+            console=Console(stderr=True),
+        )
+        self.tasks: dict[str, Any] = {}
+
+    def __enter__(self) -> Bars:
+        """Begin to draw."""
+        self.progress.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Leave the last picture on the screen."""
+        self.progress.stop()
+
+    def show(self, event: EventRow) -> None:
+        """Draw what is new."""
+        if event.kind != "progress":
+            if event.kind not in ("queued", "started", "succeeded"):
+                self.progress.console.print(event.kind, event.data.get("message", ""), markup=False)
+            return
+        stage = event.data["stage"]
+        if stage not in self.tasks:
+            self._finish_before(stage)
+            self.tasks[stage] = self.progress.add_task(stage, total=1.0, message="")
+        message = "".join(letter for letter in event.data["message"] if letter.isprintable())
+        self.progress.update(self.tasks[stage], completed=event.data["fraction"], message=message)
+
+    def _finish_before(self, stage: str) -> None:
+        order = STAGES.index(stage) if stage in STAGES else len(STAGES)
+        for name, task in self.tasks.items():
+            if name not in STAGES or STAGES.index(name) < order:
+                self.progress.update(task, completed=1.0)
+                self.progress.stop_task(task)

@@ -1,0 +1,87 @@
+"""The command `garmentq`: each sub-command is a module of its own, imported only when it is asked for."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+
+import click
+
+from .. import __version__
+from ..core.errors import GarmentqError
+from . import exits
+
+COMMANDS = {
+    "run": "Recover one garment: submit it, work on it here, wait, and show the result.",
+    "submit": "Queue one or more scans.",
+    "status": "Show the jobs, or one of them.",
+    "logs": "Show what happened to a job.",
+    "result": "Show what a job found.",
+    "export": "Copy a job's files into a folder.",
+    "query": "Find jobs by what they found.",
+    "cancel": "Stop a job.",
+    "retry": "Queue an ended job again.",
+    "inspect": "Show how a file is understood, before anything is run.",
+    "templates": "List, show, import and export template patterns.",
+    "materials": "List the fabrics of the library.",
+    "worker": "Run a worker until it is told to stop.",
+    "up": "Start the embedded broker and worker.",
+    "down": "Stop the embedded worker and broker; the jobs stay.",
+    "doctor": "Check that everything garmentq needs is there.",
+    "bench": "Recover every target pack in a folder and compare with the truth.",
+}
+"""Every command with its line in `garmentq --help`; a test compares it with the command's own help."""
+
+
+class LazyGroup(click.Group):
+    """List the commands without importing them."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Give the names in the order of a user's day."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import one command."""
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = importlib.import_module(f".{cmd_name}", __package__).command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the list of commands from `COMMANDS`."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, "--version", prog_name="garmentq")
+def group() -> None:
+    """Recover a sewing pattern, a simulation mesh and a detailed mesh from the 3D scan of a garment.
+
+    \b
+    Example:
+      garmentq run garment.ply --body body.ply
+    """
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line; an error of ours ends in one line, never in a traceback."""
+    try:
+        status = group.main(args=arguments, prog_name="garmentq", standalone_mode=False)
+    except click.ClickException as error:
+        error.show()
+        status = error.exit_code
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("interrupted", err=True)
+        status = exits.DETACHED
+    except GarmentqError as error:
+        click.echo(f"error {error.code}: {error.message}", err=True)
+        status = exits.error_status(error)
+    except BrokenPipeError:
+        sys.stderr.close()
+        status = exits.OK
+    sys.exit(status if isinstance(status, int) else exits.OK)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,59 @@
+"""Options that several commands share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..core.settings import METHODS, PRESETS, RecoverySettings
+
+Decorator = Callable[..., Any]
+
+home_option = click.option(
+    "--home",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="Folder of the database, the store and the logs.  [default: ~/.local/share/garmentq]",
+)
+json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object a line.")
+workers_option = click.option(
+    "--workers", type=click.IntRange(1, 256), help="Jobs at a time, if a worker has to be started.  [default: cores]"
+)
+timeout_option = click.option(
+    "--timeout", type=click.FloatRange(min=0.0), help="Give up waiting after so many seconds; the job goes on."
+)
+
+
+def order_options(function: Decorator) -> Decorator:
+    """Add everything that says how a garment is recovered."""
+    default = RecoverySettings()
+    options = [
+        click.option("--body", help="The wearer's mesh file, or builtin:female,height=1.70."),
+        click.option("--template", help="Base pattern: a pattern file, or a template's name.  [default: chosen]"),
+        click.option("--garment", help="Category, overriding the one found: tshirt, tank, dress, trousers, skirt, ..."),
+        click.option("--fabric", default=default.fabric, show_default=True, help="A name from `garmentq materials`."),
+        click.option("--method", type=click.Choice(METHODS), default=default.method, show_default=True, help="How."),
+        click.option(
+            "--preset",
+            type=click.Choice(PRESETS),
+            default=default.preset,
+            show_default=True,
+            help="Deformer's weights.",
+        ),
+        click.option("--units", type=click.Choice(["m", "cm", "mm"]), help="Unit of the files.  [default: found]"),
+        click.option("--up", type=click.Choice(["y", "z"]), help="Up axis of the files.  [default: found]"),
+        click.option(
+            "--vertices",
+            type=click.IntRange(500, 20000),
+            default=default.vertex_count,
+            show_default=True,
+            help="Vertices of the garment mesh.",
+        ),
+        click.option("--seed", type=int, default=default.seed, show_default=True, help="Seed of every random choice."),
+        click.option("--force", is_flag=True, help="Make a new job even where an equal one exists."),
+    ]
+    for option in reversed(options):
+        function = option(function)
+    return function

@@ -1,0 +1,90 @@
+"""From typed options to a checked order."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from ..core.errors import BadInput, NotFound
+from ..core.settings import RecoverySettings
+from ..service.database import Database
+from ..service.settings import ServiceSettings
+from ..service.store import Store
+from ..service.submission import BUILTIN, BodyMissing, BodyUnreadable, Order
+from ..service.templates import find_template
+
+
+class TemplateUnknown(NotFound):
+    """There is no such template; `garmentq templates list` shows those there are."""
+
+    code = "template.unknown"
+
+
+def make_order(settings: ServiceSettings, database: Database, scan: Path, options: dict[str, Any]) -> Order:
+    """Check the files and names that were typed, before anything is queued.
+
+    Args:
+        settings: Where the checker is named.
+        database: Where imported templates are.
+        scan: The garment's file.
+        options: What `order_options` collected.
+
+    Raises:
+        GarmentqError: with the code of what cannot be used.
+    """
+    chosen = RecoverySettings(
+        method=options["method"],
+        preset=options["preset"],
+        garment=options["garment"],
+        fabric=options["fabric"],
+        units=options["units"],
+        up=options["up"],
+        vertex_count=options["vertices"],
+        seed=options["seed"],
+    )
+    body = _find_body(options["body"])
+    check = settings.find("checker")
+    check(scan, units=chosen.units, up=chosen.up)
+    template, name = _find_template(database, Store(settings.store_path), options["template"])
+    chosen = replace(chosen, template=name)
+    return Order(scan, body, template, chosen, force=options["force"])
+
+
+def _find_body(text: str | None) -> Path | str:
+    if text is None:
+        raise BodyMissing()
+    if text.startswith(BUILTIN):
+        return text
+    path = Path(text)
+    if not path.is_file():
+        raise BodyUnreadable(f"there is no body file '{text}'; give a mesh, or --body builtin:female,height=1.70.")
+    return path
+
+
+def _find_template(database: Database, store: Store, text: str | None) -> tuple[Path | None, str | None]:
+    """Give a pattern file and a name: a file, an imported template (both), or a shipped one (a name only)."""
+    if text is None:
+        return None, None
+    if Path(text).is_file():
+        _check_pattern(Path(text))
+        return Path(text), None
+    imported = find_template(database, text)
+    if imported is not None:
+        return store.path(imported.sha256), text
+    from ..core.pattern.templates import list_templates
+
+    if text not in list_templates():
+        raise TemplateUnknown(
+            f"there is no template or file '{text}'; `garmentq templates list` shows those there are."
+        )
+    return None, text
+
+
+def _check_pattern(path: Path) -> None:
+    from ..core.pattern import load_pattern
+
+    try:
+        load_pattern(path)
+    except (ValueError, KeyError, UnicodeDecodeError) as error:
+        raise BadInput(f"the template '{path}' is no pattern: {error}.") from error

@@ -1,0 +1,97 @@
+"""`garmentq run`: the whole road in one command."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from . import exits
+from .options import home_option, json_option, order_options, timeout_option, workers_option
+
+
+@click.command("run")
+@click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@order_options
+@home_option
+@click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="Folder for the result's files.")
+@workers_option
+@timeout_option
+@json_option
+@click.pass_context
+def command(
+    context: click.Context,
+    file: Path,
+    home: Path | None,
+    out: Path | None,
+    workers: int | None,
+    timeout: float | None,
+    as_json: bool,
+    **options: Any,
+) -> None:
+    """Recover one garment: submit it, work on it here, wait, and show the result.
+
+    The job goes through the queue; a broker and a worker are started if none runs, and stop by themselves after a
+    while without work (`garmentq down` stops them now). Ctrl-C only stops waiting.
+
+    \b
+    Example:
+      garmentq run garment.ply --body body.ply --out result
+      garmentq run skirt.obj --body builtin:female,height=1.70 --units cm --json
+    """
+    from ..service.database import open_database
+    from ..service.settings import read_settings
+    from ..service.store import Store
+    from ..service.submission import submit
+    from ..workers.embedded import ensure_services
+    from .order import make_order
+    from .terminal import note
+
+    settings = read_settings(home=home)
+    database = open_database(settings)
+    order = make_order(settings, database, file, options)
+    submitted = submit(database, Store(settings.store_path), order)
+    if submitted.state not in ("succeeded",):
+        for name in ensure_services(settings, workers):
+            note(f"started the {name}")
+    note(f"job {submitted.job}" + ("" if submitted.is_new else f" (known, {submitted.state})"))
+    context.exit(wait_and_show(settings, database, submitted.job, timeout, out, as_json))
+
+
+def wait_and_show(
+    settings: Any, database: Any, job: str, timeout: float | None, out: Path | None, as_json: bool
+) -> int:
+    """Wait for a job, bring its files out, and show what it found.
+
+    Returns:
+        Exit status.
+    """
+    from ..service.results import describe_job, export_files
+    from ..service.store import Store
+    from .follow import WaitTimedOut, follow
+    from .summary import print_result
+    from .terminal import note, print_error, print_json
+
+    try:
+        row = follow(database, job, timeout, is_quiet=as_json)
+    except WaitTimedOut:
+        note(f"job {job} goes on; `garmentq logs -f {job}` follows it.")
+        return exits.TIMED_OUT
+    except KeyboardInterrupt:
+        note(f"job {job} goes on; `garmentq logs -f {job}` follows it, `garmentq cancel {job}` stops it.")
+        return exits.DETACHED
+    found = describe_job(database, row)
+    files: list[Path] = []
+    if row.state == "succeeded":
+        folder = (out or settings.home / "results" / job).absolute()
+        files = export_files(database, Store(settings.store_path), job, folder)
+    if as_json:
+        print_json({**found, "files": {path.name: str(path) for path in files}})
+    elif files:
+        print_result(found, files)
+    if row.error_code:
+        print_error(row.error_code, row.error_message or "")
+    elif row.state == "cancelled":
+        note(f"job {job} was cancelled")
+    return exits.job_status(row.state, row.bad_input)

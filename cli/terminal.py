@@ -1,0 +1,56 @@
+"""What the commands print: data on standard output, everything else on standard error."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import click
+
+
+def print_json(value: Any) -> None:
+    """Print one object on one line."""
+    click.echo(json.dumps(value, allow_nan=False))
+
+
+def note(text: str) -> None:
+    """Tell the user something that is no data."""
+    click.echo(text, err=True)
+
+
+def print_error(code: str, message: str) -> None:
+    """Print an error's one line."""
+    click.echo(f"error {code}: {message}", err=True)
+
+
+def print_table(columns: Sequence[str], rows: Iterable[Sequence[object]], title: str | None = None) -> None:
+    """Print a table; numbers right, nothing cut off, plain text where the output is no terminal."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    rows = [list(row) for row in rows]
+    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", title_style="bold")
+    for index, name in enumerate(columns):
+        is_number = bool(rows) and all(isinstance(row[index], int | float) or row[index] is None for row in rows)
+        table.add_column(name, justify="right" if is_number else "left", overflow="fold")
+    for row in rows:
+        table.add_row(*(Text(show(cell)) for cell in row))
+    Console(width=None if Console().is_terminal else 160).print(table)
+
+
+def show(cell: object) -> str:
+    """Give a cell as text: 4 significant digits, `-` for nothing, no control characters."""
+    if cell is None or cell == "":
+        return "-"
+    if isinstance(cell, float):
+        return f"{cell:.4g}"
+    return "".join(letter if letter.isprintable() else "?" for letter in str(cell))
+
+
+def show_time(seconds: float | None) -> str:
+    """Give a time as local date and time."""
+    return "-" if seconds is None else time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(seconds))

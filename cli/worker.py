@@ -1,0 +1,41 @@
+"""`garmentq worker`: what a production host runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from . import exits
+from .options import home_option
+
+
+@click.command("worker")
+@click.option("--workers", type=click.IntRange(1, 256), help="Jobs at a time.  [default: cores]")
+@click.option("--embedded", is_flag=True, help="Be the one embedded worker of the home, which stops when idle.")
+@home_option
+@click.pass_context
+def command(context: click.Context, workers: int | None, embedded: bool, home: Path | None) -> None:
+    """Run a worker until it is told to stop.
+
+    SIGTERM puts its jobs back into the queue, where they go on from their last checkpoint. Any number of workers on
+    any number of hosts may share a database, a broker and a store.
+
+    \b
+    Example:
+      garmentq worker --workers 4
+    """
+    from ..service.settings import read_settings
+    from ..workers.broker import start_broker
+    from ..workers.embedded import hold_worker_lock
+    from ..workers.threads import count_cores
+    from ..workers.worker import run_worker
+    from .terminal import note
+
+    settings = read_settings(home=home)
+    start_broker(settings)
+    lock = hold_worker_lock(settings) if embedded else None
+    if embedded and lock is None:
+        note("another embedded worker runs in this home")
+        context.exit(exits.OK)
+    context.exit(run_worker(settings, workers or count_cores(), lock))

@@ -1,0 +1,165 @@
+"""The database: how to reach it, its clock, and its two kinds of transaction."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy import Connection, Engine, Float, create_engine, event, inspect, text
+from sqlalchemy.engine import make_url
+from sqlalchemy.exc import OperationalError
+from sqlalchemy.ext.compiler import compiles
+from sqlalchemy.orm import Session
+from sqlalchemy.pool import NullPool
+from sqlalchemy.sql.functions import FunctionElement
+
+from ..core.errors import GarmentqError
+from .lock import hold_lock
+from .settings import ServiceSettings, hide_password
+
+WRITE = "garmentq_write"
+"""Name of the execution option that marks a transaction as one that writes."""
+
+BUSY_SECONDS = 30
+"""How long SQLite waits for another writer [s]; a write here takes milliseconds, so this outlasts any queue of them."""
+
+
+class DatabaseUnreachable(GarmentqError):
+    """The database cannot be reached; check GARMENTQ_DATABASE_URL or the rights on the home folder."""
+
+    code = "service.database_unreachable"
+
+
+class DatabaseTooNew(GarmentqError):
+    """The database was made by a newer garmentq; upgrade this one, or use another --home."""
+
+    code = "service.database_too_new"
+
+
+class clock(FunctionElement[float]):
+    """Give the database's own time [s since 1970], so that no worker's clock matters."""
+
+    type = Float()
+    inherit_cache = True
+    name = "clock"
+
+
+@compiles(clock, "sqlite")
+def _clock_sqlite(element: clock, compiler: Any, **options: Any) -> str:
+    return "((julianday('now') - 2440587.5) * 86400.0)"
+
+
+@compiles(clock, "postgresql")
+def _clock_postgresql(element: clock, compiler: Any, **options: Any) -> str:
+    return "extract(epoch from clock_timestamp())::double precision"
+
+
+class Database:
+    """Hand out transactions. One object per process: never carry it over a fork."""
+
+    def __init__(self, url: str, pooled: bool = True) -> None:
+        """Prepare an engine; nothing is opened before the first transaction.
+
+        Args:
+            url: SQLAlchemy address.
+            pooled: Keep connections open between transactions. False in a process that forks.
+        """
+        self.url = url
+        self.engine = _make_engine(url, pooled)
+        self._writer = self.engine.execution_options(**{WRITE: True})
+
+    @contextmanager
+    def read(self) -> Iterator[Session]:
+        """Open a session that only reads."""
+        with _reachable(self.url), Session(self.engine, expire_on_commit=False) as session, session.begin():
+            yield session
+
+    @contextmanager
+    def write(self) -> Iterator[Session]:
+        """Open a session that may write; SQLite takes its write lock at once (`BEGIN IMMEDIATE`)."""
+        with _reachable(self.url), Session(self._writer, expire_on_commit=False) as session, session.begin():
+            yield session
+
+    def dispose(self) -> None:
+        """Close every connection."""
+        self.engine.dispose()
+
+
+def open_database(settings: ServiceSettings, pooled: bool = True) -> Database:
+    """Open the database of a home, made or brought up to date where it is missing or old.
+
+    Raises:
+        DatabaseUnreachable: where it cannot be opened.
+        DatabaseTooNew: where a newer version made it.
+    """
+    try:
+        settings.home.mkdir(parents=True, exist_ok=True, mode=0o700)
+    except OSError as error:
+        raise DatabaseUnreachable(f"the home folder {settings.home} cannot be made: {error.strerror}.") from error
+    database = Database(settings.database, pooled)
+    from ..migrations import HEAD
+
+    with database.read() as session:
+        current = read_revision(session.connection())
+    if current != HEAD:
+        with hold_lock(settings.home / "upgrade.lock"):
+            upgrade(database)
+    return database
+
+
+def read_revision(connection: Connection) -> str | None:
+    """Give the migration that the database stands at, or None for an empty one."""
+    if not inspect(connection).has_table("alembic_version"):
+        return None
+    return connection.execute(text("select version_num from alembic_version")).scalar()
+
+
+def upgrade(database: Database, revision: str = "head") -> None:
+    """Run the migrations up to a revision."""
+    from alembic import command
+    from alembic.config import Config
+    from alembic.util.exc import CommandError
+
+    from .. import migrations
+
+    config = Config()
+    config.set_main_option("script_location", str(Path(migrations.__file__).parent).replace("%", "%%"))
+    with database.write() as session:
+        config.attributes["connection"] = session.connection()
+        try:
+            command.upgrade(config, revision)
+        except CommandError as error:
+            raise DatabaseTooNew() from error
+
+
+def _make_engine(url: str, pooled: bool) -> Engine:
+    parsed = make_url(url)
+    options: dict[str, Any] = {} if pooled else {"poolclass": NullPool}
+    if parsed.get_backend_name() != "sqlite":
+        return create_engine(parsed, pool_pre_ping=pooled, **options)
+    engine = create_engine(parsed, connect_args={"timeout": BUSY_SECONDS, "check_same_thread": False}, **options)
+    event.listen(engine, "connect", _prepare_sqlite)
+    event.listen(engine, "begin", _begin_sqlite)
+    return engine
+
+
+def _prepare_sqlite(connection: Any, record: Any) -> None:
+    connection.isolation_level = None  # the driver starts no transaction of its own; `_begin_sqlite` does
+    connection.execute("pragma journal_mode = wal")
+    connection.execute("pragma foreign_keys = on")
+
+
+def _begin_sqlite(connection: Connection) -> None:
+    write = connection.get_execution_options().get(WRITE, False)
+    connection.exec_driver_sql("begin immediate" if write else "begin")
+
+
+@contextmanager
+def _reachable(url: str) -> Iterator[None]:
+    try:
+        yield
+    except OperationalError as error:
+        reason = str(error.orig).strip().splitlines()[0]
+        raise DatabaseUnreachable(f"the database {hide_password(url)} does not answer: {reason}.") from error

@@ -1,0 +1,287 @@
+"""The state of a job, and the only functions that change it.
+
+    queued -> running -> succeeded | failed | cancelled
+    running -> queued   (its lease ran out, or its worker was told to stop)
+    running -> dead     (its lease ran out once too often)
+    queued -> cancelled;  failed | dead | cancelled -> queued   (retry)
+
+A worker owns a job from `claim` until the fence of the row differs from the one it was given. Every write of a worker
+carries that fence, so a worker that lost its lease (a zombie) changes nothing. The clock is the database's.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import select, update
+from sqlalchemy.orm import Session
+
+from ..core.errors import BadInput, GarmentqError, NotFound
+from .database import Database, clock
+from .models import EventRow, JobRow, OutboxRow
+
+ENDED = ("succeeded", "failed", "dead", "cancelled")
+"""States that a job does not leave by itself."""
+
+
+class JobUnknown(NotFound):
+    """There is no such job; `garmentq status` lists them all."""
+
+    code = "job.unknown"
+
+
+class JobNotEnded(BadInput):
+    """The job has not ended; cancel it first, or wait."""
+
+    code = "job.not_ended"
+
+
+class FenceLost(GarmentqError):
+    """Another worker has taken the job over; this one's result is dropped."""
+
+    code = "job.fence_lost"
+
+
+@dataclass(frozen=True)
+class Claim:
+    """Hold the right to work on one job.
+
+    Attributes:
+        job: The job's id.
+        fence: Number of this claim; a later claim has a larger one.
+        owner: Who claimed it.
+        attempt: Which attempt this is, from 1.
+        request: What to do, as it was stored at submission.
+        name: The scan's name.
+    """
+
+    job: str
+    fence: int
+    owner: str
+    attempt: int
+    request: dict[str, Any]
+    name: str
+
+
+@dataclass(frozen=True)
+class Pulse:
+    """Say what a heartbeat found.
+
+    Attributes:
+        is_owner: False where the job belongs to someone else by now.
+        is_cancelled: True where somebody asked to cancel it.
+    """
+
+    is_owner: bool
+    is_cancelled: bool
+
+
+def record(session: Session, job: str, kind: str, **data: Any) -> None:
+    """Add one event."""
+    session.add(EventRow(job=job, at=clock(), kind=kind, data=data))
+
+
+def claim(database: Database, job: str, owner: str, lease_seconds: float) -> Claim | None:
+    """Take a queued job, or None where it is not to be had: one statement writes owner, lease, attempt and fence."""
+    with database.write() as session:
+        row = session.execute(
+            update(JobRow)
+            .where(JobRow.id == job, JobRow.state == "queued", JobRow.cancel.is_(False))
+            .values(
+                state="running",
+                owner=owner,
+                lease_until=clock() + lease_seconds,
+                attempts=JobRow.attempts + 1,
+                fence=JobRow.fence + 1,
+                started=clock(),
+                touched=clock(),
+            )
+            .returning(JobRow.fence, JobRow.attempts, JobRow.request, JobRow.name)
+            .execution_options(synchronize_session=False)
+        ).one_or_none()
+        if row is None:
+            return None
+        record(session, job, "started", owner=owner, attempt=row.attempts)
+        return Claim(job, row.fence, owner, row.attempts, row.request, row.name)
+
+
+def renew(database: Database, claim: Claim, lease_seconds: float) -> Pulse:
+    """Renew the lease and read the cancel flag in one statement."""
+    with database.write() as session:
+        cancel = session.execute(
+            _fenced(claim)
+            .values(lease_until=clock() + lease_seconds, touched=clock())
+            .returning(JobRow.cancel)
+            .execution_options(synchronize_session=False)
+        ).scalar_one_or_none()
+    return Pulse(cancel is not None, bool(cancel))
+
+
+def look(database: Database, claim: Claim) -> Pulse:
+    """Read the cancel flag without renewing the lease."""
+    with database.read() as session:
+        cancel = session.execute(
+            select(JobRow.cancel).where(JobRow.id == claim.job, JobRow.fence == claim.fence, JobRow.state == "running")
+        ).scalar_one_or_none()
+    return Pulse(cancel is not None, bool(cancel))
+
+
+def report(database: Database, claim: Claim, stage: str, fraction: float, message: str) -> None:
+    """Show how far a stage is (fraction in 0..1).
+
+    Raises:
+        FenceLost: where the job belongs to someone else.
+    """
+    with database.write() as session:
+        write_fenced(session, claim, stage=stage, progress=fraction, touched=clock())
+        record(session, claim.job, "progress", stage=stage, fraction=round(fraction, 4), message=message)
+
+
+def write_fenced(session: Session, claim: Claim, **values: Any) -> None:
+    """Change the job's row if the claim still holds; call it first in a transaction that writes anything for a job.
+
+    Raises:
+        FenceLost: where it does not hold; the transaction must not go on.
+    """
+    statement = _fenced(claim).values(**values).execution_options(synchronize_session=False)
+    if session.execute(statement).rowcount != 1:  # type: ignore[attr-defined]
+        raise FenceLost()
+
+
+def succeed(session: Session, claim: Claim, result: dict[str, Any]) -> None:
+    """End a job well, within the transaction that stores its result.
+
+    Raises:
+        FenceLost: where the job belongs to someone else.
+    """
+    write_fenced(session, claim, **_ended("succeeded"), progress=1.0, result=result)
+    record(session, claim.job, "succeeded")
+
+
+def fail(database: Database, claim: Claim, code: str, message: str, bad_input: bool) -> None:
+    """End a job with an error.
+
+    Raises:
+        FenceLost: where the job belongs to someone else.
+    """
+    with database.write() as session:
+        error = {"error_code": code, "error_message": message, "bad_input": bad_input}
+        write_fenced(session, claim, **_ended("failed"), **error)
+        record(session, claim.job, "failed", code=code, message=message)
+
+
+def end_cancelled(database: Database, claim: Claim) -> None:
+    """End a running job that was asked to stop.
+
+    Raises:
+        FenceLost: where the job belongs to someone else.
+    """
+    with database.write() as session:
+        write_fenced(session, claim, **_ended("cancelled"))
+        record(session, claim.job, "cancelled")
+
+
+def release(database: Database, claim: Claim) -> None:
+    """Give a running job back to the queue; the attempt does not count, since the worker was told to stop.
+
+    Raises:
+        FenceLost: where the job belongs to someone else.
+    """
+    with database.write() as session:
+        write_fenced(session, claim, attempts=JobRow.attempts - 1, **_queued())
+        record(session, claim.job, "released")
+        session.add(OutboxRow(job=claim.job, created=clock()))
+
+
+def cancel(database: Database, job: str) -> str:
+    """Ask a job to stop: a queued one ends at once, a running one at its worker's next look.
+
+    Returns:
+        The state after this call: `cancelled`, `running`, or the state it had ended in before.
+
+    Raises:
+        JobUnknown: where there is none of that id.
+    """
+    with database.write() as session:
+        row = _row(session, job)
+        if row.state == "queued":
+            for name, value in _ended("cancelled").items():
+                setattr(row, name, value)
+            record(session, job, "cancelled")
+        elif row.state == "running" and not row.cancel:
+            row.cancel = True
+            record(session, job, "cancel_requested")
+        return row.state
+
+
+def retry(database: Database, job: str) -> None:
+    """Queue an ended job once more, with all its attempts; what it had checkpointed is used again.
+
+    Raises:
+        JobUnknown: where there is none of that id.
+        JobNotEnded: where it is queued or running.
+    """
+    with database.write() as session:
+        row = _row(session, job)
+        if row.state not in ENDED:
+            raise JobNotEnded(f"job {job} is {row.state}; cancel it first, or wait.")
+        requeue(session, row)
+        record(session, job, "retried")
+
+
+def requeue(session: Session, row: JobRow) -> None:
+    """Reset an ended job to queued, with an outbox row."""
+    fresh = {"attempts": 0, "cancel": False, "finished": None, "stage": "", "progress": 0.0, "bad_input": False}
+    for name, value in {**_queued(), **fresh, "error_code": None, "error_message": None}.items():
+        setattr(row, name, value)
+    session.add(OutboxRow(job=row.id, created=clock()))
+
+
+def find_job(database: Database, job: str) -> JobRow:
+    """Give a job by its id, or by a beginning of it that fits no other.
+
+    Raises:
+        JobUnknown: where there is none, or more than one.
+    """
+    with database.read() as session:
+        row = session.get(JobRow, job)
+        if row is not None:
+            return row
+        rows = session.scalars(select(JobRow).where(JobRow.id.startswith(job, autoescape=True)).limit(2)).all()
+    if len(rows) == 1 and len(job) >= 4:
+        return rows[0]
+    raise JobUnknown(f"there is no job '{job}'; `garmentq status` lists them all.")
+
+
+def list_jobs(database: Database, limit: int = 50) -> list[JobRow]:
+    """Give the newest jobs, newest first."""
+    with database.read() as session:
+        return list(session.scalars(select(JobRow).order_by(JobRow.created.desc(), JobRow.id).limit(limit)))
+
+
+def read_events(database: Database, job: str, after: int = 0) -> list[EventRow]:
+    """Give a job's events with an id above `after`, in order."""
+    with database.read() as session:
+        return list(
+            session.scalars(select(EventRow).where(EventRow.job == job, EventRow.id > after).order_by(EventRow.id))
+        )
+
+
+def _row(session: Session, job: str) -> JobRow:
+    row = session.get(JobRow, job, with_for_update=True)
+    if row is None:
+        raise JobUnknown(f"there is no job '{job}'; `garmentq status` lists them all.")
+    return row
+
+
+def _fenced(claim: Claim) -> Any:
+    return update(JobRow).where(JobRow.id == claim.job, JobRow.fence == claim.fence, JobRow.state == "running")
+
+
+def _ended(state: str) -> dict[str, Any]:
+    return {"state": state, "finished": clock(), "touched": clock(), "owner": None, "lease_until": None}
+
+
+def _queued() -> dict[str, Any]:
+    return {"state": "queued", "touched": clock(), "owner": None, "lease_until": None}

@@ -1,0 +1,185 @@
+"""The tables. Times are seconds since 1970 by the database's clock; everything physical is SI."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sqlalchemy import JSON, BigInteger, Double, ForeignKey, Index, Integer, MetaData, String, Text
+from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
+
+NAMING = {
+    "ix": "ix_%(table_name)s_%(column_0_N_name)s",
+    "uq": "uq_%(table_name)s_%(column_0_N_name)s",
+    "fk": "fk_%(table_name)s_%(column_0_N_name)s",
+    "pk": "pk_%(table_name)s",
+}
+"""Fixed names of constraints, so that a later migration can drop them on every database."""
+
+SERIAL = BigInteger().with_variant(Integer(), "sqlite")
+"""A growing key; SQLite grows only its own INTEGER."""
+
+
+class Base(DeclarativeBase):
+    """Gather the tables."""
+
+    metadata = MetaData(naming_convention=NAMING)
+    type_annotation_map = {float: Double(), dict[str, Any]: JSON(none_as_null=True), list[Any]: JSON(none_as_null=True)}  # noqa: RUF012
+
+
+class ScanRow(Base):
+    """Keep one file that was handed in, by the hash of its bytes."""
+
+    __tablename__ = "scans"
+    sha256: Mapped[str] = mapped_column(String(64), primary_key=True)
+    name: Mapped[str] = mapped_column(String(255))
+    size: Mapped[int] = mapped_column(BigInteger)
+    created: Mapped[float]
+    details: Mapped[dict[str, Any]] = mapped_column(default=dict)
+
+
+class JobRow(Base):
+    """Keep one job and the claim on it; `jobs.py` is the only one that changes a state."""
+
+    __tablename__ = "jobs"
+    __table_args__ = (
+        Index("ix_jobs_state_priority_created", "state", "priority", "created"),
+        Index("ix_jobs_lease_until", "lease_until"),
+    )
+    id: Mapped[str] = mapped_column(String(16), primary_key=True)
+    dedup: Mapped[str] = mapped_column(String(64), unique=True)
+    scan: Mapped[str] = mapped_column(ForeignKey("scans.sha256"), index=True)
+    name: Mapped[str] = mapped_column(String(255))
+    request: Mapped[dict[str, Any]]
+    version: Mapped[str] = mapped_column(String(32))
+    priority: Mapped[int] = mapped_column(default=0)
+    state: Mapped[str] = mapped_column(String(16))
+    cancel: Mapped[bool] = mapped_column(default=False)
+    attempts: Mapped[int] = mapped_column(default=0)
+    fence: Mapped[int] = mapped_column(default=0)
+    owner: Mapped[str | None] = mapped_column(String(255))
+    lease_until: Mapped[float | None]
+    touched: Mapped[float]
+    created: Mapped[float]
+    started: Mapped[float | None]
+    finished: Mapped[float | None]
+    stage: Mapped[str] = mapped_column(String(32), default="")
+    progress: Mapped[float] = mapped_column(default=0.0)
+    error_code: Mapped[str | None] = mapped_column(String(64))
+    error_message: Mapped[str | None] = mapped_column(Text)
+    bad_input: Mapped[bool] = mapped_column(default=False)
+    result: Mapped[dict[str, Any] | None]
+
+
+class EventRow(Base):
+    """Tell one thing that happened to a job; rows are only ever added."""
+
+    __tablename__ = "events"
+    id: Mapped[int] = mapped_column(SERIAL, primary_key=True, autoincrement=True)
+    job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), index=True)
+    at: Mapped[float]
+    kind: Mapped[str] = mapped_column(String(32))
+    data: Mapped[dict[str, Any]] = mapped_column(default=dict)
+
+
+class OutboxRow(Base):
+    """Owe the broker one wake-up; deleted only after it was published."""
+
+    __tablename__ = "outbox"
+    id: Mapped[int] = mapped_column(SERIAL, primary_key=True, autoincrement=True)
+    job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), index=True)
+    created: Mapped[float]
+
+
+class LockRow(Base):
+    """Give a duty to one process at a time, for as long as it renews it."""
+
+    __tablename__ = "locks"
+    name: Mapped[str] = mapped_column(String(32), primary_key=True)
+    owner: Mapped[str] = mapped_column(String(255))
+    until: Mapped[float]
+
+
+class TemplateRow(Base):
+    """Keep one imported template pattern."""
+
+    __tablename__ = "templates"
+    name: Mapped[str] = mapped_column(String(64), primary_key=True)
+    sha256: Mapped[str] = mapped_column(String(64))
+    category: Mapped[str] = mapped_column(String(32), default="")
+    panels: Mapped[int] = mapped_column(default=0)
+    created: Mapped[float]
+
+
+class MaterialRow(Base):
+    """Keep one fabric as it was used: H [N/m], k [N m], density [kg/m2], thickness [m]."""
+
+    __tablename__ = "materials"
+    id: Mapped[str] = mapped_column(String(64), primary_key=True)
+    name: Mapped[str] = mapped_column(String(64), index=True)
+    title: Mapped[str] = mapped_column(String(255), default="")
+    H00: Mapped[float]
+    H01: Mapped[float]
+    H11: Mapped[float]
+    H22: Mapped[float]
+    k: Mapped[float]
+    density: Mapped[float]
+    thickness: Mapped[float]
+    friction: Mapped[float]
+    sources: Mapped[list[Any]] = mapped_column(default=list)
+
+
+class BodyRow(Base):
+    """Keep one wearer as a job saw it: joints [m] by SMPL name and the fitted model's parameters."""
+
+    __tablename__ = "bodies"
+    job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    source: Mapped[str] = mapped_column(String(255))
+    fit_rms: Mapped[float]
+    joints: Mapped[dict[str, Any]] = mapped_column(default=dict)
+    parameters: Mapped[dict[str, Any]] = mapped_column(default=dict)
+
+
+class PatternRow(Base):
+    """Keep the pattern that a job recovered."""
+
+    __tablename__ = "patterns"
+    job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    name: Mapped[str] = mapped_column(String(255))
+    category: Mapped[str] = mapped_column(String(32), index=True)
+    template: Mapped[str] = mapped_column(String(255))
+    material: Mapped[str] = mapped_column(ForeignKey("materials.id"))
+    seams: Mapped[int]
+
+
+class PanelRow(Base):
+    """Keep one panel: control points [m] and edges as the pattern has them, area of its polygon [m2]."""
+
+    __tablename__ = "panels"
+    job: Mapped[str] = mapped_column(ForeignKey("patterns.job", ondelete="CASCADE"), primary_key=True)
+    name: Mapped[str] = mapped_column(String(255), primary_key=True)
+    label: Mapped[str] = mapped_column(String(255), default="")
+    points: Mapped[list[Any]]
+    edges: Mapped[list[Any]]
+    area: Mapped[float]
+
+
+class ArtifactRow(Base):
+    """Name one stored file of a job: a result, or a checkpoint."""
+
+    __tablename__ = "artifacts"
+    job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    kind: Mapped[str] = mapped_column(String(16), primary_key=True)
+    name: Mapped[str] = mapped_column(String(255), primary_key=True)
+    sha256: Mapped[str] = mapped_column(String(64), index=True)
+    size: Mapped[int] = mapped_column(BigInteger)
+    created: Mapped[float]
+
+
+class MetricRow(Base):
+    """Keep one number of a result under its dotted name; None where it does not apply."""
+
+    __tablename__ = "metrics"
+    __table_args__ = (Index("ix_metrics_name_value", "name", "value"),)
+    job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    name: Mapped[str] = mapped_column(String(128), primary_key=True)
+    value: Mapped[float | None]

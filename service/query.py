@@ -1,0 +1,172 @@
+"""Questions to the results: names and operators come from a list, values are bound, nothing is ever SQL text."""
+
+from __future__ import annotations
+
+import operator
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import Select, Text, func, select
+from sqlalchemy.orm import Session, aliased
+
+from ..core.errors import BadInput
+from .database import Database
+from .models import BodyRow, JobRow, MaterialRow, MetricRow, PatternRow
+
+TEXTS: dict[str, Any] = {
+    "job": JobRow.id,
+    "name": JobRow.name,
+    "state": JobRow.state,
+    "version": JobRow.version,
+    "error": JobRow.error_code,
+    "garment": PatternRow.category,
+    "template": PatternRow.template,
+    "fabric": MaterialRow.name,
+    "body": BodyRow.source,
+    "method": JobRow.request["settings"]["method"].as_string(),
+    "preset": JobRow.request["settings"]["preset"].as_string(),
+}
+"""Fields that hold text: compared by = and != only."""
+
+NUMBERS: dict[str, Any] = {
+    "created": JobRow.created,
+    "started": JobRow.started,
+    "finished": JobRow.finished,
+    "attempts": JobRow.attempts,
+    "priority": JobRow.priority,
+    "cpu_seconds": JobRow.result["cpu_seconds"].as_float(),
+    "peak_mb": JobRow.result["peak_mb"].as_float(),
+}
+"""Fields that hold numbers; every metric is one more."""
+
+OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
+    "<=": operator.le,
+    ">=": operator.ge,
+    "!=": operator.ne,
+    "==": operator.eq,
+    "<": operator.lt,
+    ">": operator.gt,
+    "=": operator.eq,
+}
+
+CONDITION = re.compile(
+    r"""\s*(?P<name>[A-Za-z][\w.]*)\s*(?P<operator><=|>=|!=|==|<|>|=)\s*"""
+    r"""(?P<value>"[^"]*"|'[^']*'|[^\s"'<>=!]+)\s*""",
+    re.ASCII,
+)
+"""One comparison: NAME OPERATOR VALUE."""
+
+AND = re.compile(r"and\s", re.ASCII | re.IGNORECASE)
+
+MOST = 10_000
+"""Rows that one question may bring back; more belongs into a program that reads the database."""
+
+
+class QueryBad(BadInput):
+    """The question cannot be understood; write it as NAME OPERATOR VALUE, such as 'surface_rms_mm.t2s < 4'."""
+
+    code = "query.bad"
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Compare a field or metric with a value.
+
+    Attributes:
+        name: A name from `TEXTS`, `NUMBERS`, or a metric's.
+        operator: One of `OPERATORS`.
+        value: Text or number, always bound.
+    """
+
+    name: str
+    operator: str
+    value: str | float
+
+
+def parse_conditions(text: str) -> list[Condition]:
+    """Read conditions joined by `and`.
+
+    Raises:
+        QueryBad: where a part is no condition.
+    """
+    conditions: list[Condition] = []
+    at = 0
+    while True:
+        match = CONDITION.match(text, at)
+        if match is None:
+            raise QueryBad(
+                f"'{text[at:][:60]}' is no condition; write NAME OPERATOR VALUE, as in surface_rms_mm.t2s < 4."
+            )
+        conditions.append(_condition(match["name"], match["operator"], match["value"].strip("\"'")))
+        if match.end() == len(text):
+            return conditions
+        joint = AND.match(text, match.end())
+        if joint is None:
+            raise QueryBad(f"'{text[match.end() :][:60]}' does not follow a condition; join conditions with 'and'.")
+        at = joint.end()
+
+
+def find_jobs(
+    database: Database,
+    conditions: Sequence[Condition] = (),
+    sort: str = "-created",
+    limit: int = 50,
+) -> list[JobRow]:
+    """Give the jobs that meet every condition, sorted by a name (`-` before it: largest first).
+
+    A job without the metric or field in question meets no condition on it, and comes last in a sort by it.
+
+    Raises:
+        QueryBad: where a name is unknown or the limit is out of range.
+    """
+    if not 1 <= limit <= MOST:
+        raise QueryBad(f"limit {limit} is outside 1 to {MOST}.")
+    with database.read() as session:
+        statement: Select[Any] = (
+            select(JobRow)
+            .outerjoin(PatternRow, PatternRow.job == JobRow.id)
+            .outerjoin(MaterialRow, MaterialRow.id == PatternRow.material)
+            .outerjoin(BodyRow, BodyRow.job == JobRow.id)
+        )
+        for condition in conditions:
+            statement, column = _column(session, statement, condition.name)
+            statement = statement.where(OPERATORS[condition.operator](column, condition.value))
+        statement, column = _column(session, statement, sort.removeprefix("-"))
+        order = column.desc() if sort.startswith("-") else column.asc()
+        statement = statement.order_by(order.nulls_last(), JobRow.created.desc(), JobRow.id).limit(limit)
+        return list(session.scalars(statement))
+
+
+def _condition(name: str, sign: str, value: str) -> Condition:
+    if name in TEXTS:
+        if sign not in ("=", "==", "!="):
+            raise QueryBad(f"'{name}' is text; compare it by = or !=.")
+        return Condition(name, sign, value)
+    try:
+        number = float(value)
+    except ValueError:
+        raise QueryBad(f"'{name}' is compared with a number, and '{value[:40]}' is none.") from None
+    return Condition(name, sign, number)
+
+
+def _column(session: Session, statement: Select[Any], name: str) -> tuple[Select[Any], Any]:
+    """Give the column of a name; a metric gets a join of its own."""
+    if name in TEXTS:
+        return statement, TEXTS[name].cast(Text) if name in ("method", "preset") else TEXTS[name]
+    if name in NUMBERS:
+        return statement, NUMBERS[name]
+    known = session.scalars(select(MetricRow.name).distinct()).all()
+    if name not in known and (known or not CONDITION.match(f"{name} = 0")):
+        raise QueryBad(f"there is no '{name[:60]}'; there are {', '.join(sorted([*TEXTS, *NUMBERS, *known]))}.")
+    metric = aliased(MetricRow)
+    joined = statement.outerjoin(metric, (metric.job == JobRow.id) & (metric.name == name))
+    return joined, metric.value
+
+
+def count_states(database: Database) -> dict[str, int]:
+    """Count the jobs by state."""
+    with database.read() as session:
+        rows = session.execute(select(JobRow.state, func.count()).group_by(JobRow.state)).all()
+    return {row[0]: row[1] for row in rows}

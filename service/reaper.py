@@ -1,0 +1,133 @@
+"""What keeps the queue moving when something died: expired leases, forgotten jobs, and the outbox.
+
+One process at a time does it (`hold_duty`), but nothing breaks where two do: a claim is compare-and-set, so a second
+wake-up for the same job finds nothing to claim.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from sqlalchemy import delete, exists, insert, select, update
+from sqlalchemy.exc import IntegrityError
+from sqlalchemy.orm import Session
+
+from .database import Database, clock
+from .jobs import record
+from .models import JobRow, LockRow, OutboxRow
+
+BATCH = 200
+"""Wake-ups published in one go; keeps one round of the loop short."""
+
+LOST = "job.worker_lost"
+"""Code of a job whose workers died too often."""
+
+
+def hold_duty(database: Database, name: str, owner: str, seconds: float) -> bool:
+    """Take or renew a duty for some seconds; False where another process has it."""
+    with database.write() as session:
+        held = session.execute(
+            update(LockRow)
+            .where(LockRow.name == name, (LockRow.owner == owner) | (LockRow.until < clock()))
+            .values(owner=owner, until=clock() + seconds)
+            .execution_options(synchronize_session=False)
+        )
+        if held.rowcount == 1:  # type: ignore[attr-defined]
+            return True
+        try:
+            with session.begin_nested():
+                session.execute(insert(LockRow).values(name=name, owner=owner, until=clock() + seconds))
+        except IntegrityError:
+            return False
+        return True
+
+
+def drop_duty(database: Database, name: str, owner: str) -> None:
+    """Give a duty up, so that another process need not wait."""
+    with database.write() as session:
+        session.execute(delete(LockRow).where(LockRow.name == name, LockRow.owner == owner))
+
+
+def reap(database: Database, max_attempts: int, republish_seconds: float) -> int:
+    """Take back what its owner no longer renews, and owe a wake-up to what was forgotten.
+
+    Returns:
+        How many jobs were touched.
+    """
+    with database.read() as session:
+        waiting = session.execute(select(exists().where(_is_expired()))).scalar()
+        waiting = waiting or session.execute(select(exists().where(_is_forgotten(republish_seconds)))).scalar()
+    if not waiting:
+        return 0
+    with database.write() as session:
+        expired = session.scalars(select(JobRow).where(_is_expired()).with_for_update(skip_locked=True)).all()
+        for row in expired:
+            _take_back(session, row, max_attempts)
+        forgotten = session.scalars(
+            select(JobRow).where(_is_forgotten(republish_seconds)).with_for_update(skip_locked=True)
+        ).all()
+        for row in forgotten:
+            row.touched = clock()  # type: ignore[assignment]
+            session.add(OutboxRow(job=row.id, created=clock()))
+            record(session, row.id, "republished")
+        return len(expired) + len(forgotten)
+
+
+def dispatch(database: Database, publish: Callable[[str], None]) -> int:
+    """Publish what the outbox owes; a row goes only after its message was taken, so a crash between repeats it.
+
+    Args:
+        database: Where the outbox is.
+        publish: Sends one job id to the broker; its exceptions pass through and leave the row for later.
+
+    Returns:
+        How many messages went out.
+    """
+    with database.read() as session:
+        owed = session.execute(select(OutboxRow.id, OutboxRow.job).order_by(OutboxRow.id).limit(BATCH)).all()
+    sent: list[int] = []
+    try:
+        for row in owed:
+            publish(row.job)
+            sent.append(row.id)
+    finally:
+        if sent:
+            with database.write() as session:
+                session.execute(delete(OutboxRow).where(OutboxRow.id.in_(sent)))
+    return len(sent)
+
+
+def is_idle(database: Database, seconds: float) -> bool:
+    """Tell whether nothing is queued or running, and nothing happened for some seconds."""
+    busy = JobRow.state.in_(("queued", "running")) | (JobRow.touched > clock() - seconds)
+    with database.read() as session:
+        return not session.execute(select(exists().where(busy))).scalar()
+
+
+def _take_back(session: Session, row: JobRow, max_attempts: int) -> None:
+    owner, row.owner, row.lease_until = row.owner, None, None
+    row.touched = clock()  # type: ignore[assignment]
+    if row.cancel:
+        row.state, row.finished = "cancelled", clock()  # type: ignore[assignment]
+        record(session, row.id, "cancelled")
+    elif row.attempts >= max_attempts:
+        row.state, row.finished = "dead", clock()  # type: ignore[assignment]
+        row.error_code = LOST
+        row.error_message = (
+            f"the worker died in each of {row.attempts} attempts, last in stage '{row.stage or 'start'}'; "
+            "see the worker's log, then `garmentq retry`."
+        )
+        record(session, row.id, "dead", owner=owner, attempt=row.attempts)
+    else:
+        row.state = "queued"
+        record(session, row.id, "lease_expired", owner=owner, attempt=row.attempts)
+        session.add(OutboxRow(job=row.id, created=clock()))
+
+
+def _is_expired():  # type: ignore[no-untyped-def]
+    return (JobRow.state == "running") & (JobRow.lease_until < clock())
+
+
+def _is_forgotten(seconds: float):  # type: ignore[no-untyped-def]
+    owed = exists().where(OutboxRow.job == JobRow.id)
+    return (JobRow.state == "queued") & (JobRow.touched < clock() - seconds) & ~owed

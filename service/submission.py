@@ -1,0 +1,147 @@
+"""From files on disk to a queued job: the files are kept, and one scan with the same settings is one job."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import uuid
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy import select
+
+from .. import __version__
+from ..core.errors import BadInput
+from ..core.settings import RecoverySettings
+from .database import Database, clock
+from .jobs import record, requeue
+from .models import JobRow, OutboxRow, ScanRow
+from .store import Store, Stored
+
+BUILTIN = "builtin:"
+"""How a body begins that is a text and no file."""
+
+
+class BodyMissing(BadInput):
+    """A garment needs a body: give its mesh with --body FILE, or a built-in one, --body builtin:female,height=1.70."""
+
+    code = "body.missing"
+
+
+class BodyUnreadable(BadInput):
+    """The body file cannot be read; give a mesh file, or --body builtin:female,height=1.70."""
+
+    code = "body.unreadable"
+
+
+@dataclass(frozen=True)
+class Order:
+    """Say what is to be recovered.
+
+    Attributes:
+        scan: The garment's file.
+        body: The wearer's file, or a text that begins with `builtin:`.
+        template: A pattern file, or None.
+        settings: Everything else.
+        priority: Larger goes first.
+        force: Make a new job even where an equal one exists.
+    """
+
+    scan: Path
+    body: Path | str | None
+    template: Path | None = None
+    settings: RecoverySettings = field(default_factory=RecoverySettings)
+    priority: int = 0
+    force: bool = False
+
+
+@dataclass(frozen=True)
+class Submitted:
+    """Answer a submission.
+
+    Attributes:
+        job: The job's id.
+        is_new: False where an equal job existed; it is queued again if it had ended without success.
+        state: The job's state now.
+    """
+
+    job: str
+    is_new: bool
+    state: str
+
+
+def submit(database: Database, store: Store, order: Order) -> Submitted:
+    """Keep the files, then add the job, its first event and its outbox row in one transaction.
+
+    Raises:
+        BodyMissing: where no body was named.
+        StorageFull: where the files cannot be kept.
+    """
+    if order.body is None:
+        raise BodyMissing()
+    scan = store.put(order.scan)
+    request = _describe(order, scan, store)
+    nonce = uuid.uuid4().hex if order.force else ""
+    dedup = _hash({"request": request, "version": __version__, "nonce": nonce})
+    with database.write() as session:
+        row = session.scalars(select(JobRow).where(JobRow.dedup == dedup).with_for_update()).one_or_none()
+        if row is not None:
+            if row.state in ("failed", "dead", "cancelled"):
+                requeue(session, row)
+                record(session, row.id, "resubmitted")
+            return Submitted(row.id, False, row.state)
+        if session.get(ScanRow, scan.sha256) is None:
+            session.add(ScanRow(sha256=scan.sha256, name=request["scan"]["name"], size=scan.size, created=clock()))
+            session.flush()
+        job = uuid.uuid4().hex[:12]
+        session.add(
+            JobRow(
+                id=job,
+                dedup=dedup,
+                scan=scan.sha256,
+                name=Path(request["scan"]["name"]).stem,
+                request=request,
+                version=__version__,
+                priority=order.priority,
+                state="queued",
+                touched=clock(),
+                created=clock(),
+            )
+        )
+        session.flush()
+        record(session, job, "queued")
+        session.add(OutboxRow(job=job, created=clock()))
+    return Submitted(job, True, "queued")
+
+
+def clean_name(name: str) -> str:
+    """Give a file name without folders, control characters or anything a shell or a page could stumble over."""
+    return re.sub(r"[^A-Za-z0-9._-]+", "_", Path(name).name).lstrip(".")[-100:] or "file"
+
+
+def _describe(order: Order, scan: Stored, store: Store) -> dict[str, Any]:
+    """Describe an order by hashes only, so that the same files elsewhere are the same order."""
+    body: dict[str, str] | str
+    if isinstance(order.body, str) and order.body.startswith(BUILTIN):
+        body = order.body
+    else:
+        body = _kept(Path(str(order.body)), store)
+    return {
+        "scan": {"sha256": scan.sha256, "name": clean_name(order.scan.name)},
+        "body": body,
+        "template": _kept(order.template, store) if order.template else None,
+        "settings": order.settings.as_dict(),
+    }
+
+
+def _kept(path: Path, store: Store) -> dict[str, str]:
+    try:
+        return {"sha256": store.put(path).sha256, "name": clean_name(path.name)}
+    except FileNotFoundError:
+        raise BodyUnreadable(f"there is no file '{path}'.") from None
+
+
+def _hash(value: dict[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()

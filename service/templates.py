@@ -1,0 +1,46 @@
+"""Template patterns that a user imported: a name, and the file as it was given."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from sqlalchemy import select
+
+from ..core.errors import BadInput
+from .database import Database, clock
+from .models import TemplateRow
+from .store import Store
+
+NAME = re.compile(r"[a-z0-9][a-z0-9_.-]{0,63}", re.ASCII)
+
+
+class TemplateNameBad(BadInput):
+    """A template's name is made of small letters, digits, '_', '.' and '-', at most 64 of them."""
+
+    code = "template.name_bad"
+
+
+def keep_template(database: Database, store: Store, name: str, path: Path, category: str, panels: int) -> None:
+    """Keep a checked pattern file under a name; one imported before under that name is replaced.
+
+    Raises:
+        TemplateNameBad: where the name is none.
+    """
+    if not NAME.fullmatch(name):
+        raise TemplateNameBad()
+    kept = store.put(path)
+    with database.write() as session:
+        session.merge(TemplateRow(name=name, sha256=kept.sha256, category=category, panels=panels, created=clock()))
+
+
+def find_template(database: Database, name: str) -> TemplateRow | None:
+    """Give an imported template by name, or None."""
+    with database.read() as session:
+        return session.get(TemplateRow, name)
+
+
+def list_imported(database: Database) -> list[TemplateRow]:
+    """Give every imported template by name."""
+    with database.read() as session:
+        return list(session.scalars(select(TemplateRow).order_by(TemplateRow.name)))

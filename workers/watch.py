@@ -1,0 +1,100 @@
+"""The thread beside a running job: renews its lease, and learns whether the job must stop."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+
+from ..core.errors import GarmentqError
+from ..service.database import Database
+from ..service.jobs import Claim, Pulse, look, renew
+
+BEATS_PER_LEASE = 4
+"""Heartbeats in one lease: three may fail before another worker takes over."""
+
+
+class JobTooLong(GarmentqError):
+    """The job took longer than GARMENTQ_MAX_SECONDS; use fewer --vertices, or raise the limit."""
+
+    code = "job.too_long"
+
+
+class Watch:
+    """Keep a claim alive in the background.
+
+    Attributes:
+        reason: Empty while the job may go on; else `lost`, `cancelled`, `released` or `too_long`.
+    """
+
+    def __init__(
+        self,
+        database: Database,
+        claim: Claim,
+        lease_seconds: float,
+        poll_seconds: float,
+        max_seconds: float,
+        is_draining: Callable[[], bool],
+    ) -> None:
+        """Prepare the thread; `with` runs it."""
+        self.reason = ""
+        self._database = database
+        self._claim = claim
+        self._lease = lease_seconds
+        self._poll = min(poll_seconds, lease_seconds / BEATS_PER_LEASE)
+        self._max = max_seconds
+        self._is_draining = is_draining
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name=f"watch-{claim.job}", daemon=True)
+
+    def __enter__(self) -> Watch:
+        """Start the thread."""
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Stop the thread."""
+        self._ended.set()
+        self._thread.join()
+
+    def must_stop(self) -> bool:
+        """Tell whether the job must stop; `reason` says why."""
+        return bool(self.reason)
+
+    def _run(self) -> None:
+        started = renewed = time.monotonic()
+        while not self._ended.wait(self._poll):
+            now = time.monotonic()
+            is_due = now - renewed >= self._lease / BEATS_PER_LEASE
+            try:
+                pulse = renew(self._database, self._claim, self._lease) if is_due else look(self._database, self._claim)
+            except GarmentqError:
+                if now - renewed >= self._lease:  # the database is away: by now another worker may have the job
+                    self.reason = "lost"
+                    return
+                continue
+            renewed = now if is_due else renewed
+            self.reason = self._judge(pulse, now - started)
+            if self.reason:
+                self._keep_alive(renewed)
+                return
+
+    def _judge(self, pulse: Pulse, seconds: float) -> str:
+        if not pulse.is_owner:
+            return "lost"
+        if pulse.is_cancelled:
+            return "cancelled"
+        if self._is_draining():
+            return "released"
+        return "too_long" if seconds > self._max else ""
+
+    def _keep_alive(self, renewed: float) -> None:
+        """Go on renewing for one lease at most, while the stage finds its way out."""
+        if self.reason == "lost":
+            return
+        deadline = time.monotonic() + self._lease
+        while time.monotonic() < deadline and not self._ended.wait(self._lease / BEATS_PER_LEASE):
+            try:
+                renew(self._database, self._claim, self._lease)
+            except GarmentqError:
+                return

@@ -1,0 +1,129 @@
+"""A Celery worker: prefork children that run jobs, and in the parent's own loop the dispatcher and the reaper.
+
+The two loops are timers of the parent's event loop, not threads: a fork beside a running thread could copy a held lock.
+"""
+
+from __future__ import annotations
+
+import logging
+import multiprocessing
+import os
+import signal
+import socket
+import sys
+import uuid
+from typing import Any
+
+from celery import Celery, bootsteps, signals
+
+from ..core.errors import GarmentqError
+from ..service.database import Database, open_database
+from ..service.reaper import dispatch, drop_duty, hold_duty, is_idle, reap
+from ..service.settings import ServiceSettings
+from .app import TASK, make_app, publish
+from .recovery import run_job
+from .threads import limit_threads
+
+log = logging.getLogger(__name__)
+
+DUTY = "dispatcher"
+DUTY_SECONDS = 5.0
+"""How long the duty outlives its holder [s]: what a dead dispatcher delays the queue at most."""
+
+IDLE_CHECK_SECONDS = 5.0
+"""Period of the look whether an embedded worker may go home [s]."""
+
+
+class Duties(bootsteps.StartStopStep):
+    """Dispatch and reap from the parent's event loop, where this worker holds the duty."""
+
+    requires = ("celery.worker.components:Timer", "celery.worker.components:Pool")
+
+    def start(self, parent: Any) -> None:
+        """Begin the rounds."""
+        self.settings: ServiceSettings = parent.app.garmentq_settings
+        self.database = Database(self.settings.database, pooled=False)
+        self.name = f"{socket.gethostname()}:{os.getpid()}:{uuid.uuid4().hex[:6]}"
+        self.app = parent.app
+        parent.timer.call_repeatedly(self.settings.poll_seconds, self._round)
+        if parent.app.garmentq_goes_home and self.settings.idle_seconds:
+            parent.timer.call_repeatedly(IDLE_CHECK_SECONDS, self._go_home_if_idle)
+
+    def stop(self, parent: Any) -> None:
+        """Let another worker take over at once."""
+        try:
+            drop_duty(self.database, DUTY, self.name)
+        except GarmentqError as error:
+            log.warning("the duty could not be dropped: %s", error)
+
+    def _round(self) -> None:
+        try:
+            if hold_duty(self.database, DUTY, self.name, DUTY_SECONDS):
+                reap(self.database, self.settings.max_attempts, self.settings.republish_seconds)
+                dispatch(self.database, lambda job: publish(self.app, job))
+        except Exception as error:  # the next round tries again; the loop must never end
+            log.warning("a round of the dispatcher failed: %s: %s", type(error).__name__, error)
+
+    def _go_home_if_idle(self) -> None:
+        try:
+            if is_idle(self.database, self.settings.idle_seconds):
+                log.info("no job for %g s: this worker stops", self.settings.idle_seconds)
+                os.kill(os.getpid(), signal.SIGTERM)
+        except GarmentqError as error:
+            log.warning("%s", error)
+
+
+def run_worker(settings: ServiceSettings, concurrency: int, lock: int | None = None) -> int:
+    """Run a worker in this process until SIGTERM or SIGINT.
+
+    Args:
+        settings: Where everything is.
+        concurrency: Pool children, each with one job at a time.
+        lock: Descriptor of the embedded worker's lock; such a worker stops after `idle_seconds` without a job.
+
+    Returns:
+        Exit status.
+    """
+    logging.basicConfig(
+        stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(levelname)s %(processName)s %(message)s"
+    )
+    logging.getLogger("alembic").setLevel(logging.WARNING)
+    limit_threads(settings.threads)
+    open_database(settings, pooled=False).dispose()
+    app = make_app(settings)
+    app.garmentq_settings = settings
+    app.garmentq_goes_home = lock is not None
+    draining = multiprocessing.RawValue("b", 0)
+    _register(app, settings, draining, lock)
+    app.steps["worker"].add(Duties)
+    worker = app.Worker(
+        hostname=f"garmentq-{os.getpid()}@{socket.gethostname()}",
+        pool_cls="prefork",
+        concurrency=concurrency,
+        loglevel="INFO",
+        quiet=True,
+        without_gossip=True,
+        without_mingle=True,
+    )
+    worker.start()
+    return int(worker.exitcode or 0)
+
+
+def _register(app: Celery, settings: ServiceSettings, draining: Any, lock: int | None) -> None:
+    """Add the task, and what a child does first; `draining` is memory that parent and children share."""
+    held: dict[str, Database] = {}
+
+    @app.task(name=TASK, ignore_result=True)
+    def recover(job: str) -> str:
+        return run_job(settings, held["database"], job, lambda: bool(draining.value))
+
+    @signals.worker_process_init.connect(weak=False)
+    def begin(**_: Any) -> None:
+        if lock is not None:
+            os.close(lock)  # a child that outlives a killed parent must not look like a living worker
+        limit_threads(settings.threads)
+        held["database"] = Database(settings.database)
+
+    @signals.worker_shutting_down.connect(weak=False)
+    def drain(**_: Any) -> None:
+        draining.value = 1
