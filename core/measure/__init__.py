@@ -14,7 +14,7 @@ from .patterns import (
     measure_seams,
     unmatched_panels,
 )
-from .surface import penetration_depth
+from .surface import closest_points, penetration_depth, vertex_normals
 from .turning import turning_distance
 
 __all__ = [
@@ -25,6 +25,7 @@ __all__ = [
     "TrueSeam",
     "boundary_loops",
     "carry_contours",
+    "closest_points",
     "judge",
     "measure_distance",
     "measure_fit",
@@ -38,4 +39,5 @@ __all__ = [
     "self_intersections",
     "turning_distance",
     "unmatched_panels",
+    "vertex_normals",
 ]

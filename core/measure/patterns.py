@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..pattern import EdgeRef, Panel, Pattern
-from ..pattern.curves import edge_length, edge_points
+from ..pattern import EdgeRef, Panel, Pattern, edge_length, edge_points
 from .outlines import edge_rms, outline_rms, polygon_area, polygon_width, polyline_length
 from .turning import turning_distance
 

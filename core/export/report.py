@@ -1,0 +1,189 @@
+"""A report that opens anywhere: one HTML file with pictures, pattern, numbers and verdicts, and no network."""
+
+from __future__ import annotations
+
+import json
+from html import escape
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+
+from ..measure import overall
+from ..pattern import edge_length, panel_area, panel_outline
+from ..recovery import Recovery
+from .drawing import SCALE, pattern_drawing
+from .views import STOPS, render_views
+
+VERDICTS = {
+    "pass": "All checks passed",
+    "warn": "Usable, with remarks",
+    "fail": "Look before you use it",
+}
+
+TITLES = {
+    "surface_rms_mm.s2t": "Distance, result to scan, RMS [mm]",
+    "surface_rms_mm.t2s": "Distance, scan to result, RMS [mm]",
+    "surface_p95_mm.s2t": "Distance, result to scan, 95 % [mm]",
+    "surface_p95_mm.t2s": "Distance, scan to result, 95 % [mm]",
+    "hausdorff_mm": "Largest distance either way [mm]",
+    "chamfer_vertex_m2e3": "Vertex Chamfer [m² × 10⁻³]",
+    "chamfer_vertex_floor_m2e3": "its floor: two meshings of the scan",
+    "normal_cosine": "Normal similarity, 1 − cos, both ways",
+    "normal_cosine_floor": "its floor: two meshings of the scan",
+    "stretch_p001": "Stretch, smallest (0.1 %)",
+    "stretch_p999": "Stretch, largest (99.9 %)",
+    "flipped_faces": "Faces against the scan",
+    "self_intersecting_faces": "Faces that intersect others",
+    "min_angle_deg": "Smallest angle (1 %) [°]",
+    "body_penetration_mm": "Deepest inside the body [mm]",
+    "seam_mismatch_mm": "Largest seam mismatch [mm]",
+    "vertices": "Vertices",
+    "faces": "Faces",
+}
+"""Names of metrics for people, in the order of the table; others follow under their own names."""
+
+COLUMNS = (("", "Detail mesh"), ("sim.", "Simulation mesh"), ("graded.", "Graded drape"))
+
+
+def report_html(recovery: Recovery) -> str:
+    """Give the whole report as the text of one HTML file; every name that comes from a file is escaped."""
+    style = files(__package__).joinpath("report.css").read_text(encoding="utf-8")
+    name = escape(recovery.scan.name)
+    sections = [
+        _header(recovery),
+        _pictures(recovery),
+        _gates(recovery),
+        _pattern(recovery),
+        _numbers(recovery),
+        _settings(recovery),
+    ]
+    return (
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>{name} – garmentq report</title><style>{style}</style></head>\n"
+        f"<body><main>{''.join(sections)}</main></body></html>\n"
+    )
+
+
+def number(value: Any) -> str:
+    """Give a number for people: three or four figures, whole where it is whole, a dash where there is none."""
+    if value is None or not np.isfinite(value):
+        return "–"
+    if value == round(value) and abs(value) < 1e7:
+        return f"{value:.0f}"
+    if abs(value) >= 100.0:
+        return f"{value:.0f}"
+    return f"{value:.2f}" if abs(value) >= 1.0 else f"{value:.3g}" if abs(value) >= 1e-3 else f"{value:.1e}"
+
+
+def _header(recovery: Recovery) -> str:
+    verdict = overall(recovery.gates)
+    facts = (
+        ("Category", recovery.target.category),
+        ("Template", recovery.template),
+        ("Fabric", recovery.fabric.title or recovery.fabric.name),
+        ("Body", recovery.body.source),
+        ("CPU time", f"{recovery.cpu_seconds:.0f} s"),
+        ("Memory", f"{recovery.peak_mb:.0f} MB"),
+    )
+    cells = "".join(f"<div><dt>{title}</dt><dd>{escape(value)}</dd></div>" for title, value in facts)
+    notes = "".join(f"<li>{escape(text)}</li>" for text in recovery.warnings)
+    return (
+        f'<header><p class="brand">garmentq · recovery report</p><h1>{escape(recovery.scan.name)}</h1>'
+        f'<p class="verdict {verdict}">{VERDICTS[verdict]}</p><dl class="facts">{cells}</dl></header>'
+        + (f'<section class="notes"><h2>Remarks</h2><ul>{notes}</ul></section>' if notes else "")
+    )
+
+
+def _pictures(recovery: Recovery) -> str:
+    views, end = render_views(recovery)
+    heads = ("Scan", "Recovered garment", "Distance to the scan")
+    rows = ['<div class="head"></div>' + "".join(f'<div class="head">{head}</div>' for head in heads)]
+    for view in views:
+        pictures = zip(heads, (view.scan, view.result, view.error), strict=True)
+        rows.append(f'<div class="side">{view.title}</div>')
+        rows += [
+            f'<img alt="{head}, {view.title.lower()}" src="data:image/png;base64,{data}">' for head, data in pictures
+        ]
+    stops = ", ".join(f"rgb({r * 255:.0f} {g * 255:.0f} {b * 255:.0f}) {at:.0%}" for at, (r, g, b) in STOPS)
+    ticks = "".join(f"<span>{number(end * part / 4)}{' mm' if part == 4 else ''}</span>" for part in range(5))
+    bar = (
+        f'<div class="colours"><div class="bar" style="background:linear-gradient(90deg, {stops})"></div>'
+        f'<div class="ticks">{ticks}</div></div>'
+    )
+    return f'<section><h2>Fit</h2><div class="pictures">{"".join(rows)}</div>{bar}</section>'
+
+
+def _gates(recovery: Recovery) -> str:
+    rows = "".join(
+        f'<tr><td><span class="badge {escape(gate.verdict)}">{escape(gate.verdict)}</span></td>'
+        f"<td>{escape(gate.name.replace('_', ' '))}</td><td class=num>{number(gate.value)}</td>"
+        f"<td class=num>{number(gate.limit)}</td><td>{escape(gate.message)}</td></tr>"
+        for gate in recovery.gates
+    )
+    head = (
+        "<tr><th></th><th>Check</th><th class=num>Value</th><th class=num>Fails above</th><th>What it means</th></tr>"
+    )
+    return f"<section><h2>Checks</h2><table>{head}{rows}</table></section>" if rows else ""
+
+
+def _pattern(recovery: Recovery) -> str:
+    rows = []
+    for panel in recovery.pattern.panels:
+        outline = panel_outline(panel)
+        width, height = outline.max(axis=0) - outline.min(axis=0)
+        around = sum(edge_length(panel, index) for index in range(len(panel.edges)))
+        rows.append(
+            f"<tr><td>{escape(panel.name)}</td><td class=num>{width * 100:.1f} × {height * 100:.1f}</td>"
+            f"<td class=num>{around * 100:.1f}</td><td class=num>{panel_area(panel) * 1e4:.0f}</td></tr>"
+        )
+    head = (
+        "<tr><th>Panel</th><th class=num>Width × height [cm]</th><th class=num>Perimeter [cm]</th>"
+        "<th class=num>Area [cm²]</th></tr>"
+    )
+    return (
+        f'<section class="page"><h2>Pattern</h2><p class="hint">Drawn 1:{SCALE} when printed at full size, net lines '
+        "without seam allowance. Edges of one colour and number are sewn together; dark edges stay open. "
+        f'pattern.svg holds the same at true scale.</p><div class="sheet">{pattern_drawing(recovery.pattern)}</div>'
+        f"<table>{head}{''.join(rows)}</table></section>"
+    )
+
+
+def _numbers(recovery: Recovery) -> str:
+    metrics = recovery.metrics
+    prefixes = [prefix for prefix, _ in COLUMNS if prefix]
+    bases: dict[str, None] = dict.fromkeys(TITLES)
+    for name in sorted(metrics):
+        prefix = next((prefix for prefix in prefixes if name.startswith(prefix)), "")
+        bases[name.removeprefix(prefix)] = None
+    shown = [(p, t) for p, t in COLUMNS if not p or any(name.startswith(p) for name in metrics)]
+    rows = []
+    for base in bases:
+        if not any(prefix + base in metrics for prefix, _ in shown):
+            continue
+        title = TITLES.get(base) or _contour_title(base)
+        cells = "".join(f"<td class=num>{number(metrics.get(prefix + base))}</td>" for prefix, _ in shown)
+        rows.append(f"<tr><td title='{escape(base, quote=True)}'>{escape(title)}</td>{cells}</tr>")
+    head = "<tr><th>Metric</th>" + "".join(f"<th class=num>{title}</th>" for _, title in shown) + "</tr>"
+    return f'<section class="page"><h2>Numbers</h2><table>{head}{"".join(rows)}</table></section>'
+
+
+def _contour_title(name: str) -> str:
+    contour = name.removeprefix("contour_rms_mm.")
+    return name if contour == name else f"Contour {contour.replace('.', ', ')}, RMS [mm]"
+
+
+def _settings(recovery: Recovery) -> str:
+    total = max(sum(recovery.stage_seconds.values()), 1e-9)
+    stages = "".join(
+        f'<tr><td>{escape(name)}</td><td class=num>{seconds:.1f}</td><td class="share">'
+        f'<i style="width:{100.0 * seconds / total:.1f}%"></i></td></tr>'
+        for name, seconds in recovery.stage_seconds.items()
+    )
+    manifest = escape(json.dumps(recovery.manifest, indent=1, ensure_ascii=False, default=str))
+    head = '<tr><th>Stage</th><th class=num>CPU [s]</th><th class="share"></th></tr>'
+    return (
+        f'<section><h2>Time</h2><table class="stages">{head}{stages}</table></section>'
+        f"<section><h2>Settings and versions</h2><pre>{manifest}</pre></section>"
+    )

@@ -1,0 +1,77 @@
+"""Write everything a recovery found into one folder."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..body import JOINTS, PARENTS, Body
+from ..pattern import write_pattern
+from ..recovery import Recovery
+from .meshes import write_meshes, write_ply
+from .report import report_html
+
+
+def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
+    """Write meshes, pattern, numbers and report of a recovery.
+
+    Args:
+        recovery: What to write.
+        folder: Where to; made where it is not there, files of the same names are replaced.
+
+    Returns:
+        The files: graded.ply, detail.ply, detail.obj, detail.glb, simulation.ply (if the method makes one), body.ply,
+        body_joints.json, pattern.json, pattern.svg, metrics.json, manifest.json, report.html.
+    """
+    from . import write_svg  # the package is still loading when this module is read
+
+    folder.mkdir(parents=True, exist_ok=True)
+    garment = recovery.garment
+    files = write_meshes(garment, recovery.graded, folder, "graded", ("ply",))
+    files += write_meshes(garment, recovery.detail, folder, "detail")
+    if recovery.simulation is not None:
+        files += write_meshes(garment, recovery.simulation, folder, "simulation", ("ply",))
+    files.append(write_ply(recovery.body.vertices, recovery.body.faces, folder / "body.ply"))
+    files.append(_write_json(_joints(recovery.body), folder / "body_joints.json"))
+    files.append(_write_json(write_pattern(recovery.pattern), folder / "pattern.json"))
+    write_svg(recovery.pattern, folder / "pattern.svg")
+    files.append(folder / "pattern.svg")
+    files.append(_write_json(recovery.metrics, folder / "metrics.json"))
+    files.append(_write_json(recovery.manifest, folder / "manifest.json"))
+    report = folder / "report.html"
+    report.write_text(report_html(recovery), encoding="utf-8")
+    return [*files, report]
+
+
+def plain(value: Any) -> Any:
+    """Give a value as plain JSON: arrays as lists, numbers that are none (nan, inf) as null, the rest as text."""
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, np.ndarray | np.generic):
+        return plain(value.tolist())
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value if value is None or isinstance(value, bool | int | str) else str(value)
+
+
+def _write_json(value: Any, path: Path) -> Path:
+    path.write_text(json.dumps(plain(value), indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+    return path
+
+
+def _joints(body: Body) -> dict[str, Any]:
+    """Give the joints by name with their parents [m]."""
+    return {
+        "unit": "m",
+        "source": body.source,
+        "joints": {
+            name: {"position": position.tolist(), "parent": JOINTS[parent] if parent >= 0 else None}
+            for name, position, parent in zip(JOINTS, body.joints, PARENTS, strict=True)
+        },
+    }

@@ -1,0 +1,70 @@
+"""The pictures of a report: scan, result and distance between them, front and back, from one camera."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..measure import closest_points
+from ..recovery import Recovery
+from .picture import Surface, aim, draw, png_base64
+
+WIDTH, HEIGHT = 480, 600
+"""Size of one picture [pixel]: three fit side by side on a page at twice a screen's density."""
+
+SKIN = np.array([0.90, 0.85, 0.80])
+SCANNED = np.array([0.62, 0.66, 0.70])
+CLOTH = np.array([0.40, 0.58, 0.74])
+"""Colours: skin pale, so that the cloth leads; the scan grey as clay; the result blue."""
+
+STOPS = (
+    (0.00, (0.90, 0.92, 0.90)),
+    (0.25, (0.98, 0.86, 0.55)),
+    (0.50, (0.95, 0.60, 0.26)),
+    (0.75, (0.80, 0.25, 0.20)),
+    (1.00, (0.42, 0.05, 0.24)),
+)
+"""The error map's colours, light to dark: readable in print and without red-green vision."""
+
+LEAST_RANGE_MM = 5.0
+"""Least end of the colour bar [mm]: below that a scanner's noise would look like an error."""
+
+
+@dataclass(frozen=True)
+class View:
+    """Hold one row of pictures, each a PNG as base64 text."""
+
+    title: str
+    scan: str
+    result: str
+    error: str
+
+
+def colour_of(fraction: np.ndarray) -> np.ndarray:
+    """Give the error map's RGB for fractions of its range, shape [n, 3]."""
+    at = [stop for stop, _ in STOPS]
+    return np.stack([np.interp(fraction, at, [rgb[k] for _, rgb in STOPS]) for k in range(3)], axis=-1)
+
+
+def render_views(recovery: Recovery) -> tuple[tuple[View, ...], float]:
+    """Draw front and back.
+
+    Returns:
+        The rows, and the end of the error map's colour bar [mm].
+    """
+    scan, body, faces = recovery.scan, recovery.body, recovery.garment.faces
+    distance, _ = closest_points(recovery.detail, scan.vertices, scan.faces)
+    millimetres = 1e3 * distance
+    end = float(np.ceil(max(LEAST_RANGE_MM, float(np.quantile(millimetres, 0.99)))))
+    person = Surface(body.vertices, body.faces, SKIN)
+    scanned = Surface(scan.vertices, scan.faces, SCANNED if scan.colours is None else scan.colours)
+    result = Surface(recovery.detail, faces, CLOTH)
+    error = Surface(recovery.detail, faces, colour_of(np.minimum(millimetres / end, 1.0)))
+    both = np.concatenate([recovery.target.vertices, recovery.detail])
+    views = []
+    for title, turn in (("Front", np.eye(3)), ("Back", np.diag([-1.0, 1.0, -1.0]))):
+        camera = aim(both, turn @ body.heading, WIDTH, HEIGHT)
+        pictures = [png_base64(draw([person, surface], camera)) for surface in (scanned, result, error)]
+        views.append(View(title, *pictures))
+    return tuple(views), end

@@ -1,0 +1,110 @@
+"""A small recovery whose truth is known: a tube of two panels around a cylinder."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from garmentq.core.body import JOINTS, Body
+from garmentq.core.pattern import Edge, EdgeRef, Panel, Pattern, Seam, mesh_pattern
+from garmentq.core.recovery import Recovery
+from garmentq.core.scan import Scan
+from garmentq.core.segment import Contour, Target
+from garmentq.core.simulate import Fabric
+
+RADIUS, HEIGHT = 0.15, 0.30
+
+
+def make_tube_pattern(width: float = np.pi * RADIUS, height: float = HEIGHT, names=("front", "back")) -> Pattern:
+    """Draw two rectangles that are sewn into a tube; edges: hem, right, waist, left."""
+    points = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
+    edges = (Edge(contour="hem"), Edge(), Edge(contour="waist"), Edge())
+    panels = tuple(Panel(name, points, edges) for name in names)
+    seams = tuple(Seam(EdgeRef(names[0], a), EdgeRef(names[1], b)) for a, b in ((1, 3), (3, 1)))
+    return Pattern("tube", panels, seams, category="skirt")
+
+
+def make_tube(pattern: Pattern, edge_length: float = 0.02, radius: float = RADIUS):
+    """Mesh the pattern and roll it around the y axis: the front panel on +z."""
+    garment = mesh_pattern(pattern, edge_length=edge_length)
+    uv = garment.uv / garment.uv.max(axis=0)
+    angle = np.pi * (uv[:, 0] + garment.panel_of_uv) - np.pi / 2.0
+    nodes = np.zeros((len(garment.nodes), 3))
+    nodes[garment.uv_node] = np.stack([radius * np.sin(angle), 0.8 + garment.uv[:, 1], radius * np.cos(angle)], axis=1)
+    return garment.at(nodes, contours=tube_contours(nodes))
+
+
+def tube_contours(nodes: np.ndarray) -> tuple[Contour, ...]:
+    """Name both rims of a tube."""
+    rims = []
+    for name, y in (("hem", nodes[:, 1].min()), ("waist", nodes[:, 1].max())):
+        rim = np.flatnonzero(np.abs(nodes[:, 1] - y) < 1e-9)
+        rims.append(Contour(name, rim[np.argsort(np.arctan2(nodes[rim, 0], nodes[rim, 2]))], 2 * np.pi * RADIUS))
+    return tuple(rims)
+
+
+def make_body(vertices: np.ndarray, faces: np.ndarray) -> Body:
+    """Give a body that is only a mesh, with joints along the y axis."""
+    joints = np.stack([np.zeros(24), np.linspace(0.0, 1.7, 24), np.zeros(24)], axis=1)
+    weights = np.zeros((len(vertices), len(JOINTS)))
+    weights[:, 0] = 1.0
+    pose = np.tile(np.eye(4), (24, 1, 1))
+    return Body(vertices, faces, joints, weights, pose, vertices, faces, joints, weights, np.eye(3), source="mesh:post")
+
+
+@pytest.fixture(scope="session")
+def tube_pattern():
+    """Give the maker of tube patterns."""
+    return make_tube_pattern
+
+
+@pytest.fixture(scope="session")
+def tube():
+    """Give the maker of rolled tubes."""
+    return make_tube
+
+
+@pytest.fixture(scope="session")
+def bare_body():
+    """Give the maker of bodies from meshes."""
+    return make_body
+
+
+@pytest.fixture(scope="session")
+def tube_recovery():
+    """Give the maker of finished recoveries of a tube; keyword arguments replace its fields."""
+    import trimesh
+    from garmentq.core.measure import judge, measure_fit, measure_seams
+
+    def make(**changes) -> Recovery:
+        names = changes.pop("panel_names", ("front", "back"))
+        garment = make_tube(make_tube_pattern(names=names))
+        post = trimesh.creation.cylinder(radius=0.13, height=1.2, sections=48)
+        body = make_body(post.vertices[:, [1, 2, 0]] + [0.0, 0.95, 0.0], np.array(post.faces))
+        swell = 1.0 + 0.02 * np.sin(8.0 * np.arctan2(garment.nodes[:, 0], garment.nodes[:, 2]))
+        detail = garment.nodes * np.stack([swell, np.ones_like(swell), swell], axis=1)
+        target = Target(garment.nodes, garment.faces, garment.nodes, garment.contours, (), "skirt")
+        graded, faces, contours = garment.nodes * 1.01, garment.faces, garment.contours
+        metrics = measure_fit(garment, graded, detail, None, garment.nodes, faces, contours, body, samples=2000)
+        metrics |= measure_seams(garment.pattern)
+        values = {
+            "scan": Scan(garment.nodes, faces, name="tube"),
+            "body": body,
+            "target": target,
+            "template": "skirt",
+            "pattern": garment.pattern,
+            "fabric": Fabric("cotton", 500.0, 100.0, 500.0, 100.0, 1e-5, 0.12, title="cotton, 120 g/m2"),
+            "garment": garment,
+            "graded": graded,
+            "detail": detail,
+            "simulation": None,
+            "metrics": metrics,
+            "gates": judge(metrics),
+            "warnings": ("The scan's hem was frayed.",),
+            "stage_seconds": {"scan": 0.2, "deform": 3.4},
+            "cpu_seconds": 3.6,
+            "peak_mb": 321.0,
+            "manifest": {"seed": 0},
+        }
+        return Recovery(**(values | changes))
+
+    return make
