@@ -1,5 +1,25 @@
 """From a scan and a body to the garment's surface with its open contours named."""
 
+from .category import choose_category
+from .contours import name_contours
+from .garment import NoContour, segment_garment
+from .inspect import Inspection, inspect_file
+from .loop import find_loops, resample_loop, smooth_loop, smoothed_length
 from .target import CATEGORIES, CONTOUR_NAMES, Contour, Target
 
-__all__ = ["CATEGORIES", "CONTOUR_NAMES", "Contour", "Target"]
+__all__ = [
+    "CATEGORIES",
+    "CONTOUR_NAMES",
+    "Contour",
+    "Inspection",
+    "NoContour",
+    "Target",
+    "choose_category",
+    "find_loops",
+    "inspect_file",
+    "name_contours",
+    "resample_loop",
+    "segment_garment",
+    "smooth_loop",
+    "smoothed_length",
+]

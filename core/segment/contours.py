@@ -1,0 +1,130 @@
+"""Names for a garment's open contours, by the bones that each one encircles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..body import Body
+from .encirclement import Crossing, find_crossings
+from .loop import find_loops, smoothed_length
+from .target import Contour
+
+UPPER_TRUNK = frozenset({"spine3", "neck", "head"})
+LOWER_TRUNK = frozenset({"spine1", "spine2"})
+ARM = ("collar", "shoulder", "elbow", "wrist", "hand")
+"""Bones of an arm from the chest outward, without their side."""
+LEG = ("hip", "knee", "ankle", "foot")
+"""Bones of a leg from the pelvis outward, without their side."""
+ARMHOLE_END = 0.25
+"""A sleeveless garment's armhole lies above this share of the upper arm; a cap sleeve of 7 cm ends there."""
+SMALLEST = 0.12
+"""Nothing passes through a loop shorter than this [m]: a child's wrist has 13 cm."""
+
+
+@dataclass(frozen=True)
+class _Candidate:
+    vertices: np.ndarray
+    length: float
+    crossings: tuple[Crossing, ...]
+    name: str | None
+
+
+def name_contours(
+    vertices: np.ndarray, faces: np.ndarray, body: Body
+) -> tuple[tuple[Contour, ...], tuple[np.ndarray, ...]]:
+    """Name the open contours of a worn garment and tell them from holes.
+
+    | bones through the contour's disk | garment lies | name |
+    |---|---|---|
+    | spine3, neck or head (or both collars) | towards the pelvis | neck |
+    | spine1, spine2 | towards the pelvis | waist |
+    | spine1 to neck | away from the pelvis | hem |
+    | bones of both legs | towards the pelvis | hem |
+    | bones of both legs | away from the pelvis | waist |
+    | bones of one arm, beyond the first quarter of the upper arm | | cuff.SIDE |
+    | bones of one arm, otherwise | | armhole.SIDE |
+    | bones of one leg | | leg.SIDE |
+
+    A loop that encircles no bone is a hole, and so is the shorter of two of one name, and a name that no category has
+    beside the others (a hem beside two legs, a waist beside a neck).
+
+    Args:
+        vertices: Positions [m], shape [vertex_count, 3].
+        faces: Outward faces, shape [face_count, 3].
+        body: The wearer.
+
+    Returns:
+        The contours in the order of their names, and the vertex loops of the holes, longest first.
+    """
+    candidates = []
+    for loop in find_loops(faces, vertices):
+        points = vertices[loop]
+        length = smoothed_length(points)
+        crossings = find_crossings(points, body) if length >= SMALLEST else ()
+        candidates.append(_Candidate(loop, length, crossings, name_crossings(crossings)))
+    chosen = _choose(candidates)
+    contours = tuple(
+        Contour(name, c.vertices, c.length, tuple(crossing.bone for crossing in c.crossings))
+        for name, c in sorted(chosen.items())
+    )
+    holes = [c for c in candidates if chosen.get(c.name or "") is not c]
+    return contours, tuple(c.vertices for c in sorted(holes, key=lambda c: -c.length))
+
+
+def name_crossings(crossings: tuple[Crossing, ...]) -> str | None:
+    """Name a contour by the bones that cross its disk, or None where it encircles nothing."""
+    bones = {crossing.bone: crossing for crossing in crossings}
+    legs = {side: _along(crossings, side, LEG) for side in ("left", "right")}
+    arms = {side: _along(crossings, side, ARM) for side in ("left", "right")}
+    trunk = [bones[name] for name in (*sorted(UPPER_TRUNK), *sorted(LOWER_TRUNK)) if name in bones]
+    if trunk:
+        if trunk[0].distal:
+            return "hem"
+        return "neck" if UPPER_TRUNK & bones.keys() else "waist"
+    if arms["left"] and arms["right"]:
+        return "hem" if arms["left"][0].distal else "neck"
+    if legs["left"] and legs["right"]:
+        return "waist" if legs["left"][0].distal and legs["right"][0].distal else "hem"
+    for side in ("left", "right"):
+        if arms[side]:
+            return f"cuff.{side}" if limb_place(crossings, side, ARM) > ARMHOLE_END else f"armhole.{side}"
+        if legs[side]:
+            return f"leg.{side}"
+    return None
+
+
+def limb_place(crossings: tuple[Crossing, ...], side: str, limb: tuple[str, ...]) -> float:
+    """Place a contour along a limb: 0 at the shoulder (hip), 1 at the elbow (knee), 2 at the wrist (ankle).
+
+    Where the disk meets several bones of a bent limb, the one nearest to the trunk counts.
+    """
+    mine = _along(crossings, side, limb)
+    first = 2 if limb is ARM else 1
+    return min((limb.index(c.bone.split("_", 1)[1]) - first + c.place for c in mine), default=float("nan"))
+
+
+def _along(crossings: tuple[Crossing, ...], side: str, limb: tuple[str, ...]) -> list[Crossing]:
+    return [crossing for crossing in crossings if crossing.bone in {f"{side}_{part}" for part in limb}]
+
+
+def _choose(candidates: list[_Candidate]) -> dict[str, _Candidate]:
+    """Keep the longest candidate of each name, and only names that a category can have together."""
+    chosen: dict[str, _Candidate] = {}
+    for candidate in candidates:
+        name = candidate.name
+        if name and (name not in chosen or candidate.length > chosen[name].length):
+            chosen[name] = candidate
+    if "leg.left" in chosen and "leg.right" in chosen:
+        chosen.pop("hem", None)
+    if "neck" in chosen:
+        chosen.pop("waist", None)
+    for side in ("left", "right"):
+        if f"cuff.{side}" in chosen:
+            chosen.pop(f"armhole.{side}", None)
+    # One leg alone beside no other lower contour is a hem that misses the other, lifted leg.
+    legs = [name for name in ("leg.left", "leg.right") if name in chosen]
+    if len(legs) == 1 and "hem" not in chosen:
+        chosen["hem"] = chosen.pop(legs[0])
+    return chosen

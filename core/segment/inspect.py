@@ -1,0 +1,145 @@
+"""What was understood of a file, before anything is run."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..body import Body
+from ..scan import Limits, Scan, load_pair
+from .garment import segment_garment
+from .loop import find_loops, smoothed_length
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """Tell what was understood of a garment's file and of the body that came with it.
+
+    Attributes:
+        name: The file's stem.
+        sha256: Hash of the file's bytes (hex).
+        units: Unit of the file, found or given.
+        up: Up axis of the file, found or given.
+        extent_m: Sides of the bounding box [m], y up.
+        vertex_count: Vertices after repair.
+        face_count: Faces after repair.
+        area_m2: Area of the surface [m2].
+        repairs: What was mended, one sentence each.
+        has_colours: Whether the vertices have colours.
+        has_labels: Whether the vertices have labels.
+        boundaries_m: Smoothed length of every open boundary [m], longest first.
+        contours_m: Name and smoothed length of each contour [m]; None where no body was given.
+        contour_bones: Name and bones of each contour; None where no body was given.
+        holes_m: Smoothed length of each hole [m]; None where no body was given.
+        category: The category that would be chosen; None where no body was given.
+        body: What the body is and how well its skeleton fits; None where no body was given.
+    """
+
+    name: str
+    sha256: str
+    units: str
+    up: str
+    extent_m: tuple[float, float, float]
+    vertex_count: int
+    face_count: int
+    area_m2: float
+    repairs: tuple[str, ...]
+    has_colours: bool
+    has_labels: bool
+    boundaries_m: tuple[float, ...]
+    contours_m: dict[str, float] | None = None
+    contour_bones: dict[str, tuple[str, ...]] | None = None
+    holes_m: tuple[float, ...] | None = None
+    category: str | None = None
+    body: dict[str, Any] | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """Give everything as plain JSON values."""
+        return {key: _plain(value) for key, value in asdict(self).items()}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(entry) for key, entry in value.items()}
+    return [_plain(entry) for entry in value] if isinstance(value, (tuple, list)) else value
+
+
+def inspect_file(
+    path: Path,
+    body: Body | Path | str | None = None,
+    *,
+    units: str | None = None,
+    up: str | None = None,
+    limits: Limits | None = None,
+) -> Inspection:
+    """Read a garment's file, and with a body name its contours and category.
+
+    Args:
+        path: The garment's mesh file.
+        body: The wearer: a ready `Body`, a mesh file, a text `builtin:...`, or None.
+        units: `m`, `cm` or `mm`, or None to find it.
+        up: `y` or `z`, or None to find it.
+        limits: What reading may cost.
+
+    Raises:
+        BadInput: where a file cannot be used, or no contour is found on the given body.
+    """
+    builtin = isinstance(body, str) and body.startswith("builtin:")
+    mesh = Path(body) if isinstance(body, (str, Path)) and not builtin else None
+    scan, wearer = load_pair(Path(path), mesh, units=units, up=up, limits=limits)
+    boundaries = sorted((smoothed_length(scan.vertices[loop]) for loop in find_loops(scan.faces)), reverse=True)
+    known = _describe(scan, boundaries)
+    who = _find_body(body, wearer)
+    if who is None:
+        return Inspection(**known)
+    target = segment_garment(scan, who)
+    return Inspection(
+        **known,
+        contours_m={contour.name: round(contour.length, 4) for contour in target.contours},
+        contour_bones={contour.name: contour.bones for contour in target.contours},
+        holes_m=tuple(round(smoothed_length(scan.vertices[hole]), 4) for hole in target.holes),
+        category=target.category,
+        body={
+            "source": who.source,
+            "height_m": round(float(np.ptp(who.vertices[:, 1])), 4),
+            "fit_rms_mm": round(1e3 * who.fit_rms, 2),
+            "repairs": list(wearer.repairs) if wearer is not None else [],
+        },
+    )
+
+
+def _describe(scan: Scan, boundaries: list[float]) -> dict[str, Any]:
+    corners = scan.vertices[scan.faces]
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    x, y, z = (round(float(side), 4) for side in np.ptp(scan.vertices, axis=0))
+    return {
+        "name": scan.name,
+        "sha256": scan.sha256,
+        "units": scan.units,
+        "up": scan.up_axis,
+        "extent_m": (x, y, z),
+        "vertex_count": len(scan.vertices),
+        "face_count": len(scan.faces),
+        "area_m2": round(0.5 * float(np.linalg.norm(cross, axis=1).sum()), 4),
+        "repairs": scan.repairs,
+        "has_colours": scan.colours is not None,
+        "has_labels": scan.labels is not None,
+        "boundaries_m": tuple(round(length, 4) for length in boundaries),
+    }
+
+
+def _find_body(body: Body | Path | str | None, wearer: Scan | None) -> Body | None:
+    if isinstance(body, Body):
+        return body
+    if wearer is not None:
+        from ..body import register_body
+
+        return register_body(wearer.vertices, wearer.faces, name=wearer.name)
+    if isinstance(body, str):
+        from ..body import builtin_body
+
+        return builtin_body(body)
+    return None
