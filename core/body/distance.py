@@ -70,10 +70,8 @@ class DistanceGrid:
         rough = distance_transform_edt(near)
         band = rough <= BAND + 1
         values = rough * spacing
-        exact, inside = _measure(origin + spacing * np.argwhere(band), vertices, faces)
-        outer = _inside_beyond(band, origin, spacing, vertices, faces)
-        values[outer] *= -1.0
-        values[band] = np.where(inside, -exact, exact)
+        values[_inside_beyond(band, origin, spacing, vertices, faces)] *= -1.0
+        values[band] = _measure(origin + spacing * np.argwhere(band), vertices, faces)
         return cls.from_values(origin, spacing, values)
 
     @classmethod
@@ -119,15 +117,21 @@ def _sample_surface(vertices: np.ndarray, faces: np.ndarray, spacing: float) -> 
     return np.concatenate(found)
 
 
-def _measure(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Give exact unsigned distances and whether each point is inside."""
+def _measure(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Give exact signed distances [m] of points to a mesh, shape [n]; a mesh that is inside out as a whole is turned."""
     import igl
 
     squared = igl.point_mesh_squared_distance(points, vertices, faces)[0]
     winding = igl.fast_winding_number(vertices, faces, points)
-    if np.abs(winding).sum() > 0 and winding[np.abs(winding) > 0.5].sum() < 0:
+    if _is_inside_out(vertices, faces):
         winding = -winding
-    return np.sqrt(squared), winding > 0.5
+    return np.where(winding > 0.5, -np.sqrt(squared), np.sqrt(squared))
+
+
+def _is_inside_out(vertices: np.ndarray, faces: np.ndarray) -> bool:
+    """Tell whether the enclosed volume is negative."""
+    a, b, c = (vertices[faces[:, k]] - vertices[faces].mean((0, 1)) for k in range(3))
+    return bool(np.einsum("fd,fd->", a, np.cross(b, c)) < 0)
 
 
 def _inside_beyond(
@@ -139,9 +143,9 @@ def _inside_beyond(
     regions, count = label(~band)
     if not count:
         return np.zeros_like(band)
-    first = np.unique(regions, return_index=True)
-    places = np.stack(np.unravel_index(first[1][first[0] > 0], band.shape), axis=1)
-    _, inside = _measure(origin + spacing * places, vertices, faces)
+    names, first = np.unique(regions, return_index=True)
+    places = np.stack(np.unravel_index(first[names > 0], band.shape), axis=1)
+    inside = _measure(origin + spacing * places, vertices, faces) < 0
     return np.concatenate([[False], inside])[regions]
 
 

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from .energy import Energy, Inertia
     from .friction import Friction
     from .hold import Hold, HoldBad
+    from .penetration import push_out
     from .solver import Solver, SuperLU, make_solver
     from .statics import Drape, NodesBad, equilibrium
     from .topology import Topology, TopologyBad
@@ -32,6 +33,7 @@ _LAZY = {
     "TopologyBad": "topology",
     "equilibrium": "statics",
     "make_solver": "solver",
+    "push_out": "penetration",
     "settle": "dynamics",
 }
 # Their modules hold compiled kernels: imported on first use, so that the room itself stays light.
@@ -39,7 +41,7 @@ _LAZY = {
 __all__ = [
     "GRAVITY", "Drape", "Energy", "Fabric", "Friction", "Hold", "HoldBad", "Inertia", "NodesBad", "SimulateSettings",
     "SimulateSettingsBad", "Solver", "State", "SuperLU", "Topology", "TopologyBad", "equilibrium", "make_solver",
-    "settle",
+    "push_out", "settle",
 ]  # fmt: skip
 
 
