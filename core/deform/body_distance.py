@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import igl
 import numpy as np
 
 from .operators import face_vectors, half_edges, twins, unit
@@ -10,17 +11,26 @@ from .surface import Surface
 ON_CORNER = 1e-9
 """Barycentric coordinate below which a closest point counts as lying on the edge or corner beside it."""
 
+WINDING_REACH = 0.05
+"""Distance beyond which a point that the pseudonormal calls outside is not asked for its winding number [m]."""
+
 
 class BodyDistance:
     """Answer signed distances to a closed body mesh, positive outside.
 
-    The sign is that of the angle-weighted pseudonormal at the closest point (Baerentzen and Aanaes 2005), which is
-    exact for a closed mesh also where the closest point is on an edge or a corner.
+    Inside is where the winding number exceeds one half, which stands small holes and parts that overlap (thighs, arms
+    against the trunk). At the surface itself, where an offset has no direction, the way out is the angle-weighted
+    pseudonormal (Baerentzen and Aanaes 2005). A mesh that is inside out is turned.
     """
 
     def __init__(self, vertices: np.ndarray, faces: np.ndarray) -> None:
+        corner = vertices[faces]
+        if np.einsum("ij,ij", corner[:, 0], np.cross(corner[:, 1], corner[:, 2])) < 0:
+            faces = faces[:, ::-1]
         self._surface = Surface(vertices, faces)
         vertices, faces = self._surface.vertices, self._surface.faces
+        self._winding = igl.FastWindingNumberBVH()
+        self._winding.init(vertices, faces, 2)
         self._face = unit(face_vectors(vertices, faces))
         corner = vertices[faces]
         ahead = unit(np.roll(corner, -1, axis=1) - corner)
@@ -51,8 +61,11 @@ class BodyDistance:
         normal[corner] = self._corner[faces[found.face[corner], np.argmax(inner[corner], axis=1)]]
         offset = points - foot
         distance = np.linalg.norm(offset, axis=1)
-        outside = (offset * normal).sum(1) >= 0
-        sign = np.where(outside, 1.0, -1.0)
+        sign = np.where((offset * normal).sum(1) >= 0, 1.0, -1.0)
+        near = np.flatnonzero((distance < WINDING_REACH) | (sign < 0))
+        if len(near):
+            wound = self._winding.winding_number(np.ascontiguousarray(points[near], dtype=np.float64))
+            sign[near] = np.where(np.asarray(wound).reshape(-1) > 0.5, -1.0, 1.0)
         # nearer than a micrometre the offset has no direction of its own
         direction = np.where((distance > 1e-6)[:, None], offset * (sign / np.maximum(distance, 1e-30))[:, None], normal)
         return sign * distance, direction, foot

@@ -10,12 +10,13 @@ from ..hooks import SILENT, Hooks
 from ..measure import self_intersections
 from ..pattern import Garment
 from ..segment import Target
+from .acceptance import accept_polish, flipped
 from .body_distance import BodyDistance, body_depth
 from .clearance import clear_body
 from .deformation import Deformation
 from .jacobian_stage import optimise_jacobians
 from .objective import Objective
-from .operators import face_vectors, gradient_operator, unit
+from .operators import gradient_operator
 from .polish import polish_nodes
 from .rest_metric import RestMetric
 from .settings import DeformSettings
@@ -65,13 +66,12 @@ def deform(
     x, polished = stage.nodes, False
     if settings.polish_iterations > 0:
         finer = polish_nodes(x, faces, gradient, areas, metric, goal, distance, settings, hooks)
-        polished = is_better(finer, x, faces, goal)
-        x = finer if polished else x
+        x, polished = accept_polish(finer, x, faces, goal)
     hooks.progress("deform", 0.9, "clearance")
     if settings.clear_body:
         laplacian = (gradient.T @ sp.diags(np.repeat(areas, 2)) @ gradient).tocsr()
         x = clear_body(x, faces, laplacian, distance, settings.body_margin)
-    flips = (flipped_faces(nodes, faces, goal), flipped_faces(x, faces, goal))
+    flips = (int(flipped(nodes, faces, goal).sum()), int(flipped(x, faces, goal).sum()))
     crossings = (len(self_intersections(nodes, faces)), len(self_intersections(x, faces)))
     depth = body_depth(x, faces, distance)
     hooks.progress("deform", 1.0, "done")
@@ -98,22 +98,6 @@ def inverse_rest(rest: np.ndarray) -> np.ndarray:
     # a degenerate triangle (aspect beyond 1e6) takes no part in the strain: its area is zero, its inverse arbitrary
     flat = np.abs(np.linalg.det(edges)) < 1e-6 * (edges**2).sum((1, 2)) + 1e-16
     return np.asarray(np.linalg.inv(np.where(flat[:, None, None], identity, edges)))
-
-
-def flipped_faces(nodes: np.ndarray, faces: np.ndarray, target: PreparedTarget) -> int:
-    """Count faces whose normal points against the target's at the point closest to their centre."""
-    found = target.surface.closest(nodes[faces].mean(axis=1))
-    cosine = (unit(face_vectors(nodes, faces)) * found.of(target.normals, target.surface.faces)).sum(1)
-    return 0 if target.unsigned else int((cosine < 0).sum())
-
-
-def is_better(finer: np.ndarray, before: np.ndarray, faces: np.ndarray, target: PreparedTarget) -> bool:
-    """Accept the polish only if it is finite and neither flips nor self-intersections have grown."""
-    if not np.isfinite(finer).all():
-        return False
-    if flipped_faces(finer, faces, target) > flipped_faces(before, faces, target):
-        return False
-    return len(self_intersections(finer, faces)) <= len(self_intersections(before, faces))
 
 
 def _warnings(

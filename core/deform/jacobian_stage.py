@@ -93,8 +93,10 @@ def optimise_jacobians(
         now = x.detach().numpy()
         if step % settings.metric_every == 0:
             metric.follow(rows_to_jacobians(gradient @ now))
+        if step % settings.match_every == 0:
+            matches = objective.match(now)
         strained = step >= settings.strain_from
-        terms = objective.terms(x, objective.match(now), metric, strained)
+        terms = objective.terms(x, matches, metric, strained)
         total = torch.stack(list(terms.values())).sum()
         value = float(total.detach())
         if not math.isfinite(value):

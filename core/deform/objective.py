@@ -139,7 +139,7 @@ class Objective:
 
     def _strain(self, first: torch.Tensor, second: torch.Tensor, metric: RestMetric) -> torch.Tensor:
         """Sum of A (lambda / 2 tr(E)^2 + mu tr(E^2)) (eq. 4.5), E the Green strain against the rest stretch."""
-        undo = torch.from_numpy(np.linalg.inv(metric.stretch))
+        undo = torch.from_numpy(metric.undo)
         gradient = torch.stack([first, second], 2) @ self._inverse @ undo
         green = 0.5 * (gradient.transpose(1, 2) @ gradient - torch.eye(2, dtype=gradient.dtype))
         trace = green[:, 0, 0] + green[:, 1, 1]

@@ -74,7 +74,6 @@ def polish_nodes(
     bending = (laplacian @ sp.diags(1 / np.maximum(mass, 1e-12)) @ laplacian).tocsr()
     curves = ContourMatch(target.pairs, nodes, target.surface.vertices)
     goal_area = target.shares * mass.sum()
-    undo = np.linalg.inv(metric.stretch)
     x = nodes.copy()
     planes: tuple[np.ndarray, ...] = ()
     steps = settings.polish_iterations
@@ -97,7 +96,7 @@ def polish_nodes(
         inside, push = _inside(x, planes, settings.body_margin)
         weight = BODY_PULL * mass * inside
         matrix, right = matrix + sp.diags(weight), right + weight[:, None] * (x + push)
-        rotation = rotations(rows_to_jacobians(gradient @ x) @ undo) @ metric.stretch
+        rotation = rotations(rows_to_jacobians(gradient @ x) @ metric.undo) @ metric.stretch
         right = right + rigidity * (weighted @ rotation.transpose(0, 2, 1).reshape(-1, 3))
         system = (matrix + rigidity * laplacian + stiffness * bending).tocsc()
         x = splu(system, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(right)

@@ -22,12 +22,17 @@ class RestMetric:
     with s the smoothing length. Strain is then measured against the stretch S = Cs^(1/2) instead of the identity, so
     that it resists what varies faster than s (collapsed and sheared triangles) and not a panel that is 20 % too wide.
 
+    Attributes:
+        stretch: S of each face, shape [face_count, 2, 2].
+        undo: Its inverse, shape [face_count, 2, 2].
+
     **Deviation** from thesis eq. 4.5, where the rest shape is the flat panel (scale 0 here).
     """
 
     def __init__(self, faces: np.ndarray, panel_of_face: np.ndarray, areas: np.ndarray, scale: float) -> None:
         self._solve = None
         self.stretch = np.tile(np.eye(2), (len(faces), 1, 1))
+        self.undo = self.stretch.copy()
         if scale <= 0:
             return
         pairs, _ = twins(faces)
@@ -53,3 +58,4 @@ class RestMetric:
         values, vectors = np.linalg.eigh(metric)
         values = np.clip(np.sqrt(np.maximum(values, 0.0)), LOWEST, HIGHEST)
         self.stretch = np.einsum("fik,fk,fjk->fij", vectors, values, vectors)
+        self.undo = np.einsum("fik,fk,fjk->fij", vectors, 1 / values, vectors)
