@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
@@ -18,28 +19,48 @@ PERIOD_SECONDS = 0.2
 """How often the database is asked [s]; a person sees no difference below."""
 
 
+SILENT_SECONDS = 5.0
+"""A job without an event for so long [s] may lack its broker or worker: a working stage reports twice a second."""
+
+
 class WaitTimedOut(Exception):
     """The job had not ended when the time was over."""
 
 
-def follow(database: Database, job: str, timeout: float | None, is_quiet: bool) -> JobRow:
+def follow(
+    database: Database,
+    job: str,
+    timeout: float | None,
+    is_quiet: bool,
+    keep_up: Callable[[], None] | None = None,
+) -> JobRow:
     """Wait until a job has ended, with a bar per stage on a terminal and a line per stage elsewhere.
+
+    Args:
+        database: Where the job is.
+        job: Its id.
+        timeout: Seconds to wait at most, or None.
+        is_quiet: Show nothing.
+        keep_up: Called every few seconds while nothing happens to the job.
 
     Raises:
         WaitTimedOut: where `timeout` seconds went by first.
     """
     deadline = None if timeout is None else time.monotonic() + timeout
-    seen = 0
+    seen, heard = 0, time.monotonic()
     with _choose_display(is_quiet) as display:
         while True:
             row = find_job(database, job)
             for event in read_events(database, job, seen):
-                seen = event.id
+                seen, heard = event.id, time.monotonic()
                 display.show(event)
             if row.state in ENDED:
                 return row
             if deadline is not None and time.monotonic() > deadline:
                 raise WaitTimedOut()
+            if keep_up is not None and time.monotonic() - heard > SILENT_SECONDS:
+                keep_up()
+                heard = time.monotonic()
             time.sleep(PERIOD_SECONDS)
 
 

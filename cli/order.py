@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..core.errors import BadInput, NotFound
+from ..core.errors import BadInput
 from ..core.settings import RecoverySettings
 from ..service.database import Database
 from ..service.settings import ServiceSettings
@@ -15,10 +15,10 @@ from ..service.submission import BUILTIN, BodyMissing, BodyUnreadable, Order
 from ..service.templates import find_template
 
 
-class TemplateUnknown(NotFound):
-    """There is no such template; `garmentq templates list` shows those there are."""
+class FileUnreadable(BadInput):
+    """A file cannot be opened; check its path and its rights."""
 
-    code = "template.unknown"
+    code = "input.unreadable"
 
 
 def make_order(settings: ServiceSettings, database: Database, scan: Path, options: dict[str, Any]) -> Order:
@@ -44,11 +44,18 @@ def make_order(settings: ServiceSettings, database: Database, scan: Path, option
         seed=options["seed"],
     )
     body = _find_body(options["body"])
-    check = settings.find("checker")
-    check(scan, units=chosen.units, up=chosen.up)
+    _check_meshes(settings, scan, body, chosen)
     template, name = _find_template(database, Store(settings.store_path), options["template"])
     chosen = replace(chosen, template=name)
     return Order(scan, body, template, chosen, force=options["force"])
+
+
+def _check_meshes(settings: ServiceSettings, scan: Path, body: Path | str, chosen: RecoverySettings) -> None:
+    check = settings.find("checker")
+    try:
+        check(scan, body if isinstance(body, Path) else None, units=chosen.units, up=chosen.up)
+    except OSError as error:
+        raise FileUnreadable(f"'{error.filename}' cannot be read: {error.strerror}.") from error
 
 
 def _find_body(text: str | None) -> Path | str:
@@ -67,24 +74,14 @@ def _find_template(database: Database, store: Store, text: str | None) -> tuple[
     if text is None:
         return None, None
     if Path(text).is_file():
-        _check_pattern(Path(text))
+        from ..core.pattern import load_pattern
+
+        load_pattern(Path(text))
         return Path(text), None
     imported = find_template(database, text)
     if imported is not None:
         return store.path(imported.sha256), text
-    from ..core.pattern.templates import list_templates
+    from ..core.pattern import load_template
 
-    if text not in list_templates():
-        raise TemplateUnknown(
-            f"there is no template or file '{text}'; `garmentq templates list` shows those there are."
-        )
+    load_template(text)
     return None, text
-
-
-def _check_pattern(path: Path) -> None:
-    from ..core.pattern import load_pattern
-
-    try:
-        load_pattern(path)
-    except (ValueError, KeyError, UnicodeDecodeError) as error:
-        raise BadInput(f"the template '{path}' is no pattern: {error}.") from error

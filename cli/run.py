@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from . import exits
 from .options import home_option, json_option, order_options, timeout_option, workers_option
 
+if TYPE_CHECKING:
+    from ..service.database import Database
+    from ..service.settings import ServiceSettings
+
 
 @click.command("run")
-@click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.argument("file", type=click.Path(path_type=Path))
 @order_options
 @home_option
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="Folder for the result's files.")
@@ -52,17 +57,36 @@ def command(
     database = open_database(settings)
     order = make_order(settings, database, file, options)
     submitted = submit(database, Store(settings.store_path), order)
-    if submitted.state not in ("succeeded",):
+
+    def keep_up() -> None:
         for name in ensure_services(settings, workers):
             note(f"started the {name}")
+
+    if submitted.state != "succeeded":
+        keep_up()
     note(f"job {submitted.job}" + ("" if submitted.is_new else f" (known, {submitted.state})"))
-    context.exit(wait_and_show(settings, database, submitted.job, timeout, out, as_json))
+    context.exit(wait_and_show(settings, database, submitted.job, timeout, out, as_json, keep_up))
 
 
 def wait_and_show(
-    settings: Any, database: Any, job: str, timeout: float | None, out: Path | None, as_json: bool
+    settings: ServiceSettings,
+    database: Database,
+    job: str,
+    timeout: float | None,
+    out: Path | None,
+    as_json: bool,
+    keep_up: Callable[[], None] | None = None,
 ) -> int:
     """Wait for a job, bring its files out, and show what it found.
+
+    Args:
+        settings: Which home.
+        database: Its database.
+        job: The job's id.
+        timeout: Seconds to wait at most, or None.
+        out: Folder for the files; None: below the home.
+        as_json: Print one object instead of tables.
+        keep_up: Called now and then, to start again what died meanwhile.
 
     Returns:
         Exit status.
@@ -74,7 +98,7 @@ def wait_and_show(
     from .terminal import note, print_error, print_json
 
     try:
-        row = follow(database, job, timeout, is_quiet=as_json)
+        row = follow(database, job, timeout, as_json, keep_up)
     except WaitTimedOut:
         note(f"job {job} goes on; `garmentq logs -f {job}` follows it.")
         return exits.TIMED_OUT

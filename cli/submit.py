@@ -1,0 +1,87 @@
+"""`garmentq submit`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from . import exits
+from .options import home_option, json_option, order_options, timeout_option
+
+
+@click.command("submit")
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@order_options
+@click.option("--wait", is_flag=True, help="Wait until every job has ended.")
+@timeout_option
+@home_option
+@json_option
+@click.pass_context
+def command(
+    context: click.Context,
+    files: tuple[Path, ...],
+    wait: bool,
+    timeout: float | None,
+    home: Path | None,
+    as_json: bool,
+    **options: Any,
+) -> None:
+    """Queue one or more scans.
+
+    Prints the id of each job; the same scan with the same settings is the same job. A file that is refused is named
+    on standard error, the others are queued all the same, and the exit status is 4. `garmentq up` starts a worker.
+
+    \b
+    Example:
+      garmentq submit scans/*.ply --body body.ply
+    """
+    from ..core.errors import GarmentqError
+    from ..service.database import open_database
+    from ..service.settings import read_settings
+    from ..service.store import Store
+    from ..service.submission import submit
+    from .order import make_order
+    from .terminal import print_error, print_json
+
+    settings = read_settings(home=home)
+    database = open_database(settings)
+    status, jobs = exits.OK, []
+    for file in files:
+        try:
+            order = make_order(settings, database, file, options)
+            submitted = submit(database, Store(settings.store_path), order)
+        except GarmentqError as error:
+            print_error(error.code, error.message)
+            if as_json:
+                print_json({"file": str(file), "job": None, "error": {"code": error.code, "message": error.message}})
+            status = exits.error_status(error)
+            continue
+        jobs.append(submitted.job)
+        if as_json:
+            found = {"job": submitted.job, "state": submitted.state, "is_new": submitted.is_new}
+            print_json({"file": str(file), **found, "error": None})
+        else:
+            click.echo(submitted.job)
+    if wait:
+        status = max([status, *(_wait(database, job, timeout) for job in jobs)])
+    context.exit(status)
+
+
+def _wait(database: Any, job: str, timeout: float | None) -> int:
+    from .follow import WaitTimedOut, follow
+    from .terminal import note, print_error
+
+    try:
+        row = follow(database, job, timeout, is_quiet=True)
+    except WaitTimedOut:
+        note(f"job {job} goes on; `garmentq logs -f {job}` follows it.")
+        return exits.TIMED_OUT
+    except KeyboardInterrupt:
+        note(f"the jobs go on; `garmentq status {job}` tells how far one is.")
+        return exits.DETACHED
+    note(f"job {job} {row.state}")
+    if row.error_code:
+        print_error(row.error_code, row.error_message or "")
+    return exits.job_status(row.state, row.bad_input)
