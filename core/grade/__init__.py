@@ -1,1 +1,22 @@
-"""Linear grading of a base pattern from contour distances along the bones (thesis 3.2.3)."""
+"""Grading of a base pattern: contours along the bones, and the stretch between them (thesis 3.2.3)."""
+
+from .choice import TEMPLATE_OF, TemplateMissing, choose_template
+from .distances import ContourMeasure, compare_contours, position_along
+from .flattening import FlatteningSettings
+from .grading import GradeSettings, Grading, grade_pattern
+from .registration import RegistrationSettings, register_coarsely
+
+__all__ = [
+    "TEMPLATE_OF",
+    "ContourMeasure",
+    "FlatteningSettings",
+    "GradeSettings",
+    "Grading",
+    "RegistrationSettings",
+    "TemplateMissing",
+    "choose_template",
+    "compare_contours",
+    "grade_pattern",
+    "position_along",
+    "register_coarsely",
+]

@@ -30,7 +30,7 @@ _EASED = ("inseam.0", "outseam.1", "outseam.2")
 class BodyMeasures:
     """Hold the measures that the drafts need.
 
-    The defaults are a woman of 1.70 m in a European size 38 (EN 13402-2), standing in T-pose with her feet at y = 0.
+    The defaults are those of the built-in female body of 1.70 m, standing in T-pose with her feet at y = 0.
 
     Attributes:
         bust, waist, hip: Girths [m].
@@ -40,31 +40,31 @@ class BodyMeasures:
         neck_half_width: From the middle to the side neck point [m].
     """
 
-    bust: float = 0.90
+    bust: float = 0.92
     waist: float = 0.72
-    hip: float = 0.97
-    nape_height: float = 1.43
-    armpit_height: float = 1.26
-    waist_height: float = 1.06
-    hip_height: float = 0.86
-    crotch_height: float = 0.77
-    shoulder_half_width: float = 0.19
+    hip: float = 1.00
+    nape_height: float = 1.435
+    armpit_height: float = 1.29
+    waist_height: float = 1.07
+    hip_height: float = 0.82
+    crotch_height: float = 0.79
+    shoulder_half_width: float = 0.18
     neck_half_width: float = 0.07
 
 
 def draft_tshirt(measures: BodyMeasures | None = None) -> Pattern:
     """Draft a T-shirt: front, back and four half sleeves with short, slightly drooping sleeves.
 
-    Allowances: bust + 10 cm (a regular T-shirt), armhole 4 cm below the armpit, 1 cm of shoulder drop, neck 2 cm
-    wider than the body's at each side and 10 cm deep in front so that it passes the head, hem 5 cm below the hip line.
+    Allowances: bust + 10 cm (a regular T-shirt), armhole 7 cm below the armpit, 1 cm of shoulder drop, neck 2 cm
+    wider than the body's at each side and 10 cm deep in front so that it passes the head, hem 2 cm below the hip line.
     The sleeve droops by 12 degrees: between an arm stretched out (0) and one hanging (about 60), nearer to the T-pose.
     """
     m = measures or BodyMeasures()
     half = (m.bust + 0.10) / 4
     neck = (m.neck_half_width + 0.02, 0.0)
     tip = (m.shoulder_half_width + 0.01, -0.04)
-    under = (half, m.armpit_height - 0.04 - m.nape_height)
-    hem = (half, m.hip_height - 0.05 - m.nape_height)
+    under = (half, m.armpit_height - 0.07 - m.nape_height)
+    hem = (half, m.hip_height - 0.02 - m.nape_height)
     panels = []
     for side, depth, hollow in (("front", 0.10, 0.050), ("back", 0.025, 0.042)):
         scye = ((under[0] - hollow, under[1] + 0.004), (tip[0] - 0.012, tip[1] - 0.08))
@@ -113,13 +113,13 @@ def draft_tank(measures: BodyMeasures | None = None) -> Pattern:
     """Draft a tank top: front and back with 5.5 cm straps.
 
     Allowances: bust + 4 cm (close, as ribbed tanks are), waist + 12 cm and hip + 2 cm (it skims without darts),
-    armhole 1.5 cm below the armpit, neckline 14 cm deep in front and 8 cm behind.
+    armhole 3 cm below the armpit, hem 5 cm above the hip line, neckline 14 cm deep in front and 8 cm behind.
     """
     m = measures or BodyMeasures()
     sides = (
-        ((m.hip + 0.02) / 4, m.hip_height + 0.01),
+        ((m.hip + 0.02) / 4, m.hip_height + 0.05),
         ((m.waist + 0.12) / 4, m.waist_height),
-        ((m.bust + 0.04) / 4, m.armpit_height - 0.015),
+        ((m.bust + 0.04) / 4, m.armpit_height - 0.03),
     )
     neck = (m.neck_half_width + 0.025, -0.005)
     strap = (neck[0] + 0.052, -0.023)
@@ -130,14 +130,14 @@ def draft_dress(measures: BodyMeasures | None = None) -> Pattern:
     """Draft a sleeveless dress: front and back in one piece from shoulder to knee.
 
     Allowances: bust + 5 cm, waist + 10 cm and hip + 8 cm (a shift dress that goes on without a zip), hem flared to
-    1.36 m for a free step, armhole 1.5 cm below the armpit, neckline 11 cm deep in front and 4 cm behind.
+    1.36 m for a free step, armhole 3 cm below the armpit, neckline 11 cm deep in front and 4 cm behind.
     """
     m = measures or BodyMeasures()
     sides = (
-        (0.34, m.crotch_height - 0.27),
+        (0.34, m.crotch_height - 0.29),
         ((m.hip + 0.08) / 4, m.hip_height),
         ((m.waist + 0.10) / 4, m.waist_height),
-        ((m.bust + 0.05) / 4, m.armpit_height - 0.015),
+        ((m.bust + 0.05) / 4, m.armpit_height - 0.03),
     )
     neck = (m.neck_half_width + 0.025, -0.005)
     tip = (m.shoulder_half_width - 0.02, -0.034)
@@ -187,15 +187,16 @@ def draft_skirt(measures: BodyMeasures | None = None) -> Pattern:
 def draft_trousers(measures: BodyMeasures | None = None) -> Pattern:
     """Draft straight trousers: front and back of each leg.
 
-    Allowances: they sit 5 cm below the natural waist, where the girth is about waist + 13 cm, so that no darts are
-    needed; hip + 6 cm, the front 1 cm narrower and the back 1 cm wider than a quarter; crotch 1.5 cm below the body's;
-    forks of hip / 16 - 1 cm (front) and hip / 8 - 2 cm (back), the seat's depth; knee 45 cm and hem 40 cm around. The
-    back fork is lowered and the back's side corners moved until inseams and outseams are equally long.
+    Allowances: they sit 6 cm below the natural waist, where the girth is about waist + 6 cm; hip + 6 cm, the front
+    1 cm narrower and the back 1 cm wider than a quarter, measured a third of the rise above the crotch; crotch 1.5 cm
+    below the body's; forks of hip / 16 - 1 cm (front) and hip / 8 - 2 cm (back), the seat's depth; knee 45 cm and hem
+    40 cm around. The back fork is lowered and the back's side corners moved until inseams and outseams are equal.
     """
     m = measures or BodyMeasures()
     base = m.waist_height
     crotch = m.crotch_height - 0.015 - base
-    hip, top = m.hip_height - base, -0.05
+    top = -0.06
+    hip = crotch + (top - crotch) / 3
     front = _leg(
         m, crotch, hip, top, side_shift=-0.01, fork=m.hip / 16 - 0.01, rise=0.0, fork_drop=0.0, lift=(0.0, 0.0)
     )
@@ -234,9 +235,9 @@ def _leg(
 ) -> Outline:
     """Draw one left leg panel around its crease line, which halves the distance from fork to side."""
     side = (m.hip + 0.06) / 4 + side_shift
-    waist = (m.waist + 0.13) / 4 + side_shift / 2
+    waist = (m.waist + 0.06) / 4 + side_shift / 2
     crease = (side - fork) / 2
-    slant = rise + 0.008
+    slant = 1.4 * rise + 0.01
     ankle, knee = 0.08 - m.waist_height, 0.47 - m.waist_height
     hem_half, knee_half = 0.10 + side_shift / 2, 0.1125 + side_shift / 2
     tip = (-fork, crotch - fork_drop)

@@ -1,0 +1,196 @@
+"""Find the control points whose flat panels stretch as the draped template did when it was moved onto the target."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import splu
+
+from ..pattern import Garment, Pattern, edge_length, find_symmetry, map_controls
+
+
+@dataclass(frozen=True)
+class FlatteningSettings:
+    """Set the fit of the control points.
+
+    Attributes:
+        rounds: Alternations of rotations and control points; panels turn little, so that 12 settle to 0.1 mm.
+        keep: Pull of the control points to where they were, as a share of the panels' stiffness; it only fixes what
+            the stretch leaves free (a panel's place and turn).
+        stretch_limit: Stretches beyond this factor, either way, come from bad triangles and are clipped.
+    """
+
+    rounds: int = 12
+    keep: float = 1e-4
+    stretch_limit: float = 4.0
+
+
+@dataclass(frozen=True)
+class FlatPanels:
+    """Hold the energy of all flat panels with the inner vertices solved out.
+
+    The energy int |J - W|^2 dA of wanted maps W is quadratic in inner vertices u and control points c (thesis eq. 3.1
+    ties the rim to them): L u + B c = b_u. So u = L^-1 b_u - C c, and c sees the Schur complement S.
+
+    Attributes:
+        gradient: From values at uv vertices to (d/dx, d/dy) of each face, shape [2 face_count, uv_count].
+        weight: Area of each face twice [m2], shape [2 face_count].
+        inner: The free uv vertices, shape [inner_count].
+        factor: Of L.
+        follow: The rim's part of the control map, zero rows inside, shape [2 uv_count, 2 control_count].
+        border: B, shape [2 inner_count, 2 control_count].
+        carried: C, shape [2 inner_count, 2 control_count].
+        reduced: S, shape [2 control_count, 2 control_count].
+    """
+
+    gradient: sp.csr_matrix
+    weight: np.ndarray
+    inner: np.ndarray
+    factor: Any
+    follow: sp.csr_matrix
+    border: np.ndarray
+    carried: np.ndarray
+    reduced: np.ndarray
+
+
+def lay_flat(garment: Garment) -> FlatPanels:
+    """Prepare the energy of a garment's flat panels."""
+    rim = np.zeros(len(garment.uv), dtype=bool)
+    for line in garment.edge_uv.values():
+        rim[line] = True
+    inner = np.flatnonzero(~rim)
+    follow = sp.csr_matrix(sp.diags(np.repeat(rim, 2).astype(float)) @ map_controls(garment).matrix)
+    gradient, area = _gradient(garment)
+    weight = np.repeat(area, 2)
+    stiffness = sp.csr_matrix(gradient.T @ sp.diags(weight) @ gradient)
+    factor = splu(
+        sp.csc_matrix(stiffness[inner][:, inner]), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}
+    )
+    loaded = sp.csr_matrix(sp.kron(stiffness, sp.eye(2)) @ follow)
+    pairs = (2 * inner[:, None] + np.arange(2)).ravel()
+    border = loaded[pairs].toarray()
+    carried = factor.solve(border.reshape(len(inner), -1)).reshape(border.shape)
+    reduced = (follow.T @ loaded).toarray() - border.T @ carried
+    return FlatPanels(gradient, weight, inner, factor, follow, border, carried, reduced)
+
+
+def stretch_between(garment: Garment, moved: np.ndarray, limit: float = 4.0) -> np.ndarray:
+    """Give by how much each flat face has to stretch so that its strain stays when the nodes move, [face_count, 2, 2].
+
+    With F the map from the flat face to 3D and U = sqrt(F^T F), A = U_before^-1 U_after: then F_after A^-1 has the
+    strain of F_before. Where nothing moved A is the identity, whatever the drape's own strain is.
+
+    Args:
+        garment: The garment where it was.
+        moved: Where its nodes went [m], shape [node_count, 3].
+        limit: Singular values are clipped to 1 / limit .. limit.
+    """
+    stretch = np.linalg.solve(_right_stretch(garment, garment.nodes), _right_stretch(garment, moved))
+    left, values, right = np.linalg.svd(stretch)
+    return np.asarray((left * np.clip(values, 1.0 / limit, limit)[:, None, :]) @ right)
+
+
+def fit_control_points(garment: Garment, stretch: np.ndarray, settings: FlatteningSettings | None = None) -> np.ndarray:
+    """Fit the control points to a wanted stretch of every flat face [m], shape [control_count, 2].
+
+    Minimises sum_f area_f |J_f - R_f A_f|^2 over control points, inner vertices and rotations R_f in turns, within the
+    pattern's symmetry and with both sides of every ungathered seam kept equal (to first order: `equalise_seams` is
+    exact).
+
+    Notation: J_f the map of face f from its old flat shape to the new, A_f `stretch`, shape [face_count, 2, 2].
+    """
+    settings = settings or FlatteningSettings()
+    pattern, flat = garment.pattern, lay_flat(garment)
+    symmetry = find_symmetry(pattern)
+    free, offset = symmetry.matrix.toarray(), symmetry.offset
+    start = pattern.points
+    keep = settings.keep * float(np.trace(flat.reduced)) / start.size
+    system = flat.reduced + keep * np.eye(start.size)
+    points, turned = start, stretch
+    for _ in range(settings.rounds):
+        # The wanted map's rows are where x and y go; the gradient wants d/dx and d/dy of both.
+        load = flat.gradient.T @ (flat.weight[:, None] * np.swapaxes(turned, 1, 2).reshape(-1, 2))
+        inner = flat.factor.solve(load[flat.inner])
+        right = flat.follow.T @ load.ravel() - flat.border.T @ inner.ravel() + keep * start.ravel()
+        rows = _seam_rows(pattern, points)
+        effective = _solve_sewn(free.T @ system @ free, free.T @ (right - system @ offset), rows @ free, -rows @ offset)
+        points = symmetry.expand(effective)
+        placed = (flat.follow @ points.ravel()).reshape(-1, 2)
+        placed[flat.inner] = inner - (flat.carried @ points.ravel()).reshape(-1, 2)
+        slope = np.swapaxes((flat.gradient @ placed).reshape(-1, 2, 2), 1, 2)
+        turned = _turn_towards(stretch, slope)
+    return points
+
+
+def _seam_rows(pattern: Pattern, points: np.ndarray) -> np.ndarray:
+    """Give the difference in length of each ungathered seam's sides, linear in the points, [count, 2 point_count].
+
+    An edge follows its chord by a similarity, so its length is proportional to the chord's, and that is the scalar
+    product of the chord with its own direction at `points`.
+    """
+    first = {panel.name: int(at) for panel, at in zip(pattern.panels, pattern.point_starts, strict=False)}
+    rows = []
+    for seam in pattern.seams:
+        if seam.gathered:
+            continue
+        row = np.zeros_like(points)
+        for ref, sign in ((seam.a, 1.0), (seam.b, -1.0)):
+            panel = pattern.panel(ref.panel)
+            a = first[ref.panel] + ref.edge
+            b = first[ref.panel] + (ref.edge + 1) % len(panel.points)
+            chord = np.linalg.norm(pattern.points[b] - pattern.points[a])
+            along = points[b] - points[a]
+            pull = sign * edge_length(panel, ref.edge) / chord * along / np.linalg.norm(along)
+            row[b] += pull
+            row[a] -= pull
+        rows.append(row.ravel())
+    return np.array(rows).reshape(-1, points.size)
+
+
+def _solve_sewn(system: np.ndarray, right: np.ndarray, rows: np.ndarray, sums: np.ndarray) -> np.ndarray:
+    """Minimise x.(system x)/2 - right.x under rows @ x = sums; least squares, because rows may repeat each other."""
+    size, count = len(system), len(rows)
+    scale = float(np.trace(system)) / size
+    whole = np.block([[system / scale, rows.T], [rows, np.zeros((count, count))]])
+    return np.asarray(np.linalg.lstsq(whole, np.concatenate([right / scale, sums]), rcond=1e-12)[0][:size])
+
+
+def _turn_towards(stretch: np.ndarray, slope: np.ndarray) -> np.ndarray:
+    """Turn each wanted stretch by the rotation that brings it nearest to the map it got, shape [face_count, 2, 2]."""
+    product = slope @ np.swapaxes(stretch, 1, 2)
+    cosine, sine = product[:, 0, 0] + product[:, 1, 1], product[:, 1, 0] - product[:, 0, 1]
+    size = np.maximum(np.hypot(cosine, sine), 1e-12)
+    rotation = np.stack([np.stack([cosine, -sine], 1), np.stack([sine, cosine], 1)], 1) / size[:, None, None]
+    return np.asarray(rotation @ stretch)
+
+
+def _right_stretch(garment: Garment, nodes: np.ndarray) -> np.ndarray:
+    """Give U = sqrt(F^T F) of every face, shape [face_count, 2, 2].
+
+    sqrt(C) = (C + s I) / sqrt(tr C + 2 s) with s = sqrt(det C), for 2 x 2 matrices.
+    """
+    rest, placed = garment.rest, nodes[garment.faces]
+    flat = np.stack([rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0]], axis=2)
+    spans = np.stack([placed[:, 1] - placed[:, 0], placed[:, 2] - placed[:, 0]], axis=2)
+    slope = spans @ np.linalg.inv(flat)
+    square = np.swapaxes(slope, 1, 2) @ slope
+    # A millionth: faces that collapsed in 3D keep a tiny width, so that the inverse exists; the clip takes them.
+    square = square + 1e-6 * np.eye(2)
+    root = np.sqrt(np.linalg.det(square))
+    trace = square[:, 0, 0] + square[:, 1, 1]
+    return np.asarray((square + root[:, None, None] * np.eye(2)) / np.sqrt(trace + 2 * root)[:, None, None])
+
+
+def _gradient(garment: Garment) -> tuple[sp.csr_matrix, np.ndarray]:
+    """Give the gradient on the flat faces, shape [2 face_count, uv_count], and their areas [m2]."""
+    rest, faces = garment.rest, garment.uv_faces
+    flat = np.stack([rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0]], axis=1)
+    inverse = np.linalg.inv(flat)
+    weights = np.concatenate([-inverse.sum(axis=2, keepdims=True), inverse], axis=2)
+    rows = np.repeat(np.arange(2 * len(faces)).reshape(-1, 2, 1), 3, axis=2)
+    columns = np.repeat(faces[:, None, :], 2, axis=1)
+    matrix = sp.csr_matrix((weights.ravel(), (rows.ravel(), columns.ravel())), (2 * len(faces), len(garment.uv)))
+    return matrix, np.abs(np.linalg.det(flat)) / 2
