@@ -135,7 +135,7 @@ def mirror_edge(edge: Edge) -> Edge:
     return Edge(edge.kind, edge.handles * np.array([1.0, -1.0]), edge.label, edge.contour)
 
 
-def outline(panel: Panel, segments: int = 16) -> np.ndarray:
+def panel_outline(panel: Panel, segments: int = 16) -> np.ndarray:
     """Give the panel's outline [m] as a polygon, `segments` to each curved edge and one to each line, shape [n, 2]."""
     parts = []
     for index, edge in enumerate(panel.edges):
@@ -152,7 +152,7 @@ def signed_area(polygon: np.ndarray) -> float:
 
 def panel_area(panel: Panel) -> float:
     """Give the area of a panel [m2], curves sampled finely; positive where it runs counter-clockwise."""
-    return signed_area(outline(panel, 64))
+    return signed_area(panel_outline(panel, 64))
 
 
 def _control(edge: Edge) -> np.ndarray:

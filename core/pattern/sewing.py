@@ -11,6 +11,7 @@ from .garment import Garment
 from .meshing import FlatMesh, MeshSettings, choose_edge_length, count_segments, mesh_panel, refine_counts, split_edges
 from .orientation import place_points
 from .pattern import EdgeRef, Pattern
+from .validity import check_outline
 
 ROUNDS = 4
 """Rounds of splitting edges that would be shared by four triangles; one is enough on all patterns tried."""
@@ -28,6 +29,7 @@ def mesh_pattern(pattern: Pattern, vertex_count: int = 4000, edge_length: float 
 
     Raises:
         MeshTooCoarse: where a panel cannot be meshed at this edge length.
+        PanelCrossing: where that is because a panel's outline crosses itself.
         NotOrientable: where the seams make a one-sided surface.
     """
     settings = MeshSettings(vertex_count, edge_length)
@@ -44,6 +46,8 @@ def mesh_pattern(pattern: Pattern, vertex_count: int = 4000, edge_length: float 
         if not lost:
             return sew_panels(pattern, meshes)
         counts = refine_counts(pattern, counts, lost)
+    for panel in pattern.panels:
+        check_outline(panel)
     names = ", ".join(sorted({ref.panel for ref in lost}))
     raise MeshTooCoarse(f"the panels {names} are too narrow for edges of {1e3 * size:.0f} mm; raise vertex_count.")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .curves import outline, signed_area
+from .curves import panel_outline, signed_area
 from .errors import PanelCrossing, PanelDegenerate
 from .pattern import Panel
 
@@ -21,7 +21,7 @@ def check_outline(panel: Panel) -> None:
     Raises:
         PanelDegenerate, PanelCrossing: naming the panel.
     """
-    polygon = outline(panel, SEGMENTS)
+    polygon = panel_outline(panel, SEGMENTS)
     if crosses_itself(polygon):
         raise PanelCrossing(f"the outline of panel '{panel.name}' crosses itself; redraw it as a simple closed loop.")
     if abs(signed_area(polygon)) < LEAST_AREA:

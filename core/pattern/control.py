@@ -1,0 +1,104 @@
+"""How a panel's mesh follows its control points: thesis eq. 3.1 on the outline, mean value coordinates inside."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import block_diag, csr_matrix
+
+from .curves import relative_to_chord
+from .garment import Garment
+from .pattern import EdgeRef
+
+CHUNK = 1000
+"""Points for which mean value coordinates are held at once: some 10 MB on the finest panels."""
+
+
+@dataclass(frozen=True)
+class ControlMap:
+    """Map all control points to all uv vertices, linearly.
+
+        u = M c,    u and c stacked as x0, y0, x1, y1, ...
+
+    A boundary vertex keeps its relative place (alpha, beta) on the chord of its edge (thesis eq. 3.1, both divided by
+    the squared chord, so that they have no unit), v = c_i + alpha x_i + beta R90 x_i. An inner vertex is the average of
+    its panel's boundary vertices by mean value coordinates. Both reproduce every similarity of the control points
+    exactly, and affine maps too on panels without curves. The map depends on the flat mesh alone.
+
+    **Deviation** The thesis updates inner vertices iteratively; mean value coordinates are an explicit linear map.
+
+    Attributes:
+        matrix: M, shape [2 uv_count, 2 point_count].
+        points: The control points it was computed at [m], shape [point_count, 2].
+    """
+
+    matrix: csr_matrix
+    points: np.ndarray
+
+    def apply(self, points: np.ndarray) -> np.ndarray:
+        """Give the uv vertices [m], shape [uv_count, 2], for moved control points [m], shape [point_count, 2]."""
+        return (self.matrix @ np.asarray(points, float).ravel()).reshape(-1, 2)
+
+    def pull_back(self, gradient: np.ndarray) -> np.ndarray:
+        """Give the derivative by the control points, shape [point_count, 2], from that by uv, shape [uv_count, 2]."""
+        return (self.matrix.T @ np.asarray(gradient, float).ravel()).reshape(-1, 2)
+
+
+def map_controls(garment: Garment) -> ControlMap:
+    """Compute the control map of a flat mesh."""
+    blocks = []
+    for index, panel in enumerate(garment.pattern.panels):
+        own = np.flatnonzero(garment.panel_of_uv == index)
+        uv, first = garment.uv[own], own[0]
+        weights = np.zeros((len(own), len(panel.points)), complex)
+        loop = []
+        for i in range(len(panel.edges)):
+            along = garment.edge_uv[EdgeRef(panel.name, i)][:-1] - first
+            after = (i + 1) % len(panel.points)
+            place = relative_to_chord(uv[along], panel.points[i], panel.points[after]) @ np.array([1.0, 1j])
+            weights[along, i] = 1.0 - place
+            weights[along, after] += place
+            loop.append(along)
+        rim = np.concatenate(loop)
+        inner = np.setdiff1d(np.arange(len(own)), rim)
+        for part in np.array_split(inner, len(inner) // CHUNK + 1):
+            weights[part] = mean_value_coordinates(uv[rim], uv[part]) @ weights[rim]
+        blocks.append(_as_real(weights))
+    return ControlMap(csr_matrix(block_diag(blocks, format="csr")), garment.pattern.points)
+
+
+def mean_value_coordinates(polygon: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Give mean value coordinates of points strictly inside a simple polygon (Floater 2003; any simple polygon: Hormann
+    and Floater 2006).
+
+        w_k = (tan(a_{k-1} / 2) + tan(a_k / 2)) / |v_k - p|,    lambda_k = w_k / sum w
+
+    a_k: signed angle at p from polygon vertex v_k to v_{k+1}. The tangent of the half angle is (1 - cos) / sin, written
+    as cross / (r r' + dot), which has no pole inside.
+
+    Args:
+        polygon: Vertices [m], shape [m, 2].
+        points: Points [m], shape [n, 2].
+
+    Returns:
+        The coordinates, rows sum to 1, shape [n, m].
+    """
+    offset = polygon[None] - points[:, None]
+    after = np.roll(offset, -1, axis=1)
+    radius = np.linalg.norm(offset, axis=2)
+    cross = offset[..., 0] * after[..., 1] - offset[..., 1] * after[..., 0]
+    dot = (offset * after).sum(axis=2)
+    tangent = cross / (radius * np.roll(radius, -1, axis=1) + dot)
+    weight = (tangent + np.roll(tangent, 1, axis=1)) / radius
+    return weight / weight.sum(axis=1, keepdims=True)
+
+
+def _as_real(weights: np.ndarray) -> np.ndarray:
+    """Write a complex matrix as the real one that acts on interleaved (x, y): p + iq becomes [[p, -q], [q, p]]."""
+    rows, columns = weights.shape
+    real = np.zeros((rows, 2, columns, 2))
+    real[:, 0, :, 0] = real[:, 1, :, 1] = weights.real
+    real[:, 1, :, 0] = weights.imag
+    real[:, 0, :, 1] = -weights.imag
+    return real.reshape(2 * rows, 2 * columns)
