@@ -119,8 +119,9 @@ def _parse_glb(path: Path) -> dict[str, np.ndarray]:
         "vertices": np.concatenate([np.asarray(part.vertices, np.float64) for part in parts]),
         "faces": np.concatenate([np.asarray(p.faces, np.int64) + o for p, o in zip(parts, offsets[:-1], strict=True)]),
     }
-    if all(part.visual.kind == "vertex" for part in parts):
-        arrays["colours"] = _as_bytes(np.concatenate([np.asarray(p.visual.vertex_colors)[:, :3] for p in parts]))
+    looks = [part.visual for part in parts if isinstance(part.visual, trimesh.visual.ColorVisuals)]
+    if len(looks) == len(parts) and all(look.kind == "vertex" for look in looks):
+        arrays["colours"] = _as_bytes(np.concatenate([np.asarray(look.vertex_colors)[:, :3] for look in looks]))
     return arrays
 
 

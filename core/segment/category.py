@@ -9,9 +9,9 @@ from .contours import ARM, LEG, limb_place
 from .encirclement import find_crossings
 from .target import Contour
 
-LONG_SLEEVE = 1.15
-"""A sleeve is long where its cuff lies beyond this place on the arm (1 is the elbow); a loose short sleeve on
-a bent arm may hang a little past it."""
+LONG_SLEEVE = 1.5
+"""A sleeve is long where its cuff lies beyond this place on the arm: the middle of the forearm (1 is the elbow, 2 the
+wrist). Loose T-shirt sleeves reach to the elbow and a little past it."""
 SHORTS_END = 1.4
 """Shorts end above this place on the leg (1 is the knee, 2 the ankle): knee-length shorts still are shorts."""
 DRESS_START = 0.4

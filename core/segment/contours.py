@@ -11,14 +11,18 @@ from .encirclement import Crossing, find_crossings
 from .loop import find_loops, smoothed_length
 from .target import Contour
 
-UPPER_TRUNK = frozenset({"spine3", "neck", "head"})
-LOWER_TRUNK = frozenset({"spine1", "spine2"})
+TRUNK = ("spine1", "spine2", "spine3", "neck", "head")
+"""Bones of the trunk from the pelvis upward."""
 ARM = ("collar", "shoulder", "elbow", "wrist", "hand")
 """Bones of an arm from the chest outward, without their side."""
 LEG = ("hip", "knee", "ankle", "foot")
 """Bones of a leg from the pelvis outward, without their side."""
-ARMHOLE_END = 0.25
-"""A sleeveless garment's armhole lies above this share of the upper arm; a cap sleeve of 7 cm ends there."""
+ARMHOLE_END = 0.4
+"""A sleeveless garment's armhole lies above this share of the upper arm: a dropped shoulder reaches 0.25, and a sleeve that
+ends before 0.4 (10 cm) is a cap, cut in one with the bodice."""
+WAIST_END = 0.6
+"""A skirt's or trousers' waist lies below this share of the way from the pelvis to the neck joint: a high waist reaches
+0.53, below the bust; the upper edge of a strapless top lies at 0.65 to 0.75, at the armpits."""
 SMALLEST = 0.12
 """Nothing passes through a loop shorter than this [m]: a child's wrist has 13 cm."""
 
@@ -38,12 +42,12 @@ def name_contours(
 
     | bones through the contour's disk | garment lies | name |
     |---|---|---|
-    | spine3, neck or head (or both collars) | towards the pelvis | neck |
-    | spine1, spine2 | towards the pelvis | waist |
-    | spine1 to neck | away from the pelvis | hem |
+    | trunk, beyond 0.6 of the way to the neck, or both collars | towards the pelvis | neck |
+    | trunk, otherwise | towards the pelvis | waist |
+    | trunk | away from the pelvis | hem |
     | bones of both legs | towards the pelvis | hem |
     | bones of both legs | away from the pelvis | waist |
-    | bones of one arm, beyond the first quarter of the upper arm | | cuff.SIDE |
+    | bones of one arm, beyond 0.4 of the upper arm | | cuff.SIDE |
     | bones of one arm, otherwise | | armhole.SIDE |
     | bones of one leg | | leg.SIDE |
 
@@ -63,7 +67,7 @@ def name_contours(
         points = vertices[loop]
         length = smoothed_length(points)
         crossings = find_crossings(points, body) if length >= SMALLEST else ()
-        candidates.append(_Candidate(loop, length, crossings, name_crossings(crossings)))
+        candidates.append(_Candidate(loop, length, crossings, name_crossings(crossings, body)))
     chosen = _choose(candidates)
     contours = tuple(
         Contour(name, c.vertices, c.length, tuple(crossing.bone for crossing in c.crossings))
@@ -73,16 +77,15 @@ def name_contours(
     return contours, tuple(c.vertices for c in sorted(holes, key=lambda c: -c.length))
 
 
-def name_crossings(crossings: tuple[Crossing, ...]) -> str | None:
+def name_crossings(crossings: tuple[Crossing, ...], body: Body) -> str | None:
     """Name a contour by the bones that cross its disk, or None where it encircles nothing."""
-    bones = {crossing.bone: crossing for crossing in crossings}
     legs = {side: _along(crossings, side, LEG) for side in ("left", "right")}
     arms = {side: _along(crossings, side, ARM) for side in ("left", "right")}
-    trunk = [bones[name] for name in (*sorted(UPPER_TRUNK), *sorted(LOWER_TRUNK)) if name in bones]
+    trunk = [crossing for crossing in crossings if crossing.bone in TRUNK]
     if trunk:
-        if trunk[0].distal:
+        if trunk[-1].distal:
             return "hem"
-        return "neck" if UPPER_TRUNK & bones.keys() else "waist"
+        return "neck" if trunk_place(trunk[-1], body) > WAIST_END else "waist"
     if arms["left"] and arms["right"]:
         return "hem" if arms["left"][0].distal else "neck"
     if legs["left"] and legs["right"]:
@@ -93,6 +96,15 @@ def name_crossings(crossings: tuple[Crossing, ...]) -> str | None:
         if legs[side]:
             return f"leg.{side}"
     return None
+
+
+def trunk_place(crossing: Crossing, body: Body) -> float:
+    """Place a contour along the spine by arc length: 0 at the pelvis, 1 at the neck joint, more at the head."""
+    joints = np.stack([body.joint(name) for name in ("pelvis", *TRUNK)])
+    lengths = np.linalg.norm(np.diff(joints, axis=0), axis=1)
+    bone = TRUNK.index(crossing.bone)
+    to_neck = float(lengths[: TRUNK.index("neck") + 1].sum())
+    return (float(lengths[:bone].sum()) + crossing.place * float(lengths[bone])) / to_neck
 
 
 def limb_place(crossings: tuple[Crossing, ...], side: str, limb: tuple[str, ...]) -> float:

@@ -18,8 +18,8 @@ def find_loops(faces: np.ndarray, vertices: np.ndarray | None = None) -> tuple[n
 
     The loop that leaves a boundary edge goes on by turning through the faces around the edge's end until the next
     boundary edge. A loop that comes to the same vertex twice (a pinched vertex: two holes that touch) is split there
-    into simple loops. Given `vertices`, shape [vertex_count, 3], places are compared instead of indices, so that loops are
-    also split where a pinched vertex was already doubled.
+    into simple loops. Given `vertices`, shape [vertex_count, 3], places are compared instead of indices, so that loops
+    are also split where a pinched vertex was already doubled.
 
     Args:
         faces: Consistently oriented faces, shape [face_count, 3].
