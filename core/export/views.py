@@ -10,8 +10,11 @@ from ..measure import closest_points
 from ..recovery import Recovery
 from .picture import Surface, aim, draw, png_base64
 
-WIDTH, HEIGHT = 480, 600
-"""Size of one picture [pixel]: three fit side by side on a page at twice a screen's density."""
+WIDTH = 480
+"""Width of a picture [pixel]: three fit side by side on a page and stay sharp in print."""
+
+SLIMMEST, WIDEST = 1.5, 0.85
+"""Height of a picture over its width follows the garment between these: a page shows both rows whole."""
 
 SKIN = np.array([0.90, 0.85, 0.80])
 SCANNED = np.array([0.62, 0.66, 0.70])
@@ -62,9 +65,12 @@ def render_views(recovery: Recovery) -> tuple[tuple[View, ...], float]:
     result = Surface(recovery.detail, faces, CLOTH)
     error = Surface(recovery.detail, faces, colour_of(np.minimum(millimetres / end, 1.0)))
     both = np.concatenate([recovery.target.vertices, recovery.detail])
+    low, high = both.min(axis=0), both.max(axis=0)
+    aspect = (high[1] - low[1]) / max(float(np.hypot(high[0] - low[0], high[2] - low[2])), 1e-6)
+    height = int(WIDTH * np.clip(aspect, WIDEST, SLIMMEST))
     views = []
     for title, turn in (("Front", np.eye(3)), ("Back", np.diag([-1.0, 1.0, -1.0]))):
-        camera = aim(both, turn @ body.heading, WIDTH, HEIGHT)
+        camera = aim(both, turn @ body.heading, WIDTH, height)
         pictures = [png_base64(draw([person, surface], camera)) for surface in (scanned, result, error)]
         views.append(View(title, *pictures))
     return tuple(views), end

@@ -15,6 +15,7 @@ from .patterns import (
     unmatched_panels,
 )
 from .surface import closest_points, penetration_depth, vertex_normals
+from .truth import measure_recovery
 from .turning import turning_distance
 
 __all__ = [
@@ -30,6 +31,7 @@ __all__ = [
     "measure_distance",
     "measure_fit",
     "measure_pattern",
+    "measure_recovery",
     "measure_seams",
     "overall",
     "penetration_depth",

@@ -1,0 +1,136 @@
+"""`garmentq bench`: recover target packs and compare with their truth."""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..core.settings import METHODS, PRESETS, RecoverySettings
+from . import exits
+from .bench_target import empty_line
+from .options import json_option
+
+if TYPE_CHECKING:
+    from ..core.measure import Pack
+
+TIMEOUT = 1800.0
+"""Seconds of one target: thirty times what a recovery should take, so that only one that hangs is stopped."""
+
+
+@click.command("bench")
+@click.argument("directory", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.option("--method", type=click.Choice(METHODS), default=RecoverySettings().method, show_default=True, help="How.")
+@click.option(
+    "--preset", type=click.Choice(PRESETS), default=RecoverySettings().preset, show_default=True, help="Weights."
+)
+@click.option("--only", multiple=True, metavar="NAME", help="Take only this pack; may be given several times.")
+@click.option("--library", is_flag=True, help="Use the shipped templates, not the packs' own.")
+@click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="Keep each result in OUT/TARGET/.")
+@click.option("--timeout", type=click.FloatRange(min=1.0), default=TIMEOUT, show_default=True, help="Seconds a target.")
+@json_option
+@click.pass_context
+def command(
+    context: click.Context,
+    directory: Path,
+    method: str,
+    preset: str,
+    only: tuple[str, ...],
+    library: bool,
+    out: Path | None,
+    timeout: float,
+    as_json: bool,
+) -> None:
+    """Recover every target pack in a folder and compare with the truth.
+
+    A pack is a folder with meta.json, garment.ply, body.ply and perhaps template.json and pattern.json (docs/bench.md).
+    Each target runs in a process of its own. The exit status is 5 when any target failed.
+
+    \b
+    Example:
+      garmentq bench targets
+      garmentq bench targets --only gc_skirt2 --out results --json
+    """
+    from ..core.measure import read_packs
+    from .bench_table import print_tables
+    from .terminal import note, print_json
+
+    packs = read_packs(directory, only)
+    lines: list[dict[str, Any]] = []
+    for index, pack in enumerate(packs, start=1):
+        if pack.is_scan:
+            line = empty_line(pack.name, method) | {"skipped": True}
+        else:
+            order = {
+                "pack": str(pack.folder.resolve()),
+                "method": method,
+                "preset": preset,
+                "library": library,
+                "out": str(out.resolve()) if out else None,
+            }
+            line = run_target(pack, order, timeout)
+        lines.append(line)
+        note(f"[{index}/{len(packs)}] {_summary(line)}")
+        if as_json:
+            print_json(line)
+    if not as_json:
+        print_tables(lines, {pack.name: pack.category for pack in packs})
+    failed = any(not line["ok"] and not line.get("skipped") for line in lines)
+    context.exit(exits.FAILED if failed else exits.OK)
+
+
+def run_target(pack: Pack, order: dict[str, Any], timeout: float) -> dict[str, Any]:
+    """Run one target in a process of its own; whatever becomes of it, give its line."""
+    line = empty_line(pack.name, order["method"])
+    before = _children_seconds()
+    with tempfile.TemporaryDirectory(prefix="garmentq-bench-") as folder:
+        paths = [Path(folder) / name for name in ("order.json", "line.json", "log.txt")]
+        paths[0].write_text(json.dumps(order), encoding="utf-8")
+        process = [sys.executable, "-m", "garmentq.cli.bench_target", str(paths[0]), str(paths[1])]
+        status = "no status"
+        try:
+            with paths[2].open("wb") as log:
+                ended = subprocess.run(process, stdout=log, stderr=log, timeout=timeout, env=_environment())
+            status = f"signal {-ended.returncode}" if ended.returncode < 0 else f"status {ended.returncode}"
+            finished: dict[str, Any] = json.loads(paths[1].read_text(encoding="utf-8"))
+            if not finished["ok"]:
+                click.echo(paths[2].read_text(encoding="utf-8", errors="replace"), err=True, nl=False)
+            return finished
+        except subprocess.TimeoutExpired:
+            line["error"] = {"code": "bench.timed_out", "message": f"stopped after {timeout:.0f} s; raise --timeout."}
+        except (OSError, ValueError):  # it left no line, or half of one
+            words = paths[2].read_text(encoding="utf-8", errors="replace").strip().splitlines()
+            message = ": ".join([f"the process ended with {status}", *words[-1:]])
+            line["error"] = {"code": "bench.crashed", "message": message}
+    line["cpu_seconds"] = _children_seconds() - before
+    return line
+
+
+def _environment() -> dict[str, str]:
+    """Give the child one thread, so that CPU seconds are comparable between machines."""
+    threads = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+    return dict(os.environ) | dict.fromkeys(threads, "1")
+
+
+def _children_seconds() -> float:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def _summary(line: dict[str, Any]) -> str:
+    """Say in one line how a target went."""
+    if line.get("skipped"):
+        return f"{line['target']}: skipped, its input is a fused scan"
+    if not line["ok"]:
+        error = line["error"] or {}
+        return f"{line['target']}: {error.get('code')}: {error.get('message')}"
+    metrics = line["metrics"]
+    s2t, t2s = metrics["surface_rms_mm.s2t"], metrics["surface_rms_mm.t2s"]
+    return f"{line['target']}: {line['category']}, {s2t:.2f} / {t2s:.2f} mm, {line['cpu_seconds']:.0f} s"

@@ -1,0 +1,127 @@
+"""The bench's tables: every target, every metric, and the thesis' numbers beside ours where they mean the same."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from .terminal import print_table
+
+Line = dict[str, Any]
+
+KEY_COLUMNS = (
+    ("s2t", "surface_rms_mm.s2t"),
+    ("t2s", "surface_rms_mm.t2s"),
+    ("graded", "graded.surface_rms_mm.s2t"),
+    ("t2s", "graded.surface_rms_mm.t2s"),
+    ("chamf.", "chamfer_vertex_m2e3"),
+    ("normal", "normal_cosine"),
+    ("area", "panel_area_error"),
+    ("outl.", "panel_outline_mm"),
+    ("inside", "body_penetration_mm"),
+    ("flips", "flipped_faces"),
+    ("cross.", "self_intersecting_faces"),
+)
+"""The columns of the first table: what a result is judged by; distances in mm."""
+
+TARGETS_ABREAST = 6
+"""Targets beside each other in the table of all metrics: as many as a wide terminal shows."""
+
+THESIS_METRICS = ("chamfer_vertex_m2e3", "chamfer_vertex_floor_m2e3", "normal_cosine", "panel_area_error_all")
+"""What we define as the thesis does (its surface error is over all panels), and the floor under the first."""
+
+THESIS = {
+    "T-shirt": (("tshirt", "long_sleeve_tshirt"), (0.101, 0.017), (0.112, 0.049), 0.09),
+    "Dress": (("dress",), (0.096, 0.029), (0.110, 0.075), 0.10),
+    "Shorts": (("shorts",), (0.088, 0.019), (0.126, 0.043), 0.04),
+    "Pants": (("trousers",), (0.084, 0.019), (0.142, 0.049), 0.08),
+    "Skirt": (("skirt",), (0.086, 0.007), (0.106, 0.014), 0.04),
+}
+"""By the thesis' garment: our categories, Chamfer and normal of PhyDeformer (table 4.1), of IGPM (table 3.2; for the
+dress also the last row of table 3.4), and IGPM's surface error (table 3.3). Its turning numbers are defined otherwise
+and stay out."""
+
+
+def print_tables(lines: Sequence[Line], categories: dict[str, str]) -> None:
+    """Print all tables.
+
+    Args:
+        lines: One line per target, as `--json` prints them.
+        categories: What each target is called by its author, for the comparison.
+    """
+    done = [line for line in lines if line["ok"]]
+    _print_targets(lines, done)
+    if done:
+        _print_metrics(done)
+        _print_thesis(done, categories)
+
+
+def mean(values: Sequence[float | None]) -> float | None:
+    """Give the unweighted mean of the values that are there, or None."""
+    known = [value for value in values if value is not None and math.isfinite(value)]
+    return sum(known) / len(known) if known else None
+
+
+def short(values: Sequence[float | None]) -> list[float | None]:
+    """Round to three significant digits, as many as a table's reader compares."""
+    return [None if value is None else float(f"{value:.3g}") for value in values]
+
+
+def _print_targets(lines: Sequence[Line], done: Sequence[Line]) -> None:
+    rows: list[list[object]] = []
+    for line in lines:
+        state = "skipped" if line.get("skipped") else "ok" if line["ok"] else "failed"
+        values = [line["metrics"].get(name) for _, name in KEY_COLUMNS]
+        rows.append([line["target"], line["category"], state, *short([*values, line["cpu_seconds"], line["peak_mb"]])])
+    means = [mean([line["metrics"].get(name) for line in done]) for _, name in KEY_COLUMNS]
+    totals = [mean([line[name] for line in done]) for name in ("cpu_seconds", "peak_mb")]
+    tried = sum(not line.get("skipped") for line in lines)
+    rows.append(["mean", None, f"{len(done)} of {tried}", *short([*means, *totals])])
+    columns = ["target", "category", "state", *(title for title, _ in KEY_COLUMNS), "CPU s", "MB"]
+    print_table(columns, rows, title="Targets: distances to the truth [mm], then the graded drape's, and the rest")
+    failed = [[line["target"], line["error"]["code"], line["error"]["message"]] for line in lines if line["error"]]
+    if failed:
+        print_table(["target", "error", "message"], failed, title="Failures")
+
+
+def _print_metrics(done: Sequence[Line]) -> None:
+    """Print every metric, seconds by stage and memory, a few targets abreast, and their means over all targets."""
+    flat = [
+        line["metrics"]
+        | {f"seconds.{stage}": seconds for stage, seconds in line["stage_seconds"].items()}
+        | {"seconds": line["cpu_seconds"], "peak_mb": line["peak_mb"]}
+        for line in done
+    ]
+    names = list(dict.fromkeys(name for values in flat for name in values))
+    for low in range(0, len(done), TARGETS_ABREAST):
+        shown = slice(low, low + TARGETS_ABREAST)
+        rows = [
+            [name, *short([*(values.get(name) for values in flat[shown]), mean([values.get(name) for values in flat])])]
+            for name in names
+        ]
+        columns = ["metric", *(line["target"] for line in done[shown]), "mean of all"]
+        print_table(columns, rows, title="All metrics" if low == 0 else "All metrics, continued")
+
+
+def _print_thesis(done: Sequence[Line], categories: dict[str, str]) -> None:
+    rows = []
+    for garment, (ours, phydeformer, igpm, area) in THESIS.items():
+        own = [line["metrics"] for line in done if categories.get(line["target"]) in ours]
+        if own:
+            values = [
+                mean([metrics.get(name) for metrics in own])
+                for name in (
+                    "chamfer_vertex_m2e3",
+                    "chamfer_vertex_floor_m2e3",
+                    "normal_cosine",
+                    "panel_area_error_all",
+                )
+            ]
+            rows.append([garment, len(own), *values, *phydeformer, *igpm, area])
+    columns = [
+        "garment", "targets", "chamfer", "its floor", "normal", "area, all panels",
+        "PhyDeformer chamfer", "normal", "IGPM chamfer", "normal", "area",
+    ]  # fmt: skip
+    if rows:
+        print_table(columns, rows, title="Beside the thesis (tables 4.1, 3.2, 3.3; other targets, same definitions)")

@@ -1,0 +1,107 @@
+"""Recover one target pack in a process of its own, so that its memory and CPU time are its own and a crash is one line.
+
+python -m garmentq.cli.bench_target ORDER.json LINE.json
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+import traceback
+from pathlib import Path
+from typing import Any
+
+from ..core.errors import GarmentqError
+
+
+def recover_target(order: dict[str, Any]) -> dict[str, Any]:
+    """Recover a pack and measure it against its truth.
+
+    Args:
+        order: `pack` (its folder), `method`, `preset`, `library` (True: the pack's template is not used), `out` (folder
+            for the result, or None).
+
+    Returns:
+        The line that `garmentq bench --json` prints; an error is in it, never raised.
+    """
+    started = time.process_time()
+    line = empty_line(Path(order["pack"]).name, order["method"])
+    try:
+        line |= _recover(order)
+    except GarmentqError as error:
+        line["error"] = {"code": error.code, "message": error.message}
+    except Exception as error:  # a bug in one target must not hide the others; the traceback goes to its log
+        traceback.print_exc()
+        line["error"] = {"code": "bench.exception", "message": f"{type(error).__name__}: {error}"}
+    if not line["ok"]:
+        line["cpu_seconds"] = time.process_time() - started
+        line["peak_mb"] = _peak_mb()
+    return line
+
+
+def empty_line(target: str, method: str) -> dict[str, Any]:
+    """Give the line of a target of which nothing is known yet."""
+    return {
+        "target": target,
+        "category": None,
+        "template": None,
+        "method": method,
+        "ok": False,
+        "error": None,
+        "metrics": {},
+        "cpu_seconds": None,
+        "stage_seconds": {},
+        "peak_mb": None,
+        "vertices": None,
+    }
+
+
+def _recover(order: dict[str, Any]) -> dict[str, Any]:
+    from ..core.export import plain, write_recovery
+    from ..core.measure import measure_recovery, read_packs
+    from ..core.pipeline import recover
+    from ..core.recovery import Request
+    from ..core.settings import RecoverySettings
+
+    pack = read_packs(Path(order["pack"]))[0]
+    template = None if order["library"] else pack.template
+    settings = RecoverySettings(method=order["method"], preset=order["preset"])
+    # All that the recovery is told: never the category, the true pattern or the truth's body.
+    recovery = recover(Request(scan=pack.garment, body=pack.body, template=template, settings=settings))
+    metrics, unmatched = measure_recovery(recovery, pack, own_template=template is not None, seed=settings.seed)
+    if order["out"]:
+        write_recovery(recovery, Path(order["out"]) / pack.name)
+    line: dict[str, Any] = plain(
+        {
+            "category": recovery.target.category,
+            "template": recovery.template,
+            "ok": True,
+            "metrics": metrics,
+            "cpu_seconds": recovery.cpu_seconds,
+            "stage_seconds": recovery.stage_seconds,
+            "peak_mb": recovery.peak_mb,
+            "vertices": len(recovery.detail),
+            "warnings": recovery.warnings,
+            "unmatched_panels": unmatched,
+        }
+    )
+    return line
+
+
+def _peak_mb() -> float:
+    import resource
+
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / (1e6 if sys.platform == "darwin" else 1e3)  # bytes there, kilobytes elsewhere
+
+
+def main(arguments: list[str]) -> None:
+    """Read an order, write its line."""
+    order = json.loads(Path(arguments[0]).read_text(encoding="utf-8"))
+    line = recover_target(order)
+    Path(arguments[1]).write_text(json.dumps(line, allow_nan=False), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,46 @@
+"""Measure a finished recovery against a target pack's truth."""
+
+from __future__ import annotations
+
+from ..recovery import Recovery
+from .contours import carry_contours
+from .fit import SURFACE_SAMPLES, measure_fit
+from .packs import Pack, read_true_mesh, read_true_pattern
+from .patterns import PATTERN_METRICS, measure_pattern, measure_seams, unmatched_panels
+
+FIT_FAMILIES = ("graded", "sim", "surface_rms_mm", "surface_p95_mm", "contour_rms_mm", "gather_ratio_error")
+"""First words of metrics whose names depend on the truth: a recovery's own values never stay beside ours."""
+
+
+def measure_recovery(
+    recovery: Recovery, pack: Pack, own_template: bool, seed: int = 0, samples: int = SURFACE_SAMPLES
+) -> tuple[dict[str, float | None], tuple[str, ...]]:
+    """Measure the meshes against the pack's garment.ply as it is, and the pattern against pattern.json.
+
+    Args:
+        recovery: What was recovered; its contours' names are carried over to the truth's own boundary loops.
+        pack: The target.
+        own_template: True where the pack's own template was the base pattern; the 2D metrics are None otherwise.
+        seed: Seeds the samples.
+        samples: Surface samples per direction.
+
+    Returns:
+        The metrics, and the names of panels without a counterpart. What the recovery measured about itself (the drape's
+        residual, say) is kept where it does not depend on the truth.
+    """
+    vertices, faces = read_true_mesh(pack)
+    target = recovery.target
+    contours = carry_contours(target.contours, target.vertices, vertices, faces)
+    found = measure_fit(
+        recovery.garment, recovery.graded, recovery.detail, recovery.simulation, vertices, faces, contours,
+        recovery.body, seed, samples,
+    )  # fmt: skip
+    unmatched: tuple[str, ...] = ()
+    truth = read_true_pattern(pack) if own_template else None
+    if truth is None:
+        found |= dict.fromkeys(PATTERN_METRICS) | measure_seams(recovery.pattern)
+    else:
+        found |= measure_pattern(recovery.pattern, truth)
+        unmatched = unmatched_panels(recovery.pattern, truth)
+    own = {name: value for name, value in recovery.metrics.items() if name.split(".")[0] not in FIT_FAMILIES}
+    return dict(sorted((own | found).items())), unmatched
