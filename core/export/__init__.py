@@ -1,8 +1,22 @@
 """Writers of patterns, meshes, the result folder and its report."""
 
+from ..pattern import save_pattern, write_pattern
 from .layout import lay_out
 from .meshes import uv_layout, write_meshes, write_ply
+from .pattern_svg import pattern_svg, write_svg
 from .report import report_html
 from .result import plain, write_recovery
 
-__all__ = ["lay_out", "plain", "report_html", "uv_layout", "write_meshes", "write_ply", "write_recovery"]
+__all__ = [
+    "lay_out",
+    "pattern_svg",
+    "plain",
+    "report_html",
+    "save_pattern",
+    "uv_layout",
+    "write_meshes",
+    "write_pattern",
+    "write_ply",
+    "write_recovery",
+    "write_svg",
+]

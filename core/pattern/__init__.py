@@ -4,7 +4,7 @@ from .control import ControlMap, map_controls, mean_value_coordinates
 from .curves import edge_length, edge_points, panel_area, panel_outline, reverse_edge, split_edge
 from .garment import Garment
 from .garmentcode import load_pattern, read_pattern, save_pattern, write_pattern
-from .meshing import choose_edge_length
+from .meshing import choose_edge_length, contains
 from .pattern import EDGE_KINDS, Edge, EdgeRef, Panel, Pattern, Seam
 from .resampling import resample
 from .seams import equalise_seams, seam_lengths, seam_mismatch
@@ -28,6 +28,7 @@ __all__ = [
     "TemplateUnknown",
     "check_outline",
     "choose_edge_length",
+    "contains",
     "edge_length",
     "edge_points",
     "equalise_seams",

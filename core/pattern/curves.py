@@ -101,15 +101,17 @@ def split_edge(edge: Edge, fraction: float) -> tuple[np.ndarray, Edge, Edge]:
     Returns:
         The cut's relative position, shape [2], and the two parts; together they draw the same curve.
     """
-    parts = {"label": edge.label, "contour": edge.contour}
     if edge.kind == "line" or is_flat_arc(edge):
-        return np.array([fraction, 0.0]), Edge("line", **parts), Edge("line", **parts)
+        straight = Edge("line", label=edge.label, contour=edge.contour)
+        return np.array([fraction, 0.0]), straight, straight
     if edge.kind == "arc":
         centre, radius, first, sweep = unit_circle(edge)
         angle = first + sweep * fraction
         middle = centre + radius * np.array([np.cos(angle), np.sin(angle)])
         handles = [-0.5 * np.tan(sweep * part / 4.0) for part in (fraction, 1.0 - fraction)]
-        first_part, second_part = (Edge("arc", np.array([[0.5, across]]), **parts) for across in handles)
+        first_part, second_part = (
+            Edge("arc", np.array([[0.5, across]]), edge.label, edge.contour) for across in handles
+        )
         return middle, first_part, second_part
     parameter = _parameters(edge, np.array([fraction]))[0]
     left, right = _cut_bezier(_control(edge), parameter)
@@ -117,8 +119,8 @@ def split_edge(edge: Edge, fraction: float) -> tuple[np.ndarray, Edge, Edge]:
     end = np.array([1.0, 0.0])
     return (
         cut,
-        Edge(edge.kind, relative_to_chord(left[1:-1], left[0], cut), **parts),
-        Edge(edge.kind, relative_to_chord(right[1:-1], cut, end), **parts),
+        Edge(edge.kind, relative_to_chord(left[1:-1], left[0], cut), edge.label, edge.contour),
+        Edge(edge.kind, relative_to_chord(right[1:-1], cut, end), edge.label, edge.contour),
     )
 
 

@@ -196,7 +196,8 @@ def _read_panel(
         pair = get_list(edge["endpoints"], f"{where} edge {number} endpoints")
         if len(pair) != 2:
             raise PatternValueBad(f"{where} edge {number} must have two endpoints.")
-        ends.append(tuple(get_index(end, len(points), f"{where} edge {number} endpoint") for end in pair))
+        first, last = (get_index(end, len(points), f"{where} edge {number} endpoint") for end in pair)
+        ends.append((first, last))
     order, flipped = _order_loop(ends, where)
     starts = [ends[k][1 if back else 0] for k, back in zip(order, flipped, strict=True)]
     loop = points[starts]
@@ -205,8 +206,8 @@ def _read_panel(
         start, end = loop[at], loop[(at + 1) % len(loop)]
         if np.linalg.norm(end - start) < 1e-6:
             raise PanelDegenerate(f"{where} edge {number} has no length; remove it.")
-        first, last = (end, start) if back else (start, end)
-        curves.append(_read_edge(edges[number], first, last, back, scale, relative, f"{where} edge {number}"))
+        drawn = (end, start) if back else (start, end)
+        curves.append(_read_edge(edges[number], *drawn, back, scale, relative, f"{where} edge {number}"))
         rest = {key: value for key, value in edges[number].items() if key not in ("endpoints", "curvature", "label")}
         if rest:
             rests[str(at)] = rest
