@@ -118,7 +118,7 @@ def _sample_surface(vertices: np.ndarray, faces: np.ndarray, spacing: float) -> 
 
 
 def _measure(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Give exact signed distances [m] of points to a mesh, shape [n]; a mesh that is inside out as a whole is turned."""
+    """Give exact signed distances [m] of points to a mesh, shape [n]; a mesh inside out as a whole is turned."""
     import igl
 
     squared = igl.point_mesh_squared_distance(points, vertices, faces)[0]

@@ -6,6 +6,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from .fabric import Fabric
+from .fabrics import FabricUnknown, get_fabric, load_fabrics
 from .settings import GRAVITY, SimulateSettings, SimulateSettingsBad
 
 if TYPE_CHECKING:
@@ -39,10 +40,30 @@ _LAZY = {
 # Their modules hold compiled kernels: imported on first use, so that the room itself stays light.
 
 __all__ = [
-    "GRAVITY", "Drape", "Energy", "Fabric", "Friction", "Hold", "HoldBad", "Inertia", "NodesBad", "SimulateSettings",
-    "SimulateSettingsBad", "Solver", "State", "SuperLU", "Topology", "TopologyBad", "equilibrium", "make_solver",
-    "push_out", "settle",
-]  # fmt: skip
+    "GRAVITY",
+    "Drape",
+    "Energy",
+    "Fabric",
+    "FabricUnknown",
+    "Friction",
+    "Hold",
+    "HoldBad",
+    "Inertia",
+    "NodesBad",
+    "SimulateSettings",
+    "SimulateSettingsBad",
+    "Solver",
+    "State",
+    "SuperLU",
+    "Topology",
+    "TopologyBad",
+    "equilibrium",
+    "get_fabric",
+    "load_fabrics",
+    "make_solver",
+    "push_out",
+    "settle",
+]
 
 
 def __getattr__(name: str) -> Any:

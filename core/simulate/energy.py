@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -52,7 +52,7 @@ class Energy:
     grid: DistanceGrid | None = None
     hold: Hold | None = None
     gravity: tuple[float, float, float] = GRAVITY
-    settings: SimulateSettings = SimulateSettings()
+    settings: SimulateSettings = field(default_factory=SimulateSettings)
     friction: Friction | None = None
     inertia: Inertia | None = None
 
@@ -101,10 +101,22 @@ class Energy:
         assert grid is not None
         return float(
             contact(
-                nodes, grid.coefficients, grid.origin, grid.spacing, grid.offset, topology.node_areas,
-                settings.contact_stiffness, settings.thickness, order, exact, topology.diagonal, gradient, blocks,
-                force, normal,
-            )  # fmt: skip
+                nodes,
+                grid.coefficients,
+                grid.origin,
+                grid.spacing,
+                grid.offset,
+                topology.node_areas,
+                settings.contact_stiffness,
+                settings.thickness,
+                order,
+                exact,
+                topology.diagonal,
+                gradient,
+                blocks,
+                force,
+                normal,
+            )
         )
 
     def _evaluate(self, nodes: np.ndarray, order: int, exact: bool) -> tuple[float, np.ndarray, np.ndarray]:
@@ -114,13 +126,29 @@ class Energy:
         blocks = np.zeros((len(topology.block_rows), 3, 3)) if order == 2 else _NO_BLOCKS
         stiffness = np.array([fabric.H00, fabric.H01, fabric.H11, fabric.H22])
         energy = membrane(
-            nodes, topology.faces, topology.shape_gradients, topology.areas, stiffness, order, exact,
-            topology.face_slots, gradient, blocks,
-        )  # fmt: skip
+            nodes,
+            topology.faces,
+            topology.shape_gradients,
+            topology.areas,
+            stiffness,
+            order,
+            exact,
+            topology.face_slots,
+            gradient,
+            blocks,
+        )
         energy += bending(
-            nodes, topology.hinges, topology.hinge_scale, topology.hinge_rest, fabric.k, order, exact,
-            topology.hinge_slots, gradient, blocks,
-        )  # fmt: skip
+            nodes,
+            topology.hinges,
+            topology.hinge_scale,
+            topology.hinge_rest,
+            fabric.k,
+            order,
+            exact,
+            topology.hinge_slots,
+            gradient,
+            blocks,
+        )
         if self.grid is not None:
             waste = np.zeros_like(nodes)
             energy += self._contact(nodes, order, exact, gradient, blocks, np.zeros(len(nodes)), waste)

@@ -25,7 +25,7 @@ class Friction:
     slip: float
 
     def slide(self, nodes: np.ndarray) -> np.ndarray:
-        """Give the anchors after the cloth came to rest at `nodes`: those beyond `slip` follow, those off the body jump."""
+        """Give the anchors once the cloth is at `nodes`: those beyond `slip` follow, those off the body jump."""
         moved = nodes - self.anchors
         along = (moved * self.normals).sum(1, keepdims=True) * self.normals
         tangent = moved - along

@@ -52,7 +52,7 @@ class Multifrontal:
             self._links.append(np.where(inside, rows - up[3], above))
 
     def _map_entries(self, topology: Topology, own: np.ndarray, starts: np.ndarray) -> None:
-        """Find where each lower entry of the permuted matrix goes; F11 and F21 are stored by columns, one after other."""
+        """Find the place of each lower entry of the permuted matrix; F11 then F21, each by columns."""
         new = np.zeros(3 * topology.node_count, dtype=np.int64)
         new[self._order] = np.arange(len(new))
         row = new[np.repeat(np.arange(len(new)), np.diff(topology.indptr))]

@@ -33,7 +33,7 @@ class SimulateSettings:
             equilibrium, two keep the cloth from stretching visibly on it.
         max_step: Largest displacement of a node in one Newton iteration [m]. Without a clamp a static step on slack
             cloth goes astray; 5 cm was found to be safe (numerics 1).
-        tolerance: Largest force left on a node, relative to the mean weight of a node. 1e-3: accelerations under 1 cm/s2.
+        tolerance: Largest force left on a node, relative to the mean weight of a node. 1e-3: accelerations of 1 cm/s2.
         still: Motion of the fastest node per iteration below which the drape counts as at rest [m]: 0.1 mm is an eighth
             of what registration resolves. 0 asks for `tolerance` alone.
         max_iterations: Newton iterations after which equilibrium gives up; 80 take about 20 s at 4000 nodes.

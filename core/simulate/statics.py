@@ -10,12 +10,12 @@ import numpy as np
 from ..body import DistanceGrid
 from ..errors import BadInput
 from ..hooks import SILENT, Hooks
+from .dynamics import bring_to_hold, lag_friction
 from .energy import Energy
 from .fabric import Fabric
 from .hold import Hold
 from .newton import Step, newton_step
 from .settings import GRAVITY, SimulateSettings
-from .dynamics import bring_to_hold, lag_friction
 from .solver import Solver, make_solver
 from .topology import Topology
 
@@ -90,7 +90,7 @@ def equilibrium(
     energy = Energy(topology, fabric, grid, hold, gravity, settings)
     started, exact, wait, calm = time.process_time(), False, 0, 0
     outcome, done, lagging = "iterations", 0, True
-    for done in range(settings.max_iterations + 1):  # noqa: B007
+    for done in range(settings.max_iterations + 1):
         hooks.check()
         held = bring_to_hold(nodes, hold, settings.max_step)
         moved_hold, nodes = float(np.abs(held - nodes).max()), held

@@ -28,7 +28,7 @@ class Topology:
         node_count: Nodes in 3D.
         faces: Node indices, shape [face_count, 3].
         rest: Flat rest triangles, weft along the first axis, warp along the second [m], shape [face_count, 3, 2].
-        shape_gradients: Gradients of the three linear shape functions in the rest plane [1/m], shape [face_count, 3, 2].
+        shape_gradients: Gradients of the three linear shape functions at rest [1/m], shape [face_count, 3, 2].
         areas: Rest areas [m2], shape [face_count].
         node_areas: A third of the area of the faces around each node [m2], shape [node_count].
         hinges: Nodes (start, end, opposite in the first face, opposite in the second), shape [hinge_count, 4].
@@ -103,7 +103,7 @@ class Topology:
         )  # fmt: skip
 
     def assemble(self, blocks: np.ndarray, fixed: np.ndarray) -> np.ndarray:
-        """Spread blocks [block_count, 3, 3] to the matrix's data; rows and columns of fixed nodes become the identity."""
+        """Spread blocks [block_count, 3, 3] to the matrix's data; fixed nodes get the identity."""
         data = np.zeros(len(self.indices))
         _spread(blocks, self.block_rows, self.block_columns, self.block_places, self.row_stride, fixed, data)
         return data
