@@ -18,7 +18,7 @@ from . import refusal
 from .header import Declared, check_header
 from .limits import Limits
 from .scan import Scan
-from .units import AXES, UNITS, check_choice, check_size, find_units, find_up, to_metres
+from .units import AXES, check_choice, check_size, find_units, find_up, possible_units, to_metres
 
 _REFUSED = 3
 """Exit status of the parser for a file that it refuses (`parse.REFUSED`)."""
@@ -103,29 +103,32 @@ def _settle(mesh: _Mesh, units: str | None, up: str | None, kind: str) -> tuple[
 
 
 def _place(mesh: _Mesh, body: Scan, like: tuple[str, str], units_given: bool, up_given: bool) -> Scan:
-    """Give the garment in the body's unit and axis, or in the only ones in which it lies on the body."""
-    garment = _finish(mesh, *like)
-    if lies_on(garment.vertices, body):
+    """Give the garment in the body's unit and axis, or in its own where only those put it on the body."""
+    sizes = [like[0]] if units_given else possible_units(mesh.vertices, mesh.faces)
+    if like[0] in sizes and lies_on((garment := _finish(mesh, *like)).vertices, body):
         return garment
-    others = [
-        (unit, axis)
-        for unit in UNITS
-        for axis in AXES
-        if not (units_given and unit != like[0]) and not (up_given and axis != like[1])
-    ]
+    if not sizes:
+        find_units(mesh.vertices, faces=mesh.faces)  # Says why none fits.
+    axes = [like[1]] if up_given else list(AXES)
     found = [
-        candidate for pair in others if pair != like and lies_on((candidate := _finish(mesh, *pair)).vertices, body)
+        candidate
+        for unit in sizes
+        for axis in axes
+        if (unit, axis) != like and lies_on((candidate := _finish(mesh, unit, axis)).vertices, body)
     ]
-    if len(found) == 1:
-        garment = found[0]
-        note = f"Read the garment in {garment.units}, {garment.up_axis} up, and the body in {like[0]}, {like[1]} up."
-        return replace(garment, repairs=(*garment.repairs, note))
-    if len(found) > 1:
+    if len({garment.units for garment in found}) > 1:
         raise refusal.UnitsAmbiguous(f"{mesh.name} lies on its body in several units; say which with --units.")
-    raise refusal.BodyApart(
-        f"{mesh.name} does not lie on the body in m, cm or mm with y or z up; export both from the same scene, "
-        "with the same unit and axes."
-    )
+    if len(found) > 1:
+        up = find_up(mesh.vertices, mesh.faces)
+        found = [garment for garment in found if garment.up_axis == up]
+    if not found:
+        raise refusal.BodyApart(
+            f"{mesh.name} does not lie on the body in m, cm or mm with y or z up; export both from the same scene, "
+            "with the same unit and axes."
+        )
+    garment = found[0]
+    note = f"Read the garment in {garment.units}, {garment.up_axis} up, and the body in {like[0]}, {like[1]} up."
+    return replace(garment, repairs=(*garment.repairs, note))
 
 
 def lies_on(vertices: np.ndarray, body: Scan) -> bool:

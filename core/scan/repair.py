@@ -277,8 +277,8 @@ def boundary_pieces(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray
     local = local.reshape(-1, 2)
     number, label = _pieces(len(used), local[:, 0], local[:, 1])
     piece = label[local[:, 0]]
-    means = np.stack([np.bincount(label, vertices[used, k], number) for k in range(3)], axis=1)
-    means = means / np.bincount(label, minlength=number)[:, None]
+    sums = np.stack([np.bincount(label, vertices[used, k], number) for k in range(3)], axis=1)
+    means = sums / np.bincount(label, minlength=number)[:, None]
     cross = 0.5 * np.cross(vertices[rim[:, 0]] - means[piece], vertices[rim[:, 1]] - means[piece])
     areas = np.stack([np.bincount(piece, cross[:, k], number) for k in range(3)], axis=1)
     return rim, piece, means, areas

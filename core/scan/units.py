@@ -48,6 +48,18 @@ def _fits(extent: np.ndarray, area: float | None, scale: float, kind: str) -> bo
     return fits and (area is None or GARMENT_AREA[0] <= area * scale**2 <= GARMENT_AREA[1])
 
 
+def _measure(vertices: np.ndarray, faces: np.ndarray | None) -> tuple[np.ndarray, float | None]:
+    from .repair import face_areas
+
+    return np.ptp(vertices, axis=0), None if faces is None else float(face_areas(vertices, faces).sum())
+
+
+def possible_units(vertices: np.ndarray, faces: np.ndarray | None = None, kind: str = "garment") -> list[str]:
+    """List the units in which a mesh has the size of a `garment` or a `body`."""
+    extent, area = _measure(vertices, faces)
+    return [name for name, scale in UNITS.items() if _fits(extent, area, scale, kind)]
+
+
 def find_units(vertices: np.ndarray, kind: str = "garment", *, faces: np.ndarray | None = None) -> str:
     """Find the unit (`m`, `cm` or `mm`) in which positions [unit], shape [n, 3], measure a `garment` or a `body`.
 
@@ -55,11 +67,8 @@ def find_units(vertices: np.ndarray, kind: str = "garment", *, faces: np.ndarray
         UnitsUnknown: where none fits (inches, a toy, a room).
         UnitsAmbiguous: where several fit.
     """
-    from .repair import face_areas
-
-    extent = np.ptp(vertices, axis=0)
-    area = None if faces is None else float(face_areas(vertices, faces).sum())
-    found = [name for name, scale in UNITS.items() if _fits(extent, area, scale, kind)]
+    extent, area = _measure(vertices, faces)
+    found = possible_units(vertices, faces, kind)
     size = " x ".join(f"{value:.3g}" for value in extent)
     if len(found) > 1:
         raise UnitsAmbiguous(f"The {kind} measures {size}, which fits {' and '.join(found)}; say which with --units.")

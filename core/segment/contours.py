@@ -18,8 +18,8 @@ ARM = ("collar", "shoulder", "elbow", "wrist", "hand")
 LEG = ("hip", "knee", "ankle", "foot")
 """Bones of a leg from the pelvis outward, without their side."""
 ARMHOLE_END = 0.4
-"""A sleeveless garment's armhole lies above this share of the upper arm: a dropped shoulder reaches 0.25, and a sleeve that
-ends before 0.4 (10 cm) is a cap, cut in one with the bodice."""
+"""A sleeveless garment's armhole lies above this share of the upper arm: a dropped shoulder reaches 0.25, and a sleeve
+that ends before 0.4 (10 cm) is a cap, cut in one with the bodice."""
 WAIST_END = 0.6
 """A skirt's or trousers' waist lies below this share of the way from the pelvis to the neck joint: a high waist reaches
 0.53, below the bust; the upper edge of a strapless top lies at 0.65 to 0.75, at the armpits."""
