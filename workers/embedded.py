@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
 import sys
 import time
 from contextlib import suppress
@@ -14,6 +13,7 @@ from ..core.errors import GarmentqError
 from ..service.lock import hold_lock, is_locked, take_lock
 from ..service.settings import ServiceSettings
 from .broker import run_folder, start_broker, stop_broker
+from .detached import has_ended, kill_group, launch
 from .threads import VARIABLES, count_cores
 
 START_SECONDS = 30.0
@@ -87,24 +87,13 @@ def _launch(settings: ServiceSettings, folder: Path, workers: int) -> None:
     """Start a worker process and wait until it holds its lock."""
     environment = {**os.environ, **settings.as_environment(), **dict.fromkeys(VARIABLES, str(settings.threads))}
     command = [sys.executable, "-m", "garmentq.cli.main", "worker", "--embedded", "--workers", str(workers)]
-    with (settings.home / "worker.log").open("ab") as log:
-        process = subprocess.Popen(
-            command,
-            cwd=settings.home,
-            env=environment,
-            stdin=subprocess.DEVNULL,
-            stdout=log,
-            stderr=log,
-            start_new_session=True,
-            close_fds=True,
-        )
+    process = launch(command, settings.home / "worker.log", environment)
     deadline = time.monotonic() + START_SECONDS
-    while time.monotonic() < deadline and process.poll() is None:
+    while time.monotonic() < deadline and not has_ended(process):
         if is_locked(folder / "worker.lock"):
             return
         time.sleep(0.05)
-    if process.poll() is None:
-        os.killpg(process.pid, signal.SIGKILL)
+    kill_group(process)
     raise WorkerNotStarted(f"the worker did not start; see {settings.home / 'worker.log'}.")
 
 
@@ -120,7 +109,6 @@ def _stop_worker(settings: ServiceSettings) -> bool:
     while is_locked(lock) and time.monotonic() < deadline:
         time.sleep(0.05)
     if is_locked(lock):
-        with suppress(ProcessLookupError):
-            os.killpg(pid, signal.SIGKILL)
+        kill_group(pid)
     (folder / "worker.pid").unlink(missing_ok=True)
     return True

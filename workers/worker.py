@@ -12,9 +12,11 @@ import signal
 import socket
 import sys
 import uuid
+import warnings
 from typing import Any
 
 from celery import Celery, bootsteps, signals
+from celery.platforms import SecurityWarning
 
 from ..core.errors import GarmentqError
 from ..service.database import Database, open_database
@@ -45,12 +47,13 @@ class Duties(bootsteps.StartStopStep):
         self.database = Database(self.settings.database, pooled=False)
         self.name = f"{socket.gethostname()}:{os.getpid()}:{uuid.uuid4().hex[:6]}"
         self.app = parent.app
-        parent.timer.call_repeatedly(self.settings.poll_seconds, self._round)
+        self.rounds = parent.timer.call_repeatedly(self.settings.poll_seconds, self._round)
         if parent.app.garmentq_goes_home and self.settings.idle_seconds:
             parent.timer.call_repeatedly(IDLE_CHECK_SECONDS, self._go_home_if_idle)
 
     def stop(self, parent: Any) -> None:
-        """Let another worker take over at once."""
+        """Let another worker take over at once; the parent's timers go on while its children finish."""
+        self.rounds.cancel()
         try:
             drop_duty(self.database, DUTY, self.name)
         except GarmentqError as error:
@@ -88,6 +91,8 @@ def run_worker(settings: ServiceSettings, concurrency: int, lock: int | None = N
         stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(levelname)s %(processName)s %(message)s"
     )
     logging.getLogger("alembic").setLevel(logging.WARNING)
+    # Root is safe here: nothing but JSON is accepted, so a message can start nothing but a job.
+    warnings.simplefilter("ignore", SecurityWarning)
     limit_threads(settings.threads)
     open_database(settings, pooled=False).dispose()
     app = make_app(settings)

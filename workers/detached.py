@@ -1,0 +1,39 @@
+"""Start a process that outlives the one that started it."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+
+
+def launch(command: Sequence[str], log: Path, environment: Mapping[str, str] | None = None) -> int:
+    """Start a command in a session of its own, with nothing to read and its output added to a log.
+
+    Returns:
+        The process id, which is also that of its group.
+    """
+    log.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+    actions = [
+        (os.POSIX_SPAWN_OPEN, 0, os.devnull, os.O_RDONLY, 0),
+        (os.POSIX_SPAWN_OPEN, 1, os.fspath(log), os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600),
+        (os.POSIX_SPAWN_DUP2, 1, 2),
+    ]
+    variables = dict(os.environ if environment is None else environment)
+    return os.posix_spawn(command[0], list(command), variables, file_actions=actions, setsid=True)
+
+
+def has_ended(process: int) -> bool:
+    """Tell whether a process that this one launched has ended."""
+    try:
+        return os.waitpid(process, os.WNOHANG)[0] == process
+    except ChildProcessError:
+        return True
+
+
+def kill_group(process: int) -> None:
+    """Kill a launched process and all it started."""
+    with suppress(ProcessLookupError):
+        os.killpg(process, signal.SIGKILL)
