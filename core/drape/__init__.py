@@ -1,1 +1,23 @@
 """The first drape: from a flat pattern to a garment that hangs on a body in any pose."""
+
+from .dress import DressSettings, dress, place, waist_loop
+from .follow import FollowSettings, Threads, follow, lay_threads
+from .stage import DrapeSettings, Stand, drape_graded, drape_template, waist_height
+from .tie import tie_contour
+
+__all__ = [
+    "DrapeSettings",
+    "DressSettings",
+    "FollowSettings",
+    "Stand",
+    "Threads",
+    "drape_graded",
+    "drape_template",
+    "dress",
+    "follow",
+    "lay_threads",
+    "place",
+    "tie_contour",
+    "waist_height",
+    "waist_loop",
+]

@@ -1,0 +1,246 @@
+"""Dress a body that stands in its T-pose: from flat placed panels to a garment that hangs on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import spsolve
+
+from ..body import Body
+from ..hooks import SILENT, Hooks
+from ..pattern import Garment
+from ..segment import find_loops
+from .follow import FollowSettings, Lookup, Threads, follow, lay_threads
+
+
+@dataclass(frozen=True)
+class DressSettings:
+    """Set the recipe of the first drape.
+
+    Attributes:
+        flatten: Distance of the flattened panels from the body's middle plane [m]; more than half the thickness of
+            the squashed body with its contact layer, so that it starts between them.
+        squash: Depth of the squashed body as a share of its own; 4 % leaves a torso 1 cm thick.
+        frames: Frames in which it is inflated; 40 move its surface by about 3 mm a frame.
+        relax: Steps that relax the welded panels' edges in their planes; 60 were enough from 5 times too long.
+        settle: Steps under gravity at the end.
+        follow: The position-based steps.
+    """
+
+    flatten: float = 0.012
+    squash: float = 0.04
+    frames: int = 40
+    relax: int = 60
+    settle: int = 60
+    follow: FollowSettings = field(default_factory=FollowSettings)
+
+
+def waist_loop(garment: Garment) -> np.ndarray | None:
+    """Find the loop of nodes by which a garment hangs from the waist, or None where it hangs from the shoulders.
+
+    A garment with at most three open contours has no neck and no arms: its highest contour is a waist (a tube top and
+    a poncho are the exceptions; both then hang from where their highest contour is placed).
+    """
+    loops = find_loops(garment.faces)
+    if len(loops) > 3 or not loops:
+        return None
+    return max(loops, key=lambda loop: garment.nodes[loop, 1].mean())
+
+
+def place(garment: Garment, body: Body, *, waist_height: float | None = None, flatten: float = 0.012) -> np.ndarray:
+    """Flatten the placed panels to both sides of the body's middle plane and shift them to where they are worn.
+
+    Files disagree about the origin (feet at y = 0, or 1.1 m up), so the shift in y is found: a garment with a waist
+    puts it at `waist_height`, any other hangs its shoulder line on the body's.
+
+    Args:
+        garment: The sewn garment, nodes where its file places them.
+        body: The body in its T-pose, facing +z.
+        waist_height: Height of the waist contour [m]; the waist of the body where None.
+        flatten: Distance from the middle plane [m].
+
+    Returns:
+        Nodes [m], shape [node_count, 3].
+    """
+    nodes = _weld_flat(garment)
+    pelvis, spine = body.joint("pelvis"), body.joint("spine2")
+    nodes[:, 0] += pelvis[0] - 0.5 * (nodes[:, 0].min() + nodes[:, 0].max())
+    middle = _middle_plane(body)
+    nodes[:, 2] = middle + flatten * _side(garment)
+    waist = waist_loop(garment)
+    if waist is not None:
+        height = waist_height if waist_height is not None else 0.5 * (spine[1] + body.joint("spine1")[1])
+        nodes[:, 1] += height - nodes[waist, 1].mean()
+    else:
+        nodes[:, 1] += _shoulder_shift(nodes, body)
+    return nodes
+
+
+def _weld_flat(garment: Garment) -> np.ndarray:
+    """Weld the placed panels in the x, y plane without folding them over and give the nodes [m], [node_count, 3].
+
+    The panels are first shifted so that the two sides of their seams lie as near as they can (least squares over one
+    translation per panel, drawn to the file's placement a thousandth as much); what gap is left is closed half and
+    half, and spread into each panel as a harmonic displacement.
+    """
+    panels = garment.pattern.panels
+    rotation = np.stack([panel.rotation[:2, :2] for panel in panels])
+    origin = np.stack([panel.translation[:2] for panel in panels])
+    flat = np.einsum("nij,nj->ni", rotation[garment.panel_of_uv], garment.uv) + origin[garment.panel_of_uv]
+    count = np.bincount(garment.uv_node)
+    shared = np.nonzero(count[garment.uv_node] > 1)[0]
+    mean = sparse.csr_matrix(
+        (1.0 / count[garment.uv_node[shared]], (garment.uv_node[shared], np.arange(len(shared)))),
+        shape=(len(count), len(shared)),
+    )
+    gap = sparse.identity(len(shared)) - mean[garment.uv_node[shared]]
+    member = sparse.csr_matrix((np.ones(len(shared)), (np.arange(len(shared)), garment.panel_of_uv[shared])))
+    member.resize(len(shared), len(panels))
+    rows = (gap @ member).toarray()
+    normal = rows.T @ rows + 1e-3 * np.eye(len(panels))
+    flat += np.linalg.solve(normal, -rows.T @ (gap @ flat[shared]))[garment.panel_of_uv]
+    flat = flat + _spread(garment.uv_faces, len(flat), shared, -(gap @ flat[shared]))
+    nodes = np.zeros((len(count), 3))
+    np.add.at(nodes[:, :2], garment.uv_node, flat)
+    nodes[:, :2] /= count[:, None]
+    return nodes
+
+
+def _spread(faces: np.ndarray, count: int, fixed: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Extend values at fixed vertices harmonically over a flat mesh (uniform Laplacian), shape [count, 2]."""
+    sides = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    adjacency = sparse.csr_matrix((np.ones(len(sides)), (sides[:, 0], sides[:, 1])), shape=(count, count))
+    adjacency = ((adjacency + adjacency.T) > 0).astype(np.float64)
+    laplacian = sparse.csr_matrix(sparse.csgraph.laplacian(adjacency) + 1e-9 * sparse.identity(count))
+    free = np.setdiff1d(np.arange(count), fixed)
+    result = np.zeros((count, 2))
+    result[fixed] = values
+    right = -(laplacian[free][:, fixed] @ values)
+    result[free] = spsolve(laplacian[free][:, free].tocsc(), right)
+    return result
+
+
+def _middle_plane(body: Body) -> float:
+    """Give z of the plane that halves the body [m]: the mean of the arms' and hips' joints."""
+    names = ("left_shoulder", "right_shoulder", "left_elbow", "right_elbow", "left_hip", "right_hip", "pelvis")
+    return float(np.mean([body.joint(name)[2] for name in names]))
+
+
+def _side(garment: Garment) -> np.ndarray:
+    """Tell the front (+1) from the back (-1) for every node; 0 on seams between the two."""
+    outward = np.array([panel.rotation[2, 2] for panel in garment.pattern.panels])
+    depth = np.array([panel.translation[2] for panel in garment.pattern.panels])
+    sign = np.where(np.abs(outward) > 0.3, np.sign(outward), np.sign(depth - depth.mean()))
+    total = np.zeros(len(garment.nodes))
+    count = np.zeros(len(garment.nodes))
+    np.add.at(total, garment.uv_node, sign[garment.panel_of_uv])
+    np.add.at(count, garment.uv_node, 1.0)
+    return total / np.maximum(count, 1.0)
+
+
+def _shoulder_shift(nodes: np.ndarray, body: Body) -> float:
+    """Give the shift in y [m] that lays the garment's upper outline 1 cm above the body's, from neck to shoulder."""
+    left, right = body.joint("left_shoulder"), body.joint("right_shoulder")
+    centre, half = 0.5 * (left[0] + right[0]), 0.5 * abs(left[0] - right[0])
+    gaps = []
+    below_head = body.vertices[:, 1] < body.joint("head")[1]
+    for share in (0.65, 0.75, 0.85, 0.95):
+        for sign in (-1.0, 1.0):
+            x = centre + sign * share * half
+            skin = below_head & (np.abs(body.vertices[:, 0] - x) < 0.015)
+            cloth = np.abs(nodes[:, 0] - x) < 0.015
+            if skin.any() and cloth.any():
+                gaps.append(body.vertices[skin, 1].max() + 0.01 - nodes[cloth, 1].max())
+    return float(np.max(gaps)) if gaps else float(left[1] - nodes[:, 1].max())
+
+
+def squashed(lookup: Lookup, middle: float, scale: float) -> Lookup:
+    """Give the distance lookup of a body whose depth is scaled about the plane z = middle.
+
+    The level set d(x, y, middle + (z - middle) / scale) is zero on the squashed surface; its gradient is returned
+    unscaled, so that distance / |gradient| is the distance to first order.
+    """
+
+    def scaled(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        mapped = points.copy()
+        mapped[:, 2] = middle + (points[:, 2] - middle) / scale
+        distance, gradient = lookup(mapped)
+        return distance, gradient * np.array([1.0, 1.0, 1.0 / scale])
+
+    return scaled
+
+
+def _flat_lookup(lookup: Lookup, middle: float, side: np.ndarray, flatten: float) -> Lookup:
+    """Give the obstacle of the flat phase: front and back stay on their planes, seams outside the body's outline."""
+
+    def flat(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        distance, gradient = lookup(np.column_stack([points[:, :2], np.full(len(points), middle)]))
+        gradient[:, 2] = 0.0
+        off_seam = np.abs(side) > 0.5
+        distance[off_seam] = np.abs(points[off_seam, 2] - middle) - flatten
+        gradient[off_seam] = np.sign(side[off_seam])[:, None] * np.array([0.0, 0.0, 1.0])
+        return distance, gradient
+
+    return flat
+
+
+def relax_flat(
+    threads: Threads, nodes: np.ndarray, side: np.ndarray, lookup: Lookup, middle: float, settings: DressSettings
+) -> np.ndarray:
+    """Relax the edges of flattened, welded panels in their planes and give the nodes [m], shape [node_count, 3].
+
+    Each step moves in x and y only: front nodes stay at +flatten, back nodes at -flatten from the middle plane, and
+    seams between them in it, outside the outline that the body cuts there (between the legs, under the arms).
+    """
+    flat = _flat_lookup(lookup, middle, side, settings.flatten)
+    for _ in range(settings.relax):
+        nodes, _ = follow(threads, nodes, flat, 1, settings=settings.follow)
+        nodes[:, 2] = middle + settings.flatten * side
+    return nodes
+
+
+def dress(
+    garment: Garment,
+    body: Body,
+    lookup: Lookup,
+    *,
+    waist_height: float | None = None,
+    settings: DressSettings = DressSettings(),
+    hooks: Hooks = SILENT,
+    threads: Threads | None = None,
+) -> np.ndarray:
+    """Dress a body in its T-pose and give the nodes of the garment that hangs on it [m], shape [node_count, 3].
+
+    The panels are flattened to both sides of the body's middle plane and welded; their edges relax around a body
+    squashed in depth, which is then inflated to its full size while the cloth follows without weight, its seams between
+    front and back in the middle plane, so that no shoulder slips off the thin body's edge; then gravity.
+    Skirts and trousers are held at the height of their waist, as a waistband's friction would hold them.
+
+    Args:
+        garment: The sewn garment, nodes where its file places them.
+        body: The body in its T-pose, facing +z, feet near y = 0.
+        lookup: Signed distance of that body.
+        waist_height: Height of the waist contour [m], or None for the body's waist.
+        settings: The recipe.
+        hooks: Progress and cancellation.
+        threads: The constraints of `garment` where they are at hand.
+    """
+    threads = lay_threads(garment, settings.follow.bending) if threads is None else threads
+    nodes = place(garment, body, waist_height=waist_height, flatten=settings.flatten)
+    middle = _middle_plane(body)
+    waist = waist_loop(garment)
+    height = None if waist is None else float(nodes[waist, 1].mean())
+    side = _side(garment)
+    nodes = relax_flat(threads, nodes, side, lookup, middle, settings)
+    between = np.abs(side) < 0.5
+    for frame in range(settings.frames):
+        scale = settings.squash + (1.0 - settings.squash) * (frame + 1) / settings.frames
+        nodes, _ = follow(threads, nodes, squashed(lookup, middle, scale), 3, settings=settings.follow)
+        nodes[between, 2] = middle
+        if waist is not None and height is not None:
+            nodes[waist, 1] += height - nodes[waist, 1].mean()
+        hooks.check()
+    nodes, _ = follow(threads, nodes, lookup, settings.settle, settings=settings.follow, gravity=9.81, held=waist)
+    return nodes

@@ -1,0 +1,215 @@
+"""The stages of a recovery in their order: a reader follows one scan from its file to the measured result."""
+
+from __future__ import annotations
+
+import platform
+import resource
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .body import Body, BodyMissing, builtin_body, register_body
+from .deform import Deformation, DeformSettings, deform
+from .drape import Stand, drape_graded, drape_template
+from .grade import choose_template, grade_pattern
+from .hooks import SILENT, Hooks
+from .measure import judge, measure_fit, measure_seams
+from .pattern import Garment, Pattern, list_templates, load_pattern, load_template
+from .recovery import Recovery, Request
+from .scan import Scan, load_pair
+from .segment import CATEGORIES, Target, segment_garment
+from .settings import RecoverySettings, SettingsBad
+from .simulate import Drape, get_fabric
+
+PACKAGES = ("garmentq", "torch", "numpy", "scipy", "numba", "trimesh", "libigl")
+"""The packages whose versions decide the digits of a result; the manifest names them."""
+
+GRADINGS = 2
+"""Times the pattern is graded: the second starts from the first's mesh on the target and takes out what symmetry and
+seams left over; a third moved no panel of the patterns we tried by more than 1 mm."""
+
+
+class Clock:
+    """Measure CPU seconds by stage and tell the hooks which stage runs."""
+
+    def __init__(self, hooks: Hooks) -> None:
+        self.hooks = hooks
+        self.seconds: dict[str, float] = {}
+        self.start = time.process_time()
+
+    @contextmanager
+    def stage(self, name: str, message: str) -> Iterator[Hooks]:
+        """Time one stage; the hooks it hands out report fractions under the stage's name."""
+        self.hooks.progress(name, 0.0, message)
+        before = time.process_time()
+        yield replace(self.hooks, on_progress=lambda _, fraction, text: self.hooks.on_progress(name, fraction, text))
+        self.seconds[name] = time.process_time() - before
+        self.hooks.progress(name, 1.0, message)
+
+    @property
+    def total(self) -> float:
+        """Give the CPU seconds since the start."""
+        return time.process_time() - self.start
+
+
+def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
+    """Recover pattern, fabric and meshes of one scanned garment.
+
+    Args:
+        request: The files and settings.
+        hooks: Progress, cancellation and checkpoints.
+
+    Raises:
+        BadInput: where a file or a setting cannot be used; the code says why.
+        Cancelled: as soon as the hooks say so.
+    """
+    settings = request.settings
+    fabric = get_fabric(settings.fabric)
+    clock = Clock(hooks)
+    with clock.stage("scan", "reading the scan"):
+        scan, wearer = read_files(request)
+    with clock.stage("body", "finding the wearer's joints") as inner:
+        body = find_body(request, wearer, inner)
+        stand = Stand.of(body)
+    with clock.stage("segment", "naming the open contours"):
+        target = segment_garment(scan, body)
+        if settings.garment is not None:
+            target = replace(target, category=check_category(settings.garment))
+    with clock.stage("template", "dressing the body in the template") as inner:
+        template, base = find_template(request, target)
+        worn = drape_template(base, stand, target, hooks=inner)
+    warnings: list[str] = list(scan.repairs)
+    with clock.stage("grade", "grading the pattern to the scan") as inner:
+        graded = worn
+        for _ in range(GRADINGS):
+            grading = grade_pattern(graded, target, body, hooks=inner)
+            graded = grading.garment
+        warnings += grading.warnings
+    with clock.stage("drape", "draping the graded pattern") as inner:
+        garment, drape = drape_graded(graded, stand, fabric, target, vertex_count=settings.vertex_count, hooks=inner)
+        if not drape.converged:
+            warnings.append(drape.message)
+    with clock.stage("deform", "deforming the drape onto the scan") as inner:
+        preset = DeformSettings.thesis() if settings.preset == "thesis" else DeformSettings()
+        detail = deform(garment, target, body, settings=preset, hooks=inner)
+        warnings += detail.warnings
+    with clock.stage("measure", "measuring the result"):
+        metrics = measure(scan, target, garment, detail, drape, body, settings)
+    return Recovery(
+        scan=scan,
+        body=body,
+        target=target,
+        template=template,
+        pattern=garment.pattern,
+        fabric=fabric,
+        garment=garment.at(detail.nodes),
+        graded=garment.nodes,
+        detail=detail.nodes,
+        simulation=None,
+        metrics=metrics,
+        gates=judge(metrics),
+        warnings=tuple(dict.fromkeys(warnings)),
+        stage_seconds=clock.seconds,
+        cpu_seconds=clock.total,
+        peak_mb=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
+        manifest=describe(request, scan, body, template, target),
+    )
+
+
+def read_files(request: Request) -> tuple[Scan, Scan | None]:
+    """Read the garment and, where the body is a file, the body; units and axes are decided for both together.
+
+    Raises:
+        BodyMissing: where no body is given.
+        BadInput: where a file cannot be used.
+    """
+    if request.body is None:
+        raise BodyMissing()
+    given = None if is_builtin(request.body) else Path(request.body)
+    return load_pair(request.scan, given, units=request.settings.units, up=request.settings.up)
+
+
+def is_builtin(body: Path | str) -> bool:
+    """Tell a built-in body's specification from a file's path."""
+    return isinstance(body, str) and body.startswith("builtin:")
+
+
+def find_body(request: Request, wearer: Scan | None, hooks: Hooks) -> Body:
+    """Register the given mesh, or make the built-in body."""
+    if wearer is None:
+        return builtin_body(str(request.body))
+    return register_body(wearer.vertices, wearer.faces, name=wearer.name, hooks=hooks)
+
+
+def find_template(request: Request, target: Target) -> tuple[str, Pattern]:
+    """Give the base pattern and its name: the given file, the named template, or the category's own."""
+    if request.template is not None:
+        return request.template.stem, load_pattern(request.template)
+    name = request.settings.template
+    if name is None:
+        name = choose_template(target, [info.name for info in list_templates()])
+    return name, load_template(name)
+
+
+def check_category(name: str) -> str:
+    """Give the category back if there is one of that name.
+
+    Raises:
+        SettingsBad: where there is none.
+    """
+    if name not in CATEGORIES:
+        raise SettingsBad(f"garment '{name}' is not one of {', '.join(CATEGORIES)}.")
+    return name
+
+
+def measure(
+    scan: Scan,
+    target: Target,
+    garment: Garment,
+    detail: Deformation,
+    drape: Drape,
+    body: Body,
+    settings: RecoverySettings,
+) -> dict[str, float | None]:
+    """Measure the detail mesh and the graded drape against the scan; the truth here is what the user gave."""
+    metrics = measure_fit(
+        garment,
+        garment.nodes,
+        detail.nodes,
+        None,
+        scan.vertices,
+        scan.faces,
+        target.contours,
+        body,
+        seed=settings.seed,
+    )
+    metrics |= measure_seams(garment.pattern)
+    metrics["drape.residual"] = drape.residual
+    metrics["drape.iterations"] = float(drape.iterations)
+    metrics["body.fit_rms_mm"] = 1e3 * body.fit_rms
+    return metrics
+
+
+def describe(request: Request, scan: Scan, body: Body, template: str, target: Target) -> dict[str, Any]:
+    """Give what reproduces the result: versions, hashes, settings and what was understood of the input."""
+    return {
+        "versions": {name: _version(name) for name in PACKAGES} | {"python": platform.python_version()},
+        "scan": {"name": scan.name, "sha256": scan.sha256, "units": scan.units, "up": scan.up_axis},
+        "body": {"source": body.source, "fit_rms_m": float(np.round(body.fit_rms, 6))},
+        "template": template,
+        "category": target.category,
+        "settings": request.settings.as_dict(),
+    }
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"
