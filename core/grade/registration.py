@@ -19,19 +19,21 @@ class RegistrationSettings:
     """Set the coarse registration.
 
     Attributes:
-        steps: Solves; each takes one closest-point query.
+        steps: Solves; each takes one closest-point query each way. 40 let matches settle between two reaches.
         reach_first, reach_last: Length [m] below which displacements are smoothed, at the first and the last step: from
-            half a torso, so that garments slide over each other as a whole, to a wide fold.
+            half a torso, so that garments slide over each other as a whole, to a fold.
         contour_reach: The same for matched contours: 5 mm, they fit almost exactly.
         facing: A closest point counts where both normals agree to this cosine; 0.3 (72 degrees) keeps folds and drops
             the other leg.
+        samples: Target vertices that look for the source, at most; as many as a garment mesh has.
     """
 
     steps: int = 40
     reach_first: float = 0.30
-    reach_last: float = 0.04
+    reach_last: float = 0.03
     contour_reach: float = 0.005
     facing: float = 0.3
+    samples: int = 3000
 
 
 def register_coarsely(
@@ -44,43 +46,98 @@ def register_coarsely(
 
     Each step minimises over the displacement d
 
-        int |lap d|^2 dA + int |d - q|^2 / r^4 dA + int_contours |d - q_c|^2 / r_c^3 ds
+        int |lap d|^2 dA + (int |d - q|^2 dA + int |x + d - t|^2 dT) / r^4 + int_contours |d - q_c|^2 / r_c^3 ds
 
-    Notation: r `reach`, r_c `contour_reach`; q leads each node to the plane of its closest point on the target, q_c
-    each contour node to the point at the same share of the target contour's length. Integrals run over the flat rest
-    shape, so that the result does not depend on the mesh.
+    Notation: r `reach`, r_c `contour_reach`; q leads each node x to the plane of its closest point on the target; each
+    target point t pulls the point of the garment that was closest to it; q_c leads each contour node to the point at
+    the same share of the target contour's length. Integrals over the garment run over its flat rest shape, so that the
+    result does not depend on the mesh.
     """
     settings = settings or RegistrationSettings()
     start = garment.nodes
     stiffness, mass = bending_operators(garment)
-    pulls, pulled = np.zeros(len(start)), np.zeros((len(start), 3))
-    for contour in garment.contours:
-        other = target.contour(contour.name)
-        if other is not None and contour.trusted and other.trusted:
-            goal, share = match_loop(start[contour.vertices], target.vertices[other.vertices])
-            np.add.at(pulls, contour.vertices, share / settings.contour_reach**3)
-            pulled[contour.vertices] = goal - start[contour.vertices]
-    inside = pulls == 0
-    tree = igl.AABB()
-    surface, triangles = np.ascontiguousarray(target.vertices), np.ascontiguousarray(target.faces, dtype=np.int64)
-    tree.init(surface, triangles)
-    # Closest points there mean that the surface ends, not that it is near.
-    rim = np.isin(triangles, open_edges(triangles)).sum(axis=1) > 1
+    pins, pinned = _pin_contours(garment, target, settings)
+    goal = Surface(target.vertices, target.faces)
+    picked = np.linspace(0, len(goal.vertices) - 1, min(settings.samples, len(goal.vertices))).astype(np.int64)
+    # The picked points stand for the whole target, weighted so that it has the garment's area.
+    share = goal.areas[picked] * (mass.sum() / goal.areas[picked].sum())
+    # A hundredth of the first pull to stay in place: the system keeps full rank where nothing is matched at all.
+    fixed = stiffness + sp.diags(pins + 0.01 * mass / settings.reach_first**4)
     moved = start.copy()
     for step, reach in enumerate(np.geomspace(settings.reach_first, settings.reach_last, settings.steps)):
         hooks.progress("grade", 0.8 * step / settings.steps, "registering")
-        _, face, foot = tree.squared_distance(surface, triangles, moved)
-        face, foot = np.asarray(face).reshape(-1), np.asarray(foot)
-        normal = _face_normals(surface, triangles[face])
-        agrees = (node_normals(moved, garment.faces) * normal).sum(1) > settings.facing
-        weight = np.where(inside & agrees & ~rim[face], mass / reach**4, 0.0)
-        lead = moved - start + normal * (normal * (foot - moved)).sum(1)[:, None]
-        # A hundredth of the first pull to stay in place: the system keeps full rank where nothing is matched at all.
-        rest = 0.01 * mass / settings.reach_first**4
-        system = sp.csc_matrix(stiffness + sp.diags(weight + pulls + rest))
-        right = weight[:, None] * lead + pulls[:, None] * pulled
-        moved = start + splu(system, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(right)
+        here = Surface(moved, garment.faces)
+        face, foot, seen = goal.closest(moved, here.normals, settings.facing)
+        out = goal.face_normals[face]
+        weight = np.where(seen & (pins == 0), mass, 0.0) / reach**4
+        lead = moved - start + out * (out * (foot - moved)).sum(1)[:, None]
+        face, foot, seen = here.closest(goal.vertices[picked], goal.normals[picked], settings.facing)
+        on_faces = here.interpolation(face, foot)
+        pull = np.where(seen, share, 0.0) / reach**4
+        system = fixed + sp.diags(weight) + on_faces.T @ sp.diags(pull) @ on_faces
+        right = weight[:, None] * lead + pins[:, None] * pinned
+        right += on_faces.T @ (pull[:, None] * (goal.vertices[picked] - on_faces @ start))
+        moved = start + splu(sp.csc_matrix(system), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(
+            right
+        )
     return moved
+
+
+def _pin_contours(garment: Garment, target: Target, settings: RegistrationSettings) -> tuple[np.ndarray, np.ndarray]:
+    """Give each node's pull to its matched contour, [node_count], and its displacement there [m], [node_count, 3]."""
+    pins, pinned = np.zeros(len(garment.nodes)), np.zeros((len(garment.nodes), 3))
+    for contour in garment.contours:
+        other = target.contour(contour.name)
+        if other is not None and contour.trusted and other.trusted:
+            place, share = match_loop(garment.nodes[contour.vertices], target.vertices[other.vertices])
+            np.add.at(pins, contour.vertices, share / settings.contour_reach**3)
+            pinned[contour.vertices] = place - garment.nodes[contour.vertices]
+    return pins, pinned
+
+
+class Surface:
+    """Answer closest-point queries on a mesh as it stands.
+
+    Attributes:
+        vertices, faces: The mesh.
+        face_normals, normals: Unit normals of faces and vertices.
+        areas: A third of the areas around each vertex [m2].
+    """
+
+    def __init__(self, vertices: np.ndarray, faces: np.ndarray) -> None:
+        self.vertices = np.ascontiguousarray(vertices, dtype=np.float64)
+        self.faces = np.ascontiguousarray(faces, dtype=np.int64)
+        corners = self.vertices[self.faces]
+        cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        double = np.linalg.norm(cross, axis=1)
+        self.face_normals = cross / np.maximum(double, 1e-12)[:, None]
+        self.areas = np.bincount(self.faces.ravel(), np.repeat(double / 6, 3), minlength=len(vertices))
+        normals = np.zeros_like(self.vertices)
+        np.add.at(normals, self.faces.ravel(), np.repeat(cross, 3, axis=0))
+        self.normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+        self._rim = np.isin(self.faces, open_edges(self.faces)).sum(axis=1) > 1
+        self._tree = igl.AABB()
+        self._tree.init(self.vertices, self.faces)
+
+    def closest(
+        self, points: np.ndarray, normals: np.ndarray, facing: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Find each point's closest face and point, and whether it counts: not at an open edge, and facing alike.
+
+        At an open edge a closest point means that the surface ends, not that it is near.
+        """
+        _, face, foot = self._tree.squared_distance(self.vertices, self.faces, np.ascontiguousarray(points))
+        face = np.asarray(face).reshape(-1)
+        alike = (self.face_normals[face] * normals).sum(1) > facing
+        return face, np.asarray(foot), alike & ~self._rim[face]
+
+    def interpolation(self, face: np.ndarray, foot: np.ndarray) -> sp.csr_matrix:
+        """Give the barycentric matrix of points on faces, shape [point_count, vertex_count]."""
+        a, b, c = (self.vertices[self.faces[face, k]] for k in range(3))
+        weights = igl.barycentric_coordinates(foot, a, b, c)
+        rows = np.repeat(np.arange(len(face)), 3)
+        shape = (len(face), len(self.vertices))
+        return sp.csr_matrix((np.nan_to_num(weights).ravel(), (rows, self.faces[face].ravel())), shape)
 
 
 def match_loop(source: np.ndarray, target: np.ndarray, samples: int = 128) -> tuple[np.ndarray, np.ndarray]:
@@ -123,20 +180,6 @@ def bending_operators(garment: Garment) -> tuple[sp.csr_matrix, np.ndarray]:
     weight = 1.0 / mass
     weight[np.unique(open_edges(faces))] = 0.0
     return sp.csr_matrix(stiffness.T @ sp.diags(weight) @ stiffness), mass
-
-
-def node_normals(nodes: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Give unit node normals weighted by area, shape [node_count, 3]."""
-    a, b, c = (nodes[faces[:, k]] for k in range(3))
-    normal = np.zeros_like(nodes)
-    np.add.at(normal, faces.ravel(), np.repeat(np.cross(b - a, c - a), 3, axis=0))
-    return normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
-
-
-def _face_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    a, b, c = (vertices[faces[:, k]] for k in range(3))
-    normal = np.cross(b - a, c - a)
-    return normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
 
 
 def open_edges(faces: np.ndarray) -> np.ndarray:
