@@ -37,7 +37,8 @@ def main(arguments: list[str]) -> int:
     try:
         arrays = parse(Path(source), form)
         np.savez(target, **arrays)  # type: ignore[arg-type]
-    except MemoryError:
+    except (MemoryError, ImportError):
+        # A library that cannot be mapped into what is left of the address space fails as an import.
         return _answer("scan.limits", "it needs more memory than allowed")
     except Broken as error:
         return _answer(error.code, str(error))
