@@ -22,7 +22,7 @@ RIGIDITY = (1e-3, 2e-4)
 STIFFNESS = (1e-8, 1e-9)
 """Weight of the squared curvature at the first and last step [m4]: folds shorter than 1 cm and 0.6 cm are resisted."""
 
-POINT, PLANE, CONTOUR = 0.2, 1.0, 3.0
+POINT, PLANE, CONTOUR = 0.2, 1.0, 10.0
 """Weights of the distance to the closest point, of its part along the normal, and of the contours' rows: a fifth along
 the surface lets triangles slide; the contours hold the border against that sliding."""
 
