@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
 from garmentq.core.body import DistanceGrid
 from garmentq.core.simulate import Fabric, Topology
 

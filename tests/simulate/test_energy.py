@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 import scipy.sparse as sparse
 import torch
-from scipy.spatial.transform import Rotation
-
 from garmentq.core.simulate import Energy, Friction, Hold, Inertia, Topology, TopologyBad
+from scipy.spatial.transform import Rotation
 
 
 @pytest.fixture(scope="module")

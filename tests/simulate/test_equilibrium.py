@@ -6,9 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_bvp
-from scipy.optimize import brentq
-
 from garmentq.core.errors import Cancelled
 from garmentq.core.hooks import Hooks
 from garmentq.core.simulate import (
@@ -21,6 +18,8 @@ from garmentq.core.simulate import (
     equilibrium,
     settle,
 )
+from scipy.integrate import solve_bvp
+from scipy.optimize import brentq
 
 EXACT = SimulateSettings(tolerance=1e-6, still=0.0, max_iterations=300)
 

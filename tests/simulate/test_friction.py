@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
 from garmentq.core.simulate import SimulateSettings, Topology, equilibrium, settle
 
 MU = 0.4  # atan(0.4) = 21.8 degrees
