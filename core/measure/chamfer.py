@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from .surface import face_normals, sample_surface
+from .surface import face_normals, project_points, sample_surface
 
-SAMPLES_PER_SITE = 16
-"""Surface samples per mesh vertex when a triangulation is imitated: enough for cells that are round within 3 %."""
+SAMPLES_PER_SITE = 40
+"""Surface samples per mesh vertex when a triangulation is imitated: the floor then comes out some 10 % above that of a
+perfect hexagonal lattice, as even triangulations do; 16 gave 17 %, 64 give 9 % and take twice the time."""
 
 LLOYD_ITERATIONS = 8
 """Sweeps that spread the imitated vertices: from then on the floor changes by less than 1 % a sweep."""
@@ -82,8 +83,7 @@ def _spread(
         size = np.bincount(owner, minlength=count)
         mean = np.stack([np.bincount(owner, samples[:, k], count) for k in range(3)], axis=1)
         sites = np.where(size[:, None] > 0, mean / np.maximum(size, 1)[:, None], sites)
-    _, snapped = cKDTree(samples).query(sites)
-    sites = samples[snapped]
+    sites = project_points(sites, vertices, faces)
     normals, _ = face_normals(vertices, faces)
     _, corners = cKDTree(sites).query(samples, k=min(3, count))
     corner = np.asarray(corners).reshape(-1)

@@ -21,21 +21,26 @@ def resample_loop(loop: np.ndarray, count: int) -> np.ndarray:
     return np.stack([np.interp(wanted, arc, closed[:, k]) for k in range(loop.shape[1])], axis=1)
 
 
-def distance_to_polyline(points: np.ndarray, line: np.ndarray, closed: bool = True) -> np.ndarray:
-    """Measure the exact distance of each point to a polyline [m], shape [point_count]; any dimension."""
-    start = line if closed else line[:-1]
-    step = (np.roll(line, -1, axis=0) if closed else line[1:]) - start
+def closest_on_loop(points: np.ndarray, loop: np.ndarray) -> np.ndarray:
+    """Find the point of a closed polyline that is closest to each point [m], shape [point_count, dimension]."""
+    step = np.roll(loop, -1, axis=0) - loop
     square = np.maximum(np.einsum("ij,ij->i", step, step), 1e-30)  # a segment without length is its start point
-    offset = points[:, None, :] - start[None]
-    along = np.clip(np.einsum("pij,ij->pi", offset, step) / square, 0.0, 1.0)
-    gap = offset - along[:, :, None] * step[None]
-    return np.sqrt(np.min(np.einsum("pij,pij->pi", gap, gap), axis=1))
+    along = (points @ step.T - np.einsum("ij,ij->i", loop, step)) / square
+    foot = loop[None] + np.clip(along, 0.0, 1.0)[:, :, None] * step[None]
+    gap = points[:, None] - foot
+    nearest = np.argmin(np.einsum("pij,pij->pi", gap, gap), axis=1)
+    return np.asarray(foot[np.arange(len(points)), nearest])
+
+
+def distance_to_loop(points: np.ndarray, loop: np.ndarray) -> np.ndarray:
+    """Measure the exact distance of each point to a closed polyline [m], shape [point_count]; any dimension."""
+    return np.linalg.norm(points - closest_on_loop(points, loop), axis=1)
 
 
 def loop_rms(first: np.ndarray, second: np.ndarray) -> float:
     """Measure the larger RMS distance [m] of two closed loops, from arc-length samples of each to the other."""
-    forward = distance_to_polyline(resample_loop(first, CONTOUR_SAMPLES), second)
-    backward = distance_to_polyline(resample_loop(second, CONTOUR_SAMPLES), first)
+    forward = distance_to_loop(resample_loop(first, CONTOUR_SAMPLES), second)
+    backward = distance_to_loop(resample_loop(second, CONTOUR_SAMPLES), first)
     return float(max(np.sqrt(np.mean(forward**2)), np.sqrt(np.mean(backward**2))))
 
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from .contours import distance_to_polyline, resample_loop
+from .contours import closest_on_loop, distance_to_loop, resample_loop
 
 EDGE_SAMPLES = 50
 """Points on each edge: 2 cm apart on the longest side of trousers."""
@@ -15,8 +15,14 @@ EDGE_SAMPLES = 50
 HEADINGS = 12
 """Starting angles of a fit without corresponding edges; a fit from 15 degrees off finds its way."""
 
-FIT_SWEEPS = 30
-"""Closest-point sweeps of such a fit; they settle within 20 on panels."""
+FIT_SWEEPS = 15
+"""Closest-point sweeps from each starting angle; enough to tell which one leads to the best fit."""
+
+FINAL_SWEEPS = 300
+"""Sweeps from the best start at most: closest points slide along the outline slowly before they settle."""
+
+SETTLED = 1e-7
+"""A sweep that moves no point by more than this [m] is the last."""
 
 
 def polygon_area(polygon: np.ndarray) -> float:
@@ -65,20 +71,37 @@ def edge_rms(ours: Sequence[np.ndarray], truth: Sequence[np.ndarray]) -> float:
 
 def outline_rms(ours: np.ndarray, truth: np.ndarray) -> float:
     """Measure the symmetric closest-point RMS [m] of two closed outlines after the best rigid fit."""
-    source, target = resample_loop(ours, 400), resample_loop(truth, 400)
-    best = np.inf
+    rough, rough_target = resample_loop(ours, 100), resample_loop(truth, 100)
+    starts = []
     for heading in np.arange(HEADINGS) * 2.0 * np.pi / HEADINGS:
-        moved = (source - source.mean(axis=0)) @ _turn(heading).T + target.mean(axis=0)
-        for _ in range(FIT_SWEEPS):
-            moved = fit_rigidly(moved, _closest(moved, target))
-        forward, backward = distance_to_polyline(moved, target), distance_to_polyline(target, moved)
-        best = min(best, float(np.sqrt(0.5 * (np.mean(forward**2) + np.mean(backward**2)))))
-    return best
+        moved = (rough - rough.mean(axis=0)) @ _turn(heading).T + rough_target.mean(axis=0)
+        moved = _settle(moved, rough_target, FIT_SWEEPS)
+        starts.append((_symmetric_rms(moved, rough_target), moved))
+    best = min(starts, key=lambda start: start[0])[1]
+    source, target = resample_loop(ours, 400), resample_loop(truth, 400)
+    moved = _settle(_carry(rough, best, source), target, FINAL_SWEEPS)
+    return _symmetric_rms(moved, target)
 
 
-def _closest(points: np.ndarray, others: np.ndarray) -> np.ndarray:
-    gap = points[:, None] - others[None]
-    return others[np.argmin(np.einsum("ijk,ijk->ij", gap, gap), axis=1)]
+def _settle(moved: np.ndarray, target: np.ndarray, sweeps: int) -> np.ndarray:
+    """Fit points to the closest points of a closed outline, again and again."""
+    for _ in range(sweeps):
+        before, moved = moved, fit_rigidly(moved, closest_on_loop(moved, target))
+        if np.abs(moved - before).max() < SETTLED:
+            break
+    return moved
+
+
+def _carry(before: np.ndarray, after: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Move points as a rigid fit moved others."""
+    a, b = before - before.mean(axis=0), after - after.mean(axis=0)
+    angle = np.arctan2(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]), np.sum(a * b))
+    return (points - before.mean(axis=0)) @ _turn(angle).T + after.mean(axis=0)
+
+
+def _symmetric_rms(first: np.ndarray, second: np.ndarray) -> float:
+    forward, backward = distance_to_loop(first, second), distance_to_loop(second, first)
+    return float(np.sqrt(0.5 * (np.mean(forward**2) + np.mean(backward**2))))
 
 
 def _turn(angle: float) -> np.ndarray:

@@ -63,6 +63,16 @@ def closest_points(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) 
     return np.sqrt(np.maximum(squared, 0.0)), face
 
 
+def project_points(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Move each point to the closest point of a surface [m], shape [point_count, 3]."""
+    _, _, closest = igl.point_mesh_squared_distance(
+        np.ascontiguousarray(points, dtype=np.float64),
+        np.ascontiguousarray(vertices, dtype=np.float64),
+        np.ascontiguousarray(faces, dtype=np.int64),
+    )
+    return np.asarray(closest)
+
+
 def penetration_depth(
     vertices: np.ndarray, faces: np.ndarray, body_vertices: np.ndarray, body_faces: np.ndarray
 ) -> float:

@@ -1,0 +1,84 @@
+"""Verdicts: which number leads to which, and what the user is told."""
+
+from __future__ import annotations
+
+import pytest
+from garmentq.core.measure import judge, overall
+from garmentq.core.measure.gates import RULES
+
+GOOD = {
+    "faces": 8000.0,
+    "surface_rms_mm.s2t": 1.0,
+    "surface_rms_mm.t2s": 1.5,
+    "seam_mismatch_mm": 0.05,
+    "body_penetration_mm": 0.0,
+    "flipped_faces": 4.0,
+    "self_intersecting_faces": 10.0,
+    "graded.self_intersecting_faces": 10.0,
+    "drape.residual": 0.001,
+}
+
+
+def verdicts(**changes: float | None) -> dict[str, str]:
+    """Judge good metrics with some of them changed; `__` stands for a dot."""
+    metrics = GOOD | {name.replace("__", "."): value for name, value in changes.items()}
+    return {gate.name: gate.verdict for gate in judge(metrics)}
+
+
+def test_a_good_result_passes_every_gate() -> None:
+    """Fails if a gate were missing or judged the wrong way round."""
+    found = verdicts()
+    assert list(found) == [rule.name for rule in RULES]
+    assert set(found.values()) == {"pass"}
+
+
+@pytest.mark.parametrize(
+    ("metric", "gate", "warns", "fails"),
+    [
+        ("surface_rms_mm__s2t", "surface_fit_s2t", 3.0, 12.0),
+        ("surface_rms_mm__t2s", "surface_fit_t2s", 6.0, 20.0),
+        ("seam_mismatch_mm", "seams", 1.0, 5.0),
+        ("body_penetration_mm", "penetration", 2.0, 8.0),
+        ("flipped_faces", "flips", 100.0, 400.0),
+        ("self_intersecting_faces", "self_intersections", 100.0, 400.0),
+        ("drape__residual", "drape_residual", 0.05, 0.5),
+    ],
+)
+def test_each_gate_warns_then_fails(metric: str, gate: str, warns: float, fails: float) -> None:
+    """Fails if a gate read another metric, or warned where it should fail."""
+    assert verdicts(**{metric: warns}) == verdicts() | {gate: "warn"}
+    assert verdicts(**{metric: fails}) == verdicts() | {gate: "fail"}
+
+
+def test_what_was_not_measured_is_not_judged() -> None:
+    """Fails if a missing number passed for a good one."""
+    assert "penetration" not in verdicts(body_penetration_mm=None)
+    assert judge({}) == ()
+
+
+def test_a_number_that_is_none_fails() -> None:
+    """Fails if nan slipped through a comparison."""
+    assert verdicts(seam_mismatch_mm=float("nan"))["seams"] == "fail"
+
+
+def test_intersections_of_the_drape_are_not_charged_to_the_deformer() -> None:
+    """Fails if the graded drape's own intersections were counted again."""
+    found = verdicts(self_intersecting_faces=420.0, graded__self_intersecting_faces=400.0)
+    assert found["self_intersections"] == "pass"
+
+
+def test_messages_name_the_value_and_the_next_step() -> None:
+    """Fails if a failing gate only named itself."""
+    gates = {gate.name: gate for gate in judge(GOOD | {"body_penetration_mm": 8.2})}
+    assert "8.2 mm" in gates["penetration"].message
+    assert "garmentq inspect" in gates["penetration"].message
+    assert gates["penetration"].limit == 5.0
+    assert overall(tuple(gates.values())) == "fail"
+    assert overall(()) == "pass"
+
+
+def test_every_limit_has_a_reason_and_an_order() -> None:
+    """Fails if a rule were added without its reason, or could fail before it warns."""
+    for rule in RULES:
+        assert rule.reason and rule.next_step
+        assert rule.warn < rule.fail

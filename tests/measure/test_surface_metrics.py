@@ -1,0 +1,238 @@
+"""Metrics in space against shapes whose answer is known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+from garmentq.core.measure import boundary_loops, carry_contours, measure_distance, measure_fit, penetration_depth
+from garmentq.core.measure.chamfer import chamfer_and_normals, meshing_floor
+from garmentq.core.measure.contours import contour_rms, loop_rms
+from garmentq.core.measure.fit import count_flipped
+from garmentq.core.measure.surface import face_angles, sample_surface, stretches, vertex_normals
+from garmentq.core.segment import Contour
+
+
+def grid(count: int = 20, width: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+    """Give a flat square in z = 0, facing +z."""
+    x, y = np.meshgrid(np.linspace(0.0, width, count), np.linspace(0.0, 1.0, count))
+    vertices = np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], axis=1)
+    corner = (np.arange(count - 1)[:, None] * count + np.arange(count - 1)).ravel()
+    lower = np.stack([corner, corner + 1, corner + count + 1], axis=1)
+    upper = np.stack([corner, corner + count + 1, corner + count], axis=1)
+    return vertices, np.concatenate([lower, upper]).astype(np.int64)
+
+
+def sphere(radius: float, subdivisions: int = 4) -> tuple[np.ndarray, np.ndarray]:
+    """Give a fine icosphere."""
+    mesh = trimesh.creation.icosphere(subdivisions=subdivisions, radius=radius)
+    return np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64)
+
+
+def turn(seed: int) -> np.ndarray:
+    """Give a random rotation."""
+    rotation, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
+    return rotation * np.sign(np.linalg.det(rotation))
+
+
+def test_concentric_spheres_lie_their_difference_apart() -> None:
+    """Fails if a distance were squared, in metres, halved or measured to vertices: 5 mm between radii is 5 mm."""
+    found = measure_distance(*sphere(0.100), *sphere(0.105), samples=5000)
+    for name in ("surface_rms_mm.s2t", "surface_rms_mm.t2s", "surface_p95_mm.s2t", "hausdorff_mm"):
+        assert found[name] == pytest.approx(5.0, rel=0.01), name
+
+
+def test_moved_plane_is_exactly_as_far_as_it_moved() -> None:
+    """Fails if distances lost precision: a plane moved along its normal lies at one exact distance, both ways."""
+    vertices, faces = grid()
+    found = measure_distance(vertices + [0.0, 0.0, 0.002], faces, vertices, faces, samples=1000)
+    assert found["surface_rms_mm.s2t"] == pytest.approx(2.0, abs=1e-9)
+    assert found["surface_rms_mm.t2s"] == pytest.approx(2.0, abs=1e-9)
+
+
+def test_a_missing_half_shows_only_from_the_truth() -> None:
+    """Fails if s2t and t2s were swapped or averaged: ours is half of the truth; the RMS is sqrt(1/24)."""
+    found = measure_distance(*grid(width=0.5), *grid(), samples=20000)
+    assert found["surface_rms_mm.s2t"] == pytest.approx(0.0, abs=1e-9)
+    assert found["surface_rms_mm.t2s"] == pytest.approx(1e3 * np.sqrt(1.0 / 24.0), rel=0.005)
+    assert found["hausdorff_mm"] == pytest.approx(500.0, rel=0.01)
+
+
+def test_samples_are_uniform_by_area_and_seeded() -> None:
+    """Fails if small triangles got as many samples as large ones, or the seed did not fix them."""
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [3, 0, 0], [6, 0, 0], [3, 3, 0]], dtype=float)
+    faces = np.array([[0, 1, 2], [3, 4, 5]])
+    points, face = sample_surface(vertices, faces, 20000, np.random.default_rng(3))
+    again, _ = sample_surface(vertices, faces, 20000, np.random.default_rng(3))
+    assert np.array_equal(points, again)
+    assert np.mean(face == 1) == pytest.approx(0.9, abs=0.001)
+    assert points[face == 1].mean(axis=0) == pytest.approx(vertices[3:].mean(axis=0), abs=0.02)
+
+
+def test_chamfer_sums_both_directions_of_squares() -> None:
+    """Fails if Chamfer were a mean of the two directions or not squared: a small shift d gives 2 d^2."""
+    vertices, faces = grid()
+    normals = vertex_normals(vertices, faces)
+    chamfer, cosine = chamfer_and_normals(vertices + [0.0, 0.0, 0.01], normals, vertices, normals)
+    assert chamfer == pytest.approx(2e-4, rel=1e-9)
+    assert cosine == pytest.approx(0.0, abs=1e-12)
+
+
+def test_normals_are_voted_on_and_keep_their_angle() -> None:
+    """Fails if an inside-out mesh were punished, or if |cos| hid a tilt: a tilt by a gives 2 (1 - cos a)."""
+    vertices, faces = grid()
+    normals = vertex_normals(vertices, faces)
+    tilted = np.tile([0.0, np.sin(0.3), np.cos(0.3)], (len(vertices), 1))
+    assert chamfer_and_normals(vertices, -normals, vertices, normals)[1] == pytest.approx(0.0, abs=1e-12)
+    assert chamfer_and_normals(vertices, tilted, vertices, normals)[1] == pytest.approx(2 - 2 * np.cos(0.3), rel=1e-9)
+    half = normals.copy()
+    half[: len(half) // 4] *= -1.0
+    assert chamfer_and_normals(vertices, half, vertices, normals)[1] == pytest.approx(1.0, rel=1e-9)
+
+
+def test_the_floor_is_that_of_a_hexagonal_lattice() -> None:
+    """Fails if the floor were counted once, or spread unevenly: on a plane it is 2 (5 / 36) h^2."""
+    count = 800
+    floor, cosine = meshing_floor(*grid(), count, np.random.default_rng(0))
+    lattice = 2.0 * 5.0 / 36.0 * 2.0 / (np.sqrt(3.0) * count)
+    assert 0.95 * lattice < floor < 1.15 * lattice
+    assert cosine == pytest.approx(0.0, abs=1e-9)
+
+
+def test_concentric_loops_lie_their_difference_apart() -> None:
+    """Fails if contours were compared vertex by vertex: loops with other vertex counts, 4 mm apart."""
+    small, large = (
+        np.linspace(0, 2 * np.pi, 150, endpoint=False),
+        np.linspace(0.01, 2 * np.pi + 0.01, 471, endpoint=False),
+    )
+    first = 0.100 * np.stack([np.cos(small), np.sin(small), 0 * small], axis=1)
+    second = 0.104 * np.stack([np.cos(large), np.sin(large), 0 * large], axis=1)
+    assert loop_rms(first, second) == pytest.approx(0.004, rel=0.01)
+
+
+def test_untrusted_and_missing_contours_are_left_out() -> None:
+    """Fails if a cut-off hem counted as an error, or a name without counterpart raised."""
+    loop = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], dtype=float)
+    ours = [Contour("hem", np.arange(3), 1.0), Contour("neck", np.arange(3), 1.0)]
+    truth = [Contour("hem", np.arange(3), 1.0, trusted=False), Contour("neck", np.arange(3), 1.0)]
+    truth.append(Contour("waist", np.arange(3), 1.0))
+    assert contour_rms(loop, ours, loop, truth) == {"neck": pytest.approx(0.0, abs=1e-12)}
+
+
+def test_boundary_loops_and_names_carried_over(tube, tube_pattern) -> None:
+    """Fails if a rim were cut in two, or a name went to the other rim of a finer mesh."""
+    coarse, fine = tube(tube_pattern(), 0.04), tube(tube_pattern(), 0.015)
+    loops = boundary_loops(fine.faces)
+    assert sorted(len(loop) for loop in loops) == sorted(len(contour.vertices) for contour in fine.contours)
+    carried = carry_contours(coarse.contours, coarse.nodes, fine.nodes, fine.faces)
+    heights = {contour.name: set(np.round(fine.nodes[contour.vertices, 1], 9)) for contour in carried}
+    assert heights == {"hem": {0.8}, "waist": {1.1}}
+
+
+def test_stretch_is_the_singular_values_of_the_map() -> None:
+    """Fails if pattern and space were swapped or a rotation counted: 1.3 along x, 0.8 along y, turned in space."""
+    vertices, faces = grid(6)
+    rest = vertices[faces][:, :, :2]
+    nodes = (vertices * [1.3, 0.8, 1.0]) @ turn(4).T + [3.0, 1.0, 2.0]
+    found = stretches(nodes, faces, rest)
+    assert found[:, 0] == pytest.approx(1.3)
+    assert found[:, 1] == pytest.approx(0.8)
+    shear = stretches(vertices @ np.array([[1, 0, 0], [0.5, 1, 0], [0, 0, 1.0]]), faces, rest)
+    expected = np.linalg.svd(np.array([[1.0, 0.5], [0.0, 1.0]]), compute_uv=False)
+    assert shear == pytest.approx(np.tile(expected, (len(faces), 1)))
+
+
+def test_angles_of_known_triangles() -> None:
+    """Fails if an angle were given in degrees, or of the wrong corner."""
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [0, np.sqrt(3.0), 0]])
+    assert np.degrees(face_angles(vertices, np.array([[0, 1, 2]]))[0]) == pytest.approx([90.0, 60.0, 30.0])
+
+
+def test_flipped_faces_are_counted_but_not_a_mesh_turned_inside_out() -> None:
+    """Fails if the vote were taken face by face, or not at all."""
+    vertices, faces = sphere(0.1, 2)
+    wrong = faces.copy()
+    wrong[[3, 50, 70]] = wrong[[3, 50, 70]][:, ::-1]
+    assert count_flipped(vertices, wrong, vertices, faces) == 3
+    assert count_flipped(vertices, wrong[:, ::-1], vertices, faces) == 3
+
+
+def test_penetration_sees_vertices_and_face_centres() -> None:
+    """Fails if only vertices were tested, or depth were measured outside: depths 4 mm and centre of a wide face."""
+    body = sphere(0.1, 5)
+    outside, faces = sphere(0.12, 2)
+    assert penetration_depth(outside, faces, *body) == 0.0
+    inside = outside.copy()
+    inside[7] *= 0.096 / 0.12
+    assert penetration_depth(inside, faces, *body) == pytest.approx(0.004, rel=0.02)
+    angle = np.array([0.0, 2.0, 4.0]) * np.pi / 3.0
+    wide = np.stack([0.5 * np.cos(angle), 0.5 * np.sin(angle), np.full(3, 0.08)], axis=1)
+    assert penetration_depth(wide, np.array([[0, 1, 2]]), *body) == pytest.approx(0.02, rel=0.02)
+
+
+@pytest.fixture(scope="module")
+def swollen(tube, tube_pattern, bare_body):
+    """Give the arguments of `measure_fit` for a tube whose detail mesh is 3 mm too wide."""
+    garment = tube(tube_pattern(), 0.03)
+    truth = tube(tube_pattern(), 0.025)
+    post = trimesh.creation.cylinder(radius=0.14, height=1.2, sections=64)
+    body = bare_body(post.vertices[:, [1, 2, 0]] + [0.0, 0.95, 0.0], np.array(post.faces, dtype=np.int64))
+    detail = garment.nodes * [1.02, 1.0, 1.02]
+    graded = garment.nodes * [0.9, 1.0, 0.9]
+    return garment, graded, detail, garment.nodes, truth.nodes, truth.faces, truth.contours, body
+
+
+def test_measure_fit_names_every_metric(swollen) -> None:
+    """Fails if a metric of the specification were renamed, or the simulation and graded meshes were left out."""
+    found = measure_fit(*swollen, samples=4000)
+    both = {
+        "chamfer_vertex_m2e3", "surface_rms_mm.s2t", "surface_rms_mm.t2s", "surface_p95_mm.s2t", "surface_p95_mm.t2s",
+        "hausdorff_mm", "normal_cosine", "contour_rms_mm.hem", "contour_rms_mm.waist", "stretch_p001", "stretch_p999",
+        "flipped_faces", "self_intersecting_faces", "min_angle_deg", "body_penetration_mm",
+    }  # fmt: skip
+    expected = both | {f"sim.{name}" for name in both} | {"chamfer_vertex_floor_m2e3", "normal_cosine_floor"}
+    assert expected <= set(found)
+    assert {"graded.surface_rms_mm.s2t", "graded.self_intersecting_faces", "graded.body_penetration_mm"} <= set(found)
+    assert found["surface_rms_mm.s2t"] == pytest.approx(3.0, rel=0.08)
+    assert found["contour_rms_mm.hem"] == pytest.approx(3.0, rel=0.08)
+    assert found["sim.surface_rms_mm.s2t"] < 0.4
+    assert found["graded.surface_rms_mm.s2t"] == pytest.approx(15.0, rel=0.05)
+    assert found["graded.body_penetration_mm"] == pytest.approx(5.0, rel=0.15)
+    assert found["stretch_p999"] == pytest.approx(1.02, abs=0.005)
+    assert found["flipped_faces"] == found["self_intersecting_faces"] == 0.0
+
+
+def test_no_body_and_no_simulation_leave_gaps_not_zeros(swollen) -> None:
+    """Fails if a metric without its input were reported as a good value."""
+    garment, graded, detail, _, vertices, faces, contours, _ = swollen
+    found = measure_fit(garment, graded, detail, None, vertices, faces, contours, None, samples=500)
+    assert found["body_penetration_mm"] is None
+    assert not any(name.startswith("sim.") for name in found)
+
+
+def test_rigid_motion_and_mirror_change_no_metric(swollen) -> None:
+    """Fails if a metric favoured an axis or a hand: everything turned, moved, then mirrored measures the same."""
+    garment, graded, detail, _, vertices, faces, contours, body = swollen
+    before = measure_fit(garment, graded, detail, None, vertices, faces, contours, body, samples=20000)
+
+    def move(points: np.ndarray) -> np.ndarray:
+        return points @ turn(9).T + [1.0, -2.0, 0.5]
+
+    moved_body = replace(body, vertices=move(body.vertices))
+    moved = measure_fit(
+        garment, move(graded), move(detail), None, move(vertices), faces, contours, moved_body, samples=20000
+    )
+    mirror = np.array([-1.0, 1.0, 1.0])
+    other = replace(garment, faces=garment.faces[:, ::-1], uv_faces=garment.uv_faces[:, ::-1])
+    reflected_body = replace(body, vertices=body.vertices * mirror, faces=body.faces[:, ::-1])
+    reflected = measure_fit(
+        other, graded * mirror, detail * mirror, None, vertices * mirror, faces[:, ::-1], contours, reflected_body,
+        samples=20000,
+    )  # fmt: skip
+    assert moved.keys() == reflected.keys() == before.keys()
+    for name, value in before.items():
+        slack = 0.12 if "floor" in name or "hausdorff" in name else 0.01
+        assert moved[name] == pytest.approx(value, rel=slack, abs=1e-6), name
+        assert reflected[name] == pytest.approx(value, rel=slack, abs=1e-6), name
