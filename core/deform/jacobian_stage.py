@@ -78,7 +78,7 @@ def optimise_jacobians(
     """
     system = PoissonSystem(gradient, areas)
     jacobians = torch.from_numpy(np.asarray(gradient @ nodes)).requires_grad_(True)
-    # positions() returns zero mean up to the pin's 1e-8: what is missing there goes into the offset
+    # positions() returns zero mean up to the pin's share: what is missing there goes into the offset
     offset = torch.from_numpy(nodes - system.positions(np.asarray(gradient @ nodes)))
     shift = torch.zeros(1, 3, dtype=torch.float64, requires_grad=True)
     moves = (FaceAdam(jacobians, 2, settings.learning_rate), FaceAdam(shift, 1, settings.translation_rate))

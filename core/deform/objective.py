@@ -20,18 +20,28 @@ from .target_repair import PreparedTarget
 BODY_REACH = 0.02
 """Distance to the body within which a node takes part in the body term [m]: more than it moves between two updates."""
 
-BODY_EVERY = 10
-"""Iterations between two exact distances to the body; in between it is a plane at each node's closest point."""
+BODY_EVERY = 5
+"""Searches for matches (ten iterations) between two exact distances to the body; in between it is a plane at each
+node's closest point, which moves by less than the curvature of a body allows."""
 
 
-@dataclass
+@dataclass(frozen=True)
 class Matches:
-    """Hold the correspondences of one iteration; everything in it is constant for the derivative."""
+    """Hold the correspondences of one iteration; everything in it is constant for the derivative.
+
+    Attributes:
+        to_target: Closest point on the target of each node.
+        to_source: Closest point on the garment of each target vertex.
+        source_share: Weight of each node, 0 where it covers a hole.
+        contours: Rows of the matched contours.
+        body: Nodes near the body, directions out of it, and heights [m] of its tangent planes along them.
+    """
 
     to_target: SurfacePoints
     to_source: SurfacePoints
     source_share: np.ndarray
     contours: CurveRows | None
+    body: tuple[np.ndarray, np.ndarray, np.ndarray] | None
 
 
 class Objective:
@@ -61,20 +71,21 @@ class Objective:
         self._goal_normals = torch.from_numpy(np.ascontiguousarray(target.normals))
         self._goal_share = torch.from_numpy(target.shares)
         self._curves = ContourMatch(target.pairs, nodes, target.surface.vertices)
-        self._near: tuple[torch.Tensor, torch.Tensor, torch.Tensor] | None = None
-        self._body_age = 0
+        self._near: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+        self._searches = 0
 
     def match(self, nodes: np.ndarray) -> Matches:
         """Find the correspondences of the current nodes [m], shape [node_count, 3]."""
         target = self._target
+        self._watch_body(nodes)
         if self._settings.distance == "vertices":
             to_target = _nearest_vertices(nodes, target.surface.vertices, target.surface.faces)
             to_source = _nearest_vertices(target.surface.vertices, nodes, self._array_faces)
-            return Matches(to_target, to_source, self._share, self._curves.rows(nodes))
+            return Matches(to_target, to_source, self._share, self._curves.rows(nodes), self._near)
         to_target = target.surface.closest(nodes)
         to_source = Surface(nodes, self._array_faces).closest(target.surface.vertices)
         share = np.where(target.on_rim(to_target), 0.0, self._share)
-        return Matches(to_target, to_source, share, self._curves.rows(nodes))
+        return Matches(to_target, to_source, share, self._curves.rows(nodes), self._near)
 
     def terms(self, x: torch.Tensor, matches: Matches, stretch: RestMetric, strain: bool) -> dict[str, torch.Tensor]:
         """Evaluate every weighted term at the nodes x [m], shape [node_count, 3]."""
@@ -89,10 +100,8 @@ class Objective:
             terms["bending"] = settings.bending * self._bending(x, normal)
         if strain and settings.strain > 0:
             terms["strain"] = settings.strain * self._strain(first, second, stretch)
-        if settings.body > 0:
-            self._watch_body(x)
-            if self._near is not None:
-                terms["body"] = settings.body * self._collision(x)
+        if settings.body > 0 and matches.body is not None:
+            terms["body"] = settings.body * self._collision(x, matches.body)
         return terms
 
     def _data(self, x: torch.Tensor, normal: torch.Tensor, matches: Matches) -> dict[str, torch.Tensor]:
@@ -147,21 +156,17 @@ class Objective:
         density = 0.5 * settings.lame_lambda * trace**2 + settings.lame_mu * (green**2).sum((1, 2))
         return (density * self._areas).sum()
 
-    def _watch_body(self, x: torch.Tensor) -> None:
-        """Renew the planes of the body at the nodes near it, every `BODY_EVERY` calls."""
-        if self._body_age == 0:
-            distance, out, foot = self._body(x.detach().numpy())
+    def _watch_body(self, nodes: np.ndarray) -> None:
+        """Renew the planes of the body at the nodes near it, every `BODY_EVERY` searches."""
+        if self._searches % BODY_EVERY == 0 and self._settings.body > 0:
+            distance, out, foot = self._body(nodes)
             near = np.flatnonzero(distance < BODY_REACH)
-            self._near = None
-            if len(near):
-                height = (out[near] * foot[near]).sum(1)
-                self._near = (torch.from_numpy(near), torch.from_numpy(out[near]), torch.from_numpy(height))
-        self._body_age = (self._body_age + 1) % BODY_EVERY
+            self._near = (near, out[near], (out[near] * foot[near]).sum(1)) if len(near) else None
+        self._searches += 1
 
-    def _collision(self, x: torch.Tensor) -> torch.Tensor:
+    def _collision(self, x: torch.Tensor, planes: tuple[np.ndarray, np.ndarray, np.ndarray]) -> torch.Tensor:
         """Cubes of what is missing to the margin (eq. 4.6), mean over the area, or sum over nodes."""
-        assert self._near is not None
-        near, out, height = self._near
+        near, out, height = (torch.from_numpy(part) for part in planes)
         missing = torch.relu(self._settings.body_margin + height - (x[near] * out).sum(1)) ** 3
         if self._settings.reduction == "sum":
             return missing.sum()

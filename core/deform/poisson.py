@@ -9,7 +9,7 @@ import scipy.sparse as sp
 import torch
 from scipy.sparse.linalg import splu
 
-PIN = 1e-8
+PIN = 1e-10
 """Share of the mean diagonal added to it: the solve leaves translation free, which makes the Laplacian singular."""
 
 

@@ -1,0 +1,115 @@
+"""Closest points, signed distances and the repair of a target."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import igl
+import numpy as np
+import pytest
+import trimesh
+from garmentq.core.deform.body_distance import BodyDistance, body_depth
+from garmentq.core.deform.contour_match import sample_curve
+from garmentq.core.deform.surface import Surface, closest_on_curve
+from garmentq.core.deform.target_repair import flatten_spikes, match_contours, prepare_target
+from garmentq.core.measure import self_intersections
+
+
+def test_closest_points_are_those_of_libigl_in_float64(scene):
+    """Breaks if barycentric coordinates and the foot point disagree."""
+    _, target, _ = scene
+    points = np.random.default_rng(0).normal(size=(200, 3)) * 0.1 + [0.1, 0.95, 0.1]
+    surface = Surface(target.vertices, target.faces)
+    foot = surface.closest(points).of(surface.vertices, surface.faces)
+    squared, _, _ = igl.point_mesh_squared_distance(points, target.vertices, target.faces)
+    assert np.allclose(np.linalg.norm(foot - points, axis=1), np.sqrt(squared), atol=1e-12)
+
+
+def test_curve_samples_are_even_and_closest_points_exact():
+    """Breaks if the last edge of a closed curve is lost, or the parameter runs backwards."""
+    square = np.array([[0, 0, 0], [0.3, 0, 0], [0.3, 0.1, 0], [0, 0.1, 0]], dtype=float)
+    _, _, samples = sample_curve(square)
+    gap = np.linalg.norm(np.roll(samples, -1, axis=0) - samples, axis=1)
+    assert np.median(gap) == pytest.approx(0.8 / len(samples)) and gap.max() < 1.001 * 0.8 / len(samples)
+    segment, along = closest_on_curve(np.array([[-0.05, 0.025, 0.2]]), square, np.roll(square, -1, axis=0))
+    assert segment[0] == 3 and along[0] == pytest.approx(0.75)
+
+
+def test_body_distance_has_the_sign_of_the_inside_even_where_parts_overlap():
+    """Breaks if a point inside two overlapping parts is called outside, or an inside-out mesh is not turned."""
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=0.1)
+    vertices = np.concatenate([ball.vertices, ball.vertices + [0.12, 0, 0]])
+    faces = np.concatenate([ball.faces, ball.faces + len(ball.vertices)])
+    points = np.array([[0.06, 0, 0], [0.025, 0, 0], [0.06, 0.09, 0], [-0.12, 0, 0], [0, 0.101, 0]])
+    for turned in (faces, faces[:, ::-1]):
+        distance, out, foot = BodyDistance(vertices, turned)(points)
+        assert (distance < 0).tolist() == [True, True, False, False, False]
+        assert np.allclose(np.linalg.norm(out, axis=1), 1.0)
+        assert np.allclose(points - foot, out * distance[:, None], atol=1e-9)
+    assert body_depth(points[:3], np.array([[0, 1, 2]]), BodyDistance(ball.vertices, ball.faces)) > 0.07
+
+
+def test_spikes_are_flattened_and_sound_vertices_stay(scene):
+    """Breaks if outliers of 5 cm survive, or the median moves a border or a fold."""
+    _, target, _ = scene
+    generator = np.random.default_rng(0)
+    hit = generator.choice(len(target.vertices), 20, replace=False)
+    noisy = target.vertices.copy()
+    noisy[hit] += 0.05 * np.array([[1, 0, 0]]) * np.sign(target.vertices[hit, :1])
+    repaired, moved = flatten_spikes(noisy, target.faces)
+    assert set(hit) <= set(np.flatnonzero(moved)) and moved.sum() <= 24
+    off = np.linalg.norm(repaired - target.vertices, axis=1)[hit]
+    assert np.median(off) < 0.01 and off.max() < 0.04
+    assert not flatten_spikes(target.vertices, target.faces)[1].any()
+
+
+def test_vote_turns_reversed_normals_and_gives_up_on_random_signs(scene):
+    """Breaks if an inside-out scan turns the garment over, or random signs are believed."""
+    garment, target, _ = scene
+    arguments = (garment.nodes, garment.faces, garment.contours, True)
+    plain = prepare_target(target, *arguments)
+    assert not plain.reversed and not plain.unsigned
+    turned = prepare_target(replace(target, normals=-target.normals), *arguments)
+    assert turned.reversed and np.allclose(turned.normals, plain.normals)
+    sign = np.where(np.random.default_rng(0).random(len(target.normals)) < 0.4, -1.0, 1.0)
+    assert prepare_target(replace(target, normals=target.normals * sign[:, None]), *arguments).unsigned
+
+
+def test_contours_match_by_name_and_only_if_trusted(scene):
+    """Breaks if a cut-off hem is matched, or contours are matched by order."""
+    garment, target, _ = scene
+    hem, waist = target.contours
+    assert [(a.name, b.name) for a, b in match_contours(garment.contours, (waist, hem))] == [
+        ("hem", "hem"),
+        ("waist", "waist"),
+    ]
+    cut = replace(hem, trusted=False)
+    assert [a.name for a, _ in match_contours(garment.contours, (cut, waist))] == ["waist"]
+
+
+def test_self_intersections_agree_with_libigl_on_random_triangles():
+    """Breaks if a crossing is missed or invented; 1770 pairs of random triangles."""
+    generator = np.random.default_rng(0)
+    vertices = generator.normal(size=(180, 3))
+    faces = np.arange(180).reshape(60, 3)
+    crossing = set()
+    for i in range(60):
+        for j in range(i):
+            corners = [vertices[k][None] for k in (*faces[i], *faces[j])]
+            if igl.tri_tri_overlap_test_3d(*corners):
+                crossing |= {i, j}
+    assert 0 < len(crossing) and set(self_intersections(vertices, faces).tolist()) == crossing
+
+
+def test_a_folded_sheet_does_not_intersect_itself_until_it_passes_through():
+    """Breaks if neighbours that share a vertex are counted, or a real crossing is not."""
+    x, y = np.meshgrid(np.linspace(0, 1, 25), np.linspace(0, 1, 5), indexing="ij")
+    sheet = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], axis=1)
+    index = np.arange(125).reshape(25, 5)
+    a, b, c, d = (q.ravel() for q in (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]))
+    faces = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+    assert len(self_intersections(sheet, faces)) == 0
+    rolled = np.stack([np.cos(7.5 * sheet[:, 0]), sheet[:, 1], np.sin(7.5 * sheet[:, 0])], axis=1)
+    assert len(self_intersections(rolled * (1 + 0.1 * sheet[:, :1]), faces)) == 0
+    rolled[:, 0] += np.where(sheet[:, 0] > 0.9, -0.3, 0.0)
+    assert len(self_intersections(rolled, faces)) > 0
