@@ -1,4 +1,4 @@
-"""Read and write the pattern JSON of GarmentCode and of NeuralTailor's generator.
+"""Read the pattern JSON of GarmentCode and of NeuralTailor's generator.
 
 Lengths are in the file's own unit (`properties.units_in_meter` of them make a metre). Curves are a list [x, y] (one
 quadratic handle, older files) or {type: quadratic | cubic | circle, params}. Placement is a translation and Euler
@@ -10,7 +10,6 @@ agree.
 from __future__ import annotations
 
 import json
-import warnings
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from .curves import edge_length, panel_area, reverse_edge, unit_circle
+from .curves import edge_length, panel_area, reverse_edge
 from .errors import (
     PanelDegenerate,
     PanelOpen,
@@ -30,10 +29,13 @@ from .errors import (
     SeamTwice,
     SeamUnknown,
 )
+from .garmentcode_writer import OWN, save_pattern, write_pattern
 from .json_values import get_index, get_list, get_number, get_object, get_text, get_vector
 from .orientation import agree_orientation, mirror_panel
 from .pattern import Edge, EdgeRef, Panel, Pattern, Seam
 from .validity import check_outline
+
+__all__ = ["load_pattern", "read_pattern", "save_pattern", "write_pattern"]
 
 MAX_BYTES = 10_000_000
 """The largest file read; published patterns have 5 to 300 kB."""
@@ -47,8 +49,6 @@ GATHER_TOLERANCE = 0.03
 """A seam whose length ratio lies outside 1 +- this is gathered (numerics 5)."""
 RADIUS_SLACK = 1e-3
 """A radius shorter than half the chord by at most this fraction is rounding, and is taken as a half circle."""
-OWN = "garmentq"
-"""The key under `properties` that keeps what the format has no place for."""
 
 
 def load_pattern(path: str | Path) -> Pattern:
@@ -113,52 +113,6 @@ def read_pattern(source: dict[str, Any] | str | bytes, name: str = "pattern") ->
     category = own.get("category", "")
     pattern = Pattern(name, tuple(panels), seams, category if isinstance(category, str) else "", extra)
     return _mark_gathers(agree_orientation(_restore_own(pattern, own)), own)
-
-
-def write_pattern(pattern: Pattern) -> dict[str, Any]:
-    """Give a pattern as a GarmentCode object, ready for `json.dump`; what was unknown on import is kept."""
-    extra = pattern.extra
-    per_metre = float(extra.get("units_in_meter", 100))
-    rests = extra.get("panels", {})
-    panels = {}
-    for panel in pattern.panels:
-        panels[panel.name] = _write_panel(panel, per_metre, rests.get(panel.name, {}))
-    stitches = [
-        [{"panel": ref.panel, "edge": ref.edge} for ref in (seam.a, seam.b)]
-        + ([] if seam.reversed else ["right_wrong"])
-        for seam in pattern.seams
-    ]
-    own = {
-        "category": pattern.category,
-        "gathered": [index for index, seam in enumerate(pattern.seams) if seam.gathered],
-        "panels": {
-            panel.name: {
-                "grainline": panel.grainline,
-                "notches": [list(notch) for notch in panel.notches],
-                "contours": [edge.contour for edge in panel.edges],
-            }
-            for panel in pattern.panels
-        },
-    }
-    properties = {
-        "curvature_coords": "relative",
-        "normalize_panel_translation": False,
-        "normalized_edge_loops": True,
-        **extra.get("properties", {}),
-        "units_in_meter": extra.get("units_in_meter", 100),
-        OWN: own,
-    }
-    properties["curvature_coords"] = "relative"
-    body = {"panels": panels, "stitches": stitches, **extra.get("pattern", {})}
-    body.setdefault("panel_order", [panel.name for panel in pattern.panels])
-    return {"pattern": body, "parameters": {}, "parameter_order": [], **extra.get("top", {}), "properties": properties}
-
-
-def save_pattern(pattern: Pattern, path: str | Path) -> Path:
-    """Write a pattern file and give its path."""
-    path = Path(path)
-    path.write_text(json.dumps(write_pattern(pattern), indent=1), encoding="utf-8")
-    return path
 
 
 def _parse(source: str | bytes) -> Any:
@@ -366,39 +320,3 @@ def _mark_gathers(pattern: Pattern, own: dict[str, Any]) -> Pattern:
         wide = abs(a / b - 1.0) > GATHER_TOLERANCE
         seams.append(replace(seam, gathered=index in said if isinstance(said, list) else wide))
     return replace(pattern, seams=tuple(seams))
-
-
-def _write_panel(panel: Panel, per_metre: float, rest: dict[str, Any]) -> dict[str, Any]:
-    drawn = mirror_panel(panel) if panel.mirrored else panel
-    count = len(drawn.points)
-    edges = []
-    for index, edge in enumerate(drawn.edges):
-        out: dict[str, Any] = {"endpoints": [index, (index + 1) % count]}
-        if edge.kind in ("quadratic", "cubic"):
-            out["curvature"] = {"type": edge.kind, "params": edge.handles.tolist()}
-        elif edge.kind == "arc" and abs(edge.handles[0, 1]) > 1e-9:
-            _, radius, _, _ = unit_circle(edge)
-            length = float(np.linalg.norm(drawn.points[(index + 1) % count] - drawn.points[index]))
-            height = edge.handles[0, 1]
-            out["curvature"] = {
-                "type": "circle",
-                "params": [radius * length * per_metre, int(abs(height) > 0.5), int(height < 0)],
-            }
-        if edge.label:
-            out["label"] = edge.label
-        edges.append({**out, **rest.get("edges", {}).get(str(index), {})})
-    return {
-        "translation": (drawn.translation * per_metre).tolist(),
-        "rotation": _euler_degrees(drawn.rotation),
-        "vertices": (drawn.points * per_metre).tolist(),
-        "edges": edges,
-        **({"label": panel.label} if panel.label else {}),
-        **rest.get("panel", {}),
-    }
-
-
-def _euler_degrees(rotation: np.ndarray) -> list[float]:
-    with warnings.catch_warnings():
-        # At 90 degrees about y two angles act alike; scipy warns and takes a valid pair.
-        warnings.simplefilter("ignore")
-        return Rotation.from_matrix(rotation).as_euler("xyz", degrees=True).tolist()

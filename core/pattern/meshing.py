@@ -19,7 +19,7 @@ class MeshSettings:
     """Choose how panels are meshed.
 
     Attributes:
-        vertex_count: Nodes of the sewn mesh that the edge length is chosen for; met within about 3 %.
+        vertex_count: Nodes of the sewn mesh that the edge length is chosen for; met within about 4 %.
         edge_length: Edge length [m]; overrides vertex_count.
         sweeps: Force sweeps; angles stop improving after about 20.
         clearance: Lattice points nearer to the outline than this many edge lengths are left out: 0.6 lies between the
@@ -76,12 +76,12 @@ def choose_edge_length(pattern: Pattern, vertex_count: int) -> float:
 def count_segments(pattern: Pattern, size: float) -> dict[EdgeRef, int]:
     """Give the number of segments of every edge; both sides of a seam get that of their mean length.
 
-    A seam gets two at least, so that no two seams can share both ends with one edge.
+    It is two at least: the vertex between makes sure that no two edges, sewn or open, run between the same two nodes.
     """
     counts = {}
     for panel in pattern.panels:
         for i in range(len(panel.edges)):
-            counts[EdgeRef(panel.name, i)] = max(1, round(edge_length(panel, i) / size))
+            counts[EdgeRef(panel.name, i)] = max(2, round(edge_length(panel, i) / size))
     for seam in pattern.seams:
         mean = sum(edge_length(pattern.panel(ref.panel), ref.edge) for ref in (seam.a, seam.b)) / 2.0
         counts[seam.a] = counts[seam.b] = max(2, round(mean / size))

@@ -14,8 +14,9 @@ from .pattern import EdgeRef, Panel, Pattern, Seam
 TURN = np.diag([-1.0, 1.0, -1.0])
 """Half a turn about y: a panel mirrored in x stands at the same 3D place when its rotation is multiplied by this."""
 
-CLEAR = 0.5
-"""A placement says that two edges run the same way only where their ends are then at most half as far apart."""
+CLEAR = 0.7
+"""A placement says that two edges run the same way only where the cosine between their chords is above this (45
+degrees): a side seam's two edges are parallel as placed, a cap and its armhole nearly so."""
 
 
 def mirror_panel(panel: Panel) -> Panel:
@@ -97,9 +98,11 @@ def _runs_along(pattern: Pattern, seam: Seam) -> bool:
     first, second = pattern.panel(seam.a.panel), pattern.panel(seam.b.panel)
     a = place_points(first, np.stack(chord(first, seam.a.edge)))
     b = place_points(second, np.stack(chord(second, seam.b.edge)))
+    one, two = a[1] - a[0], b[1] - b[0]
+    parallel = float(one @ two) / max(float(np.linalg.norm(one) * np.linalg.norm(two)), 1e-12)
     along = np.linalg.norm(a - b, axis=1).sum()
     against = np.linalg.norm(a - b[::-1], axis=1).sum()
-    return bool(along < CLEAR * against)
+    return bool(parallel > CLEAR and along < against)
 
 
 def _links(pattern: Pattern) -> dict[str, list[tuple[str, int]]]:

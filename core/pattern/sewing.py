@@ -24,7 +24,7 @@ def mesh_pattern(pattern: Pattern, vertex_count: int = 4000, edge_length: float 
 
     Args:
         pattern: What to mesh.
-        vertex_count: Nodes of the sewn mesh, met within about 3 %.
+        vertex_count: Nodes of the sewn mesh, met within about 4 %.
         edge_length: Edge length [m]; overrides vertex_count.
 
     Raises:
@@ -45,9 +45,9 @@ def mesh_pattern(pattern: Pattern, vertex_count: int = 4000, edge_length: float 
             lost |= {EdgeRef(panel.name, i) for i in missing}
         if not lost:
             return sew_panels(pattern, meshes)
+        for name in sorted({ref.panel for ref in lost}):
+            check_outline(pattern.panel(name))
         counts = refine_counts(pattern, counts, lost)
-    for panel in pattern.panels:
-        check_outline(panel)
     names = ", ".join(sorted({ref.panel for ref in lost}))
     raise MeshTooCoarse(f"the panels {names} are too narrow for edges of {1e3 * size:.0f} mm; raise vertex_count.")
 

@@ -1,0 +1,100 @@
+"""Write the pattern JSON of GarmentCode; the format is described in `garmentcode`."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from .curves import is_flat_arc, unit_circle
+from .orientation import mirror_panel
+from .pattern import Panel, Pattern
+
+OWN = "garmentq"
+"""The key under `properties` that keeps what the format has no place for."""
+
+
+def write_pattern(pattern: Pattern) -> dict[str, Any]:
+    """Give a pattern as a GarmentCode object, ready for `json.dump`; what was unknown on import is kept."""
+    extra = pattern.extra
+    per_metre = float(extra.get("units_in_meter", 100))
+    rests = extra.get("panels", {})
+    panels = {}
+    for panel in pattern.panels:
+        panels[panel.name] = _write_panel(panel, per_metre, rests.get(panel.name, {}))
+    stitches = [
+        [{"panel": ref.panel, "edge": ref.edge} for ref in (seam.a, seam.b)]
+        + ([] if seam.reversed else ["right_wrong"])
+        for seam in pattern.seams
+    ]
+    own = {
+        "category": pattern.category,
+        "gathered": [index for index, seam in enumerate(pattern.seams) if seam.gathered],
+        "panels": {
+            panel.name: {
+                "grainline": panel.grainline,
+                "notches": [list(notch) for notch in panel.notches],
+                "contours": [edge.contour for edge in panel.edges],
+            }
+            for panel in pattern.panels
+        },
+    }
+    properties = {
+        "curvature_coords": "relative",
+        "normalize_panel_translation": False,
+        "normalized_edge_loops": True,
+        **extra.get("properties", {}),
+        "units_in_meter": extra.get("units_in_meter", 100),
+        OWN: own,
+    }
+    properties["curvature_coords"] = "relative"
+    body = {"panels": panels, "stitches": stitches, **extra.get("pattern", {})}
+    body.setdefault("panel_order", [panel.name for panel in pattern.panels])
+    return {"pattern": body, "parameters": {}, "parameter_order": [], **extra.get("top", {}), "properties": properties}
+
+
+def save_pattern(pattern: Pattern, path: str | Path) -> Path:
+    """Write a pattern file and give its path."""
+    path = Path(path)
+    path.write_text(json.dumps(write_pattern(pattern), indent=1), encoding="utf-8")
+    return path
+
+
+def _write_panel(panel: Panel, per_metre: float, rest: dict[str, Any]) -> dict[str, Any]:
+    drawn = mirror_panel(panel) if panel.mirrored else panel
+    count = len(drawn.points)
+    edges = []
+    for index, edge in enumerate(drawn.edges):
+        out: dict[str, Any] = {"endpoints": [index, (index + 1) % count]}
+        if edge.kind in ("quadratic", "cubic"):
+            out["curvature"] = {"type": edge.kind, "params": edge.handles.tolist()}
+        elif edge.kind == "arc" and not is_flat_arc(edge):
+            _, radius, _, _ = unit_circle(edge)
+            length = float(np.linalg.norm(drawn.points[(index + 1) % count] - drawn.points[index]))
+            height = edge.handles[0, 1]
+            out["curvature"] = {
+                "type": "circle",
+                "params": [radius * length * per_metre, int(abs(height) > 0.5), int(height < 0)],
+            }
+        if edge.label:
+            out["label"] = edge.label
+        edges.append({**out, **rest.get("edges", {}).get(str(index), {})})
+    return {
+        "translation": (drawn.translation * per_metre).tolist(),
+        "rotation": _euler_degrees(drawn.rotation),
+        "vertices": (drawn.points * per_metre).tolist(),
+        "edges": edges,
+        **({"label": panel.label} if panel.label else {}),
+        **rest.get("panel", {}),
+    }
+
+
+def _euler_degrees(rotation: np.ndarray) -> list[float]:
+    with warnings.catch_warnings():
+        # At 90 degrees about y two angles act alike; scipy warns and takes a valid pair.
+        warnings.simplefilter("ignore")
+        return Rotation.from_matrix(rotation).as_euler("xyz", degrees=True).tolist()
