@@ -82,8 +82,9 @@ class Stage:
     shape_count: int
 
 
-EVIDENCE = 300.0
-"""Independent observations that a whole surface counts for against the priors: neighbouring points tell the same."""
+EVIDENCE = 3000.0
+"""Observations that a whole surface counts for against the priors, so that 1 cm everywhere outweighs a few standard
+deviations of shape. 300 held mannequins with long arms back (16 mm RMS instead of 8); 5000 gained a millimetre more."""
 
 
 class Fitter:
