@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Any
 
 import click
 
@@ -26,8 +25,7 @@ def command(name: str | None, as_json: bool) -> None:
     from ..core.simulate import get_fabric, load_fabrics
     from .terminal import print_json, print_table
 
-    loaded: Any = load_fabrics()
-    fabrics = [get_fabric(name)] if name else list(loaded.values() if isinstance(loaded, dict) else loaded)
+    fabrics = (get_fabric(name),) if name else load_fabrics()
     if as_json:
         for fabric in fabrics:
             print_json({**asdict(fabric), "sources": dict(fabric.sources)})

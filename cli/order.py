@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from ..core.errors import BadInput
-from ..core.settings import RecoverySettings
+from ..core.settings import RecoverySettings, SettingsBad
 from ..service.database import Database
 from ..service.settings import ServiceSettings
 from ..service.store import Store
-from ..service.submission import BUILTIN, BodyMissing, BodyUnreadable, Order
+from ..service.submission import BUILTIN, BodyUnreadable, Order
 from ..service.templates import find_template
 
 
@@ -43,6 +43,7 @@ def make_order(settings: ServiceSettings, database: Database, scan: Path, option
         vertex_count=options["vertices"],
         seed=options["seed"],
     )
+    _check_names(chosen)
     body = _find_body(options["body"])
     _check_meshes(settings, scan, body, chosen)
     template, name = _find_template(database, Store(settings.store_path), options["template"])
@@ -58,10 +59,22 @@ def _check_meshes(settings: ServiceSettings, scan: Path, body: Path | str, chose
         raise FileUnreadable(f"'{error.filename}' cannot be read: {error.strerror}.") from error
 
 
+def _check_names(chosen: RecoverySettings) -> None:
+    from ..core.segment import CATEGORIES
+    from ..core.simulate import get_fabric
+
+    if chosen.garment is not None and chosen.garment not in CATEGORIES:
+        raise SettingsBad(f"garment '{chosen.garment}' is not one of {', '.join(CATEGORIES)}.")
+    get_fabric(chosen.fabric)
+
+
 def _find_body(text: str | None) -> Path | str:
+    from ..core.body import BodyMissing, builtin_body
+
     if text is None:
         raise BodyMissing()
     if text.startswith(BUILTIN):
+        builtin_body(text)
         return text
     path = Path(text)
     if not path.is_file():

@@ -24,12 +24,6 @@ BUILTIN = "builtin:"
 """How a body begins that is a text and no file."""
 
 
-class BodyMissing(BadInput):
-    """A garment needs a body: give its mesh with --body FILE, or a built-in one, --body builtin:female,height=1.70."""
-
-    code = "body.missing"
-
-
 class BodyUnreadable(BadInput):
     """The body file cannot be read; give a mesh file, or --body builtin:female,height=1.70."""
 
@@ -80,6 +74,8 @@ def submit(database: Database, store: Store, order: Order) -> Submitted:
         StorageFull: where the files cannot be kept.
     """
     if order.body is None:
+        from ..core.body import BodyMissing
+
         raise BodyMissing()
     scan = store.put(order.scan)
     request = _describe(order, scan, store)
@@ -128,10 +124,13 @@ def _describe(order: Order, scan: Stored, store: Store) -> dict[str, Any]:
         body = order.body
     else:
         body = _kept(Path(str(order.body)), store)
+    template = _kept(order.template, store) if order.template else None
+    if template is not None and order.settings.template:
+        template["name"] = clean_name(f"{order.settings.template}.json")  # what the user calls an imported one
     return {
         "scan": {"sha256": scan.sha256, "name": clean_name(order.scan.name)},
         "body": body,
-        "template": _kept(order.template, store) if order.template else None,
+        "template": template,
         "settings": order.settings.as_dict(),
     }
 

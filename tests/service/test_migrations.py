@@ -1,0 +1,110 @@
+"""The tables from the migrations are the tables of the models."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import garmentq.migrations as migrations
+import pytest
+from alembic.autogenerate import compare_metadata
+from alembic.config import Config
+from alembic.migration import MigrationContext
+from alembic.script import ScriptDirectory
+from garmentq.service.database import Database, DatabaseTooNew, open_database, read_revision, upgrade
+from garmentq.service.models import Base
+from garmentq_home import make_settings
+from sqlalchemy import create_engine, inspect, text
+
+
+def describe(engine):
+    """Give everything about the tables that the two ways could differ in."""
+    found = inspect(engine)
+    tables = {}
+    for name in sorted(set(found.get_table_names()) - {"alembic_version"}):
+        columns = {c["name"]: (str(c["type"]), c["nullable"]) for c in found.get_columns(name)}
+        indexes = {(i["name"], tuple(i["column_names"]), i["unique"]) for i in found.get_indexes(name)}
+        keys = {
+            (tuple(k["constrained_columns"]), k["referred_table"], str(k["options"]))
+            for k in found.get_foreign_keys(name)
+        }
+        unique = {(u["name"], tuple(u["column_names"])) for u in found.get_unique_constraints(name)}
+        tables[name] = (columns, indexes, keys, unique, found.get_pk_constraint(name))
+    return tables
+
+
+def test_models_and_migrations_agree(database, tmp_path):
+    """Broken where a model changed without a migration."""
+    engine = create_engine(f"sqlite:///{tmp_path / 'models.db'}")
+    Base.metadata.create_all(engine)
+    assert describe(engine) == describe(database.engine)
+    engine.dispose()
+    with database.read() as session:
+        assert compare_metadata(MigrationContext.configure(session.connection()), Base.metadata) == []
+
+
+def test_the_issues_tables_are_there(database):
+    """Broken where one of the promised tables is missing."""
+    promised = {
+        "scans",
+        "jobs",
+        "events",
+        "templates",
+        "patterns",
+        "panels",
+        "materials",
+        "bodies",
+        "artifacts",
+        "metrics",
+    }
+    assert promised <= set(inspect(database.engine).get_table_names())
+
+
+def test_head_is_the_newest_script():
+    """Broken where a migration was added and `HEAD` forgotten: old databases would not be upgraded."""
+    config = Config()
+    config.set_main_option("script_location", str(Path(migrations.__file__).parent))
+    assert ScriptDirectory.from_config(config).get_heads() == [migrations.HEAD]
+
+
+def test_down_and_up_again(database):
+    """Broken where a downgrade leaves something behind that the upgrade trips over."""
+    from alembic import command
+
+    config = Config()
+    config.set_main_option("script_location", str(Path(migrations.__file__).parent))
+    before = describe(database.engine)
+    with database.write() as session:
+        config.attributes["connection"] = session.connection()
+        command.downgrade(config, "base")
+    assert describe(database.engine) == {}
+    upgrade(database)
+    assert describe(database.engine) == before
+
+
+def test_a_newer_database_is_refused(settings, database):
+    """Broken where an old program wrote into tables it does not know."""
+    with database.write() as session:
+        session.execute(text("update alembic_version set version_num = '9999'"))
+    with pytest.raises(DatabaseTooNew):
+        open_database(settings)
+
+
+def test_opening_makes_the_tables_once(tmp_path):
+    """Broken where a fresh home has no tables, or a second opening changes them."""
+    settings = make_settings(tmp_path / "fresh")
+    for _ in range(2):
+        opened = open_database(settings, pooled=False)
+        with opened.read() as session:
+            assert read_revision(session.connection()) == migrations.HEAD
+            assert session.execute(text("pragma journal_mode")).scalar() == "wal"
+            assert session.execute(text("pragma foreign_keys")).scalar() == 1
+        opened.dispose()
+
+
+def test_an_unreachable_database_is_one_clear_error(tmp_path):
+    """Broken where a driver's traceback reaches the user."""
+    from garmentq.service.database import DatabaseUnreachable
+
+    opened = Database(f"sqlite:///{tmp_path / 'no' / 'such' / 'folder.db'}")
+    with pytest.raises(DatabaseUnreachable), opened.read() as session:
+        session.execute(text("select 1"))

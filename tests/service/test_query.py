@@ -1,0 +1,158 @@
+"""Questions to the results: right answers, and no way to say SQL."""
+
+from __future__ import annotations
+
+import pytest
+from garmentq.service.jobs import claim, list_jobs
+from garmentq.service.query import Condition, QueryBad, find_jobs, parse_conditions
+from garmentq.service.results import (
+    ResultMissing,
+    describe_job,
+    export_files,
+    list_files,
+    read_metrics,
+    store_recovery,
+)
+from garmentq.service.submission import Order, submit
+from garmentq_home import put_file
+from garmentq_standin import make_recovery, write
+from sqlalchemy import text
+
+
+@pytest.fixture
+def results(database, store, tmp_path):
+    """Store skirts with t2s 1, 2, 3 mm and shirts with 2, 4 mm; give their ids by name. One more job is only queued."""
+    ids = {}
+    for name, rms in (("skirt1", 1.0), ("skirt2", 2.0), ("skirt3", 3.0), ("shirt2", 2.0), ("shirt4", 4.0)):
+        order = Order(put_file(tmp_path, f"{name}.ply"), put_file(tmp_path, "body.ply"))
+        ids[name] = submit(database, store, order).job
+        held = claim(database, ids[name], "a", 30.0)
+        folder = tmp_path / name
+        folder.mkdir()
+        recovery = make_recovery(order, rms)
+        write(recovery, folder)
+        store_recovery(database, store, held, recovery, folder)
+    submit(database, store, Order(put_file(tmp_path, "queued.ply"), tmp_path / "body.ply"))
+    return ids
+
+
+def names(rows):
+    """Give the scans' names."""
+    return [row.name for row in rows]
+
+
+@pytest.mark.parametrize(
+    ("where", "expected"),
+    [
+        ("surface_rms_mm.t2s < 2", {"skirt1"}),
+        ("surface_rms_mm.t2s <= 2", {"skirt1", "skirt2", "shirt2"}),
+        ("surface_rms_mm.t2s>2", {"skirt3", "shirt4"}),
+        ("surface_rms_mm.t2s >= 3.0", {"skirt3", "shirt4"}),
+        ("surface_rms_mm.t2s = 2", {"skirt2", "shirt2"}),
+        ("surface_rms_mm.t2s == 2e0", {"skirt2", "shirt2"}),
+        ("surface_rms_mm.t2s != 2", {"skirt1", "skirt3", "shirt4"}),
+        ("garment = skirt and surface_rms_mm.t2s < 3 and surface_rms_mm.s2t > 0.5", {"skirt2"}),
+        ("name = 'shirt4'", {"shirt4"}),
+        ("method = deform and garment != skirt", {"shirt2", "shirt4"}),
+        ("cpu_seconds < 1", {"skirt1", "skirt2", "skirt3", "shirt2", "shirt4"}),
+        ("state = queued", {"queued"}),
+        ("panel_area_error < 1", set()),
+        ("body = mesh:standin and fabric = cotton_poplin and attempts = 1 and surface_rms_mm.t2s > 3", {"shirt4"}),
+    ],
+)
+def test_operators(database, results, where, expected):
+    """Broken where an operator, a join or a null is treated wrongly."""
+    assert set(names(find_jobs(database, parse_conditions(where)))) == expected
+
+
+def test_sort_and_limit(database, results):
+    """Broken where a job without the metric comes first, or the limit cuts before the sort."""
+    skirts = [Condition("garment", "=", "skirt")]
+    assert names(find_jobs(database, skirts, sort="-surface_rms_mm.t2s", limit=2)) == ["skirt3", "skirt2"]
+    assert names(find_jobs(database, skirts, sort="surface_rms_mm.t2s")) == ["skirt1", "skirt2", "skirt3"]
+    assert names(find_jobs(database, sort="surface_rms_mm.t2s"))[-1] == "queued"
+    assert names(find_jobs(database, sort="-surface_rms_mm.t2s"))[-1] == "queued"
+    assert names(find_jobs(database, sort="-created"))[0] == "queued"
+
+
+@pytest.mark.parametrize(
+    "where",
+    [
+        "1=1; drop table jobs",
+        "surface_rms_mm.t2s < 4; drop table jobs --",
+        "surface_rms_mm.t2s < 4 or 1=1",
+        "surface_rms_mm.t2s < (select 1)",
+        "jobs.id = x",
+        "x' or '1'='1 < 2",
+        "surface_rms_mm.t2s",
+        "< 4",
+        "",
+        "name = 'a' union select sql from sqlite_master",
+        "surface_rms_mm.t2s <> 4",
+        "surface_rms_mm.t2s like 4",
+        "surface_rms_mm.t2s < 4 and",
+        "surface_rms_mm.t2s < four",
+        "no_such_metric < 4",
+        "name < a",
+        "ｎame = a",
+        "owner = a",
+    ],
+)
+def test_hostile_or_wrong_text_is_refused(database, results, where):
+    """Broken where anything but NAME OPERATOR VALUE gets through."""
+    with pytest.raises(QueryBad):
+        find_jobs(database, parse_conditions(where))
+    assert len(list_jobs(database)) == 6
+
+
+@pytest.mark.parametrize("value", ["x' or '1'='1", "%", "_", "skirt1'; drop table jobs; --", ":name", "?"])
+def test_values_are_bound(database, results, value):
+    """Broken where a value became part of the statement, or a pattern."""
+    assert find_jobs(database, [Condition("name", "=", value)]) == []
+    with database.read() as session:
+        assert session.execute(text("select count(*) from jobs")).scalar() == 6
+
+
+@pytest.mark.parametrize("sort", ["id; drop table jobs", "-", "", "jobs.created", "random()", "1"])
+def test_a_sort_is_a_name(database, results, sort):
+    """Broken where an order by could be typed."""
+    with pytest.raises(QueryBad):
+        find_jobs(database, sort=sort)
+
+
+def test_limit_has_a_range(database, results):
+    """Broken where a negative limit meant all."""
+    for limit in (0, -1, 10**9):
+        with pytest.raises(QueryBad):
+            find_jobs(database, limit=limit)
+
+
+def test_a_metric_on_an_empty_database_is_no_error(database):
+    """Broken where the first question on a fresh home fails."""
+    assert find_jobs(database, parse_conditions("surface_rms_mm.t2s < 4")) == []
+    for bad in ("x;y", "1", "a b"):
+        with pytest.raises(QueryBad):
+            find_jobs(database, sort=bad)
+
+
+def test_a_stored_result_comes_back(database, store, results, tmp_path):
+    """Broken where a row of the result is missing or belongs to another job."""
+    job = results["skirt2"]
+    row = next(row for row in list_jobs(database) if row.id == job)
+    found = describe_job(database, row)
+    assert found["state"] == "succeeded" and found["garment"] == "skirt" and found["fabric"] == "cotton_poplin"
+    assert found["metrics"] == {"surface_rms_mm.t2s": 2.0, "surface_rms_mm.s2t": 1.0, "panel_area_error": None}
+    assert found["gates"][0]["verdict"] == "pass" and found["warnings"] == ["this is a stand-in"]
+    assert read_metrics(database, job) == found["metrics"]
+    with database.read() as session:
+        panel = session.execute(text("select name, area from panels where job = :job"), {"job": job}).one()
+        assert panel.name == "front" and abs(panel.area - 0.01) < 1e-12
+        assert session.execute(text("select count(*) from materials")).scalar() == 1, "one fabric, one row"
+        assert session.execute(text("select count(*) from bodies")).scalar() == 5
+    (path,) = export_files(database, store, job, tmp_path / "out")
+    assert "2.0" in path.read_text()
+    assert [file.name for file in list_files(database, job)] == ["metrics.txt"]
+    with pytest.raises(ResultMissing, match=r"metrics\.txt"):
+        export_files(database, store, job, tmp_path / "out", ["../../x"])
+    with pytest.raises(ResultMissing):
+        export_files(database, store, "nosuchjob", tmp_path / "out")

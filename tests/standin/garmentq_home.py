@@ -1,0 +1,135 @@
+"""Fixtures of the queue's tests: a fresh home with the stand-in pipeline, its database, and files to submit."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from garmentq.service.database import Database, open_database
+from garmentq.service.jobs import ENDED, find_job
+from garmentq.service.models import JobRow
+from garmentq.service.settings import ServiceSettings
+from garmentq.service.store import Store
+from garmentq.service.submission import Order, submit
+
+STANDIN = Path(__file__).parent
+
+
+def make_settings(home: Path, **changes) -> ServiceSettings:
+    """Give settings with short times and the stand-in pipeline."""
+    quick = {
+        "lease_seconds": 2.0,
+        "poll_seconds": 0.2,
+        "republish_seconds": 3.0,
+        "idle_seconds": 0.0,
+        "pipeline": "garmentq_standin:recover",
+        "writer": "garmentq_standin:write",
+        "checker": "garmentq_standin:check",
+    }
+    return ServiceSettings(home=home, **(quick | changes))
+
+
+def make_environment(settings: ServiceSettings) -> dict[str, str]:
+    """Give the environment of a command that uses these settings."""
+    path = os.pathsep.join(part for part in (str(STANDIN), os.environ.get("PYTHONPATH", "")) if part)
+    return {**os.environ, **settings.as_environment(), "PYTHONPATH": path, "COLUMNS": "200"}
+
+
+class Cli:
+    """Run garmentq as a user does: in a process of its own."""
+
+    def __init__(self, settings: ServiceSettings) -> None:
+        self.settings = settings
+        self.environment = make_environment(settings)
+
+    def __call__(self, *arguments: object, **variables: str) -> subprocess.CompletedProcess[str]:
+        """Run one command to its end."""
+        command = [sys.executable, "-m", "garmentq.cli.main", *map(str, arguments)]
+        return subprocess.run(
+            command, env={**self.environment, **variables}, capture_output=True, text=True, timeout=120, check=False
+        )
+
+
+def put_file(folder: Path, name: str, content: str = "") -> Path:
+    """Write a file that the stand-in takes for a mesh; its bytes differ by name."""
+    path = folder / name
+    path.write_text(f"ply\n{name} {content}\n")
+    return path
+
+
+def wait_for(check: Callable[[], object], seconds: float = 30.0) -> None:
+    """Wait until something is true, and fail where it does not become so."""
+    deadline = time.monotonic() + seconds
+    while not check():
+        assert time.monotonic() < deadline, "waited in vain"
+        time.sleep(0.05)
+
+
+@pytest.fixture(scope="session")
+def blank_database(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Make the tables once; each test takes a copy."""
+    home = tmp_path_factory.mktemp("blank")
+    open_database(make_settings(home), pooled=False).dispose()
+    return home / "garmentq.db"
+
+
+@pytest.fixture
+def settings(tmp_path: Path, blank_database: Path, monkeypatch: pytest.MonkeyPatch) -> ServiceSettings:
+    """Give a fresh home."""
+    monkeypatch.syspath_prepend(str(STANDIN))
+    home = tmp_path / "home"
+    home.mkdir(mode=0o700)
+    shutil.copy(blank_database, home / "garmentq.db")
+    return make_settings(home)
+
+
+@pytest.fixture
+def database(settings: ServiceSettings) -> Iterator[Database]:
+    """Open the home's database."""
+    opened = open_database(settings)
+    yield opened
+    opened.dispose()
+
+
+@pytest.fixture
+def store(settings: ServiceSettings) -> Store:
+    """Open the home's store."""
+    return Store(settings.store_path)
+
+
+@pytest.fixture
+def cli(settings: ServiceSettings) -> Cli:
+    """Give the command line for the home."""
+    return Cli(settings)
+
+
+@pytest.fixture
+def queue_job(settings: ServiceSettings, database: Database, store: Store, tmp_path: Path) -> Callable[..., str]:
+    """Give a function that queues a job for a scan of a name."""
+
+    def queue(name: str = "shirt", **changes) -> str:
+        body = put_file(tmp_path, "body.ply")
+        return submit(database, store, Order(put_file(tmp_path, f"{name}.ply"), body, **changes)).job
+
+    return queue
+
+
+def read_job(settings: ServiceSettings, job: str) -> JobRow:
+    """Read a job through a connection of its own."""
+    opened = Database(settings.database, pooled=False)
+    try:
+        return find_job(opened, job)
+    finally:
+        opened.dispose()
+
+
+def wait_ended(settings: ServiceSettings, job: str, seconds: float = 30.0) -> JobRow:
+    """Wait until a job has ended."""
+    wait_for(lambda: read_job(settings, job).state in ENDED, seconds)
+    return read_job(settings, job)

@@ -1,0 +1,10 @@
+"""Take the fixtures of the stand-in home."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "standin"))
+
+from garmentq_home import blank_database, cli, database, queue_job, settings, store  # noqa: F401
