@@ -164,8 +164,9 @@ def _even_out(boundary: np.ndarray, inside: np.ndarray, size: float, settings: M
     wanted = np.concatenate([local, np.full(len(inside), size)])
     for _ in range(settings.sweeps):
         faces = _triangles(points, boundary)
-        bars = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
-        bars = np.unique(bars, axis=0)
+        ends = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+        codes = np.unique(ends[:, 0] * len(points) + ends[:, 1])
+        bars = np.stack([codes // len(points), codes % len(points)], axis=1)
         vector = points[bars[:, 0]] - points[bars[:, 1]]
         length = np.linalg.norm(vector, axis=1)
         rest = wanted[bars].mean(axis=1)
@@ -179,21 +180,29 @@ def _even_out(boundary: np.ndarray, inside: np.ndarray, size: float, settings: M
             axis=1,
         )
         moved = points[fixed:] + settings.step * total[fixed:]
-        good = contains(boundary, moved)
-        good &= _distance(boundary, moved, size) > 0.33 * size
+        # A step is far shorter than an edge, so only points near the outline can have left it.
+        distance = _distance(boundary, moved, size)
+        good = distance > 0.33 * size
+        near = good & (distance < size)
+        good[near] = contains(boundary, moved[near])
         points[fixed:] = np.where(good[:, None], moved, points[fixed:])
     return points[fixed:]
 
 
 def _triangles(points: np.ndarray, boundary: np.ndarray) -> np.ndarray:
-    """Give the counter-clockwise Delaunay triangles whose middle lies inside the outline, flat ones dropped."""
+    """Give the counter-clockwise Delaunay triangles inside the outline, flat ones dropped.
+
+    Only triangles between three vertices of the outline, the first ones, are tested by their middle; one that reaches
+    from an inner vertex across the outline leaves a segment of it without a triangle, which is found afterwards.
+    """
     faces = Delaunay(points).simplices
     a, b, c = (points[faces[:, k]] for k in range(3))
     area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
     faces = np.where(area[:, None] < 0, faces[:, [0, 2, 1]], faces)
     longest = np.max([((b - a) ** 2).sum(axis=1), ((c - b) ** 2).sum(axis=1), ((a - c) ** 2).sum(axis=1)], axis=0)
     keep = np.abs(area) > 1e-5 * longest
-    keep[keep] &= contains(boundary, ((a + b + c) / 3.0)[keep])
+    doubtful = keep & (faces < len(boundary)).all(axis=1)
+    keep[doubtful] = contains(boundary, ((a + b + c) / 3.0)[doubtful])
     return faces[keep].astype(np.int64)
 
 
