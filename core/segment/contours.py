@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..body import Body
+from .bite import bridge_bites
 from .encirclement import Crossing, find_crossings
 from .loop import find_loops, smoothed_length
 from .target import Contour
@@ -51,7 +52,8 @@ def name_contours(
     | bones of one arm, otherwise | | armhole.SIDE |
     | bones of one leg | | leg.SIDE |
 
-    A loop that encircles no bone is a hole, and so is the shorter of two of one name, and a name that no category has
+    A hole that broke through a contour is bridged at its mouth: the contour goes on across it. A loop that encircles no
+    bone is a hole, and so is the shorter of two of one name, and a name that no category has
     beside the others (a hem beside two legs, a waist beside a neck).
 
     Args:
@@ -64,10 +66,10 @@ def name_contours(
     """
     candidates = []
     for loop in find_loops(faces, vertices):
-        points = vertices[loop]
-        length = smoothed_length(points)
-        crossings = find_crossings(points, body) if length >= SMALLEST else ()
+        length = smoothed_length(vertices[loop])
+        crossings = find_crossings(vertices[loop], body) if length >= SMALLEST else ()
         candidates.append(_Candidate(loop, length, crossings, name_crossings(crossings, body)))
+    candidates = [part for candidate in candidates for part in _bridge(candidate, vertices)]
     chosen = _choose(candidates)
     contours = tuple(
         Contour(name, c.vertices, c.length, tuple(crossing.bone for crossing in c.crossings))
@@ -75,6 +77,21 @@ def name_contours(
     )
     holes = [c for c in candidates if chosen.get(c.name or "") is not c]
     return contours, tuple(c.vertices for c in sorted(holes, key=lambda c: -c.length))
+
+
+def _bridge(candidate: _Candidate, vertices: np.ndarray) -> list[_Candidate]:
+    """Cut the holes that broke through a contour off it, and give it and them."""
+    if candidate.name is None:
+        return [candidate]
+    kept, bites = bridge_bites(vertices[candidate.vertices])
+    if not bites:
+        return [candidate]
+    loop = candidate.vertices[kept]
+    parts = [replace(candidate, vertices=loop, length=smoothed_length(vertices[loop]))]
+    for bite in bites:
+        rim = candidate.vertices[bite]
+        parts.append(_Candidate(rim, smoothed_length(vertices[rim]), (), None))
+    return parts
 
 
 def name_crossings(crossings: tuple[Crossing, ...], body: Body) -> str | None:
@@ -86,10 +103,10 @@ def name_crossings(crossings: tuple[Crossing, ...], body: Body) -> str | None:
         if trunk[-1].distal:
             return "hem"
         return "neck" if trunk_place(trunk[-1], body) > WAIST_END else "waist"
-    if arms["left"] and arms["right"]:
-        return "hem" if arms["left"][0].distal else "neck"
     if legs["left"] and legs["right"]:
         return "waist" if legs["left"][0].distal and legs["right"][0].distal else "hem"
+    if arms["left"] and arms["right"]:
+        return "hem" if arms["left"][0].distal else "neck"
     for side in ("left", "right"):
         if arms[side]:
             return f"cuff.{side}" if limb_place(crossings, side, ARM) > ARMHOLE_END else f"armhole.{side}"

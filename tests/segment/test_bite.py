@@ -1,0 +1,70 @@
+"""Holes that broke through a contour are bridged; what was designed stays."""
+
+import numpy as np
+import pytest
+from garmentq.core.segment import name_contours
+from garmentq.core.segment.bite import bridge_bites
+
+
+def rim(count=160, radius=0.2):
+    """Give a hem seen from above, counter-clockwise: the garment lies above it."""
+    angle = -2 * np.pi * np.arange(count) / count
+    return np.stack([radius * np.cos(angle), 0 * angle, radius * np.sin(angle)], axis=1)
+
+
+def torn(points, start=40, mouth=4, depth=0.12):
+    """Give a hem with a slit-shaped tear upward whose mouth spans a few points."""
+    up = np.linspace(0, depth, 13)[1:, None] * [0.0, 1.0, 0.0]
+    first, last = points[start], points[start + mouth]
+    tear = np.concatenate([first + up, last + up[::-1]])
+    return np.concatenate([points[: start + 1], tear, points[start + mouth :]])
+
+
+@pytest.mark.parametrize("shift", [0, 45, 100])
+def test_tear_is_bridged_wherever_the_loop_starts(shift):
+    """A tear must leave the hem at its mouth, also when the loop happens to start inside it."""
+    points = np.roll(torn(rim()), -shift, axis=0)
+    kept, bites = bridge_bites(points)
+    assert len(bites) == 1
+    assert np.abs(points[kept, 1]).max() < 0.011 and points[bites[0], 1].max() == pytest.approx(0.12)
+    assert sorted({*kept.tolist(), *bites[0].tolist()}) == list(range(len(points)))
+    length = np.linalg.norm(points[kept] - np.roll(points[kept], 1, axis=0), axis=1).sum()
+    assert length == pytest.approx(2 * np.pi * 0.2, rel=0.02)
+
+
+def test_folds_and_necklines_stay():
+    """A fold of a hem, a V-neck and a scallop are design, and must not be cut off."""
+    angle = 2 * np.pi * np.arange(400) / 400
+    folded = rim(400) * (1 + 0.35 * np.cos(12 * angle))[:, None]
+    neck = rim(160, 0.09)
+    neck[:, 1] = np.maximum(0.0, 0.12 - 1.5 * np.abs(neck[:, 0])) * (neck[:, 2] > 0)
+    for points in (folded, neck):
+        kept, bites = bridge_bites(points)
+        assert bites == () and np.array_equal(kept, np.arange(len(points)))
+
+
+def test_long_contours_are_searched_coarsely():
+    """A contour of thousands of points must not need a table of all pairs, and still lose its tear."""
+    points = torn(rim(6000), start=1000, mouth=150)
+    _, bites = bridge_bites(points)
+    assert len(bites) == 1
+
+
+def test_torn_hem_keeps_its_length(wearers, hung):
+    """A hole that eats into a hem must become a hole beside a hem of the old length."""
+    body = wearers["T"]
+    vertices, faces = hung(body, 0.61, 0.35, around=96, rows=40)
+    whole, _ = name_contours(vertices, faces, body)
+    centres = vertices[faces].mean(axis=1)
+    height = centres[:, 1] - vertices[:, 1].min()
+    gone = (centres[:, 2] > 0) & (np.abs(centres[:, 0]) < 0.02) & (height < 0.2)
+    gone |= (
+        np.linalg.norm(
+            centres - centres[np.argmin(np.abs(centres[:, 0]) - centres[:, 2] + np.abs(height - 0.2))], axis=1
+        )
+        < 0.07
+    )
+    contours, holes = name_contours(vertices, faces[~gone], body)
+    assert [contour.name for contour in contours] == ["hem", "waist"] and len(holes) == 1
+    hem, before = contours[0], whole[0]
+    assert hem.length == pytest.approx(before.length, rel=0.02)
