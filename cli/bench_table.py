@@ -79,7 +79,7 @@ def _print_targets(lines: Sequence[Line], done: Sequence[Line]) -> None:
     tried = sum(not line.get("skipped") for line in lines)
     rows.append(["mean", None, f"{len(done)} of {tried}", *short([*means, *totals])])
     columns = ["target", "category", "state", *(title for title, _ in KEY_COLUMNS), "CPU s", "MB"]
-    print_table(columns, rows, title="Targets: distances to the truth [mm], then the graded drape's, and the rest")
+    print_table(columns, rows, title="Targets (s2t and t2s in mm, the detail mesh's first, then the graded drape's)")
     failed = [[line["target"], line["error"]["code"], line["error"]["message"]] for line in lines if line["error"]]
     if failed:
         print_table(["target", "error", "message"], failed, title="Failures")

@@ -40,6 +40,9 @@ TITLES = {
     "seam_mismatch_mm": "Largest seam mismatch [mm]",
     "vertices": "Vertices",
     "faces": "Faces",
+    "body.fit_rms_mm": "Body model to the given body, RMS [mm]",
+    "drape.residual": "Drape: largest force on a node [its weight]",
+    "drape.iterations": "Drape: Newton iterations",
 }
 """Names of metrics for people, in the order of the table; others follow under their own names."""
 
@@ -67,14 +70,12 @@ def report_html(recovery: Recovery) -> str:
 
 
 def number(value: Any) -> str:
-    """Give a number for people: three or four figures, whole where it is whole, a dash where there is none."""
+    """Give a number for people, as HTML: whole where it is whole, a dash where there is none."""
     if value is None or not np.isfinite(value):
         return "–"
-    if value == round(value) and abs(value) < 1e7:
+    if value == 0.0 or abs(value) >= 100.0 or (value == round(value) and abs(value) >= 1.0):
         return f"{value:.0f}"
-    if abs(value) >= 100.0:
-        return f"{value:.0f}"
-    return f"{value:.2f}" if abs(value) >= 1.0 else f"{value:.3g}" if abs(value) >= 1e-3 else f"{value:.1e}"
+    return f"{value:.2f}" if abs(value) >= 1.0 else f"{value:.3f}" if abs(value) >= 1e-3 else "&lt; 0.001"
 
 
 def _header(recovery: Recovery) -> str:
@@ -118,7 +119,7 @@ def _pictures(recovery: Recovery) -> str:
 def _gates(recovery: Recovery) -> str:
     rows = "".join(
         f'<tr><td><span class="badge {escape(gate.verdict)}">{escape(gate.verdict)}</span></td>'
-        f"<td>{escape(gate.name.replace('_', ' '))}</td><td class=num>{number(gate.value)}</td>"
+        f"<td class=check>{escape(gate.name.replace('_', ' '))}</td><td class=num>{number(gate.value)}</td>"
         f"<td class=num>{number(gate.limit)}</td><td>{escape(gate.message)}</td></tr>"
         for gate in recovery.gates
     )

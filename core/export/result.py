@@ -13,6 +13,7 @@ from ..body import JOINTS, PARENTS, Body
 from ..pattern import write_pattern
 from ..recovery import Recovery
 from .meshes import write_meshes, write_ply
+from .pattern_svg import write_svg
 from .report import report_html
 
 
@@ -27,8 +28,6 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
         The files: graded.ply, detail.ply, detail.obj, detail.glb, simulation.ply (if the method makes one), body.ply,
         body_joints.json, pattern.json, pattern.svg, metrics.json, manifest.json, report.html.
     """
-    from . import write_svg  # the package is still loading when this module is read
-
     folder.mkdir(parents=True, exist_ok=True)
     garment = recovery.garment
     files = write_meshes(garment, recovery.graded, folder, "graded", ("ply",))
