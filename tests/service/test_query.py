@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import shutil
+
 import pytest
+from garmentq.service.database import open_database
 from garmentq.service.jobs import claim, list_jobs
 from garmentq.service.query import Condition, QueryBad, find_jobs, parse_conditions
 from garmentq.service.results import (
@@ -13,26 +16,49 @@ from garmentq.service.results import (
     read_metrics,
     store_recovery,
 )
+from garmentq.service.store import Store
 from garmentq.service.submission import Order, submit
-from garmentq_home import put_file
+from garmentq_home import make_settings, put_file
 from garmentq_standin import make_recovery, write
 from sqlalchemy import text
 
 
-@pytest.fixture
-def results(database, store, tmp_path):
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, blank_database):
+    """Give one home to all these tests: none of them changes anything."""
+    home = tmp_path_factory.mktemp("results")
+    shutil.copy(blank_database, home / "garmentq.db")
+    return home
+
+
+@pytest.fixture(scope="module")
+def database(folder):
+    """Open the home's database."""
+    opened = open_database(make_settings(folder))
+    yield opened
+    opened.dispose()
+
+
+@pytest.fixture(scope="module")
+def store(folder):
+    """Open the home's store."""
+    return Store(folder / "store")
+
+
+@pytest.fixture(scope="module")
+def results(database, store, folder):
     """Store skirts with t2s 1, 2, 3 mm and shirts with 2, 4 mm; give their ids by name. One more job is only queued."""
     ids = {}
     for name, rms in (("skirt1", 1.0), ("skirt2", 2.0), ("skirt3", 3.0), ("shirt2", 2.0), ("shirt4", 4.0)):
-        order = Order(put_file(tmp_path, f"{name}.ply"), put_file(tmp_path, "body.ply"))
+        order = Order(put_file(folder, f"{name}.ply"), put_file(folder, "body.ply"))
         ids[name] = submit(database, store, order).job
         held = claim(database, ids[name], "a", 30.0)
-        folder = tmp_path / name
-        folder.mkdir()
+        files = folder / name
+        files.mkdir()
         recovery = make_recovery(order, rms)
-        write(recovery, folder)
-        store_recovery(database, store, held, recovery, folder)
-    submit(database, store, Order(put_file(tmp_path, "queued.ply"), tmp_path / "body.ply"))
+        write(recovery, files)
+        store_recovery(database, store, held, recovery, files)
+    submit(database, store, Order(put_file(folder, "queued.ply"), folder / "body.ply"))
     return ids
 
 
@@ -127,8 +153,10 @@ def test_limit_has_a_range(database, results):
             find_jobs(database, limit=limit)
 
 
-def test_a_metric_on_an_empty_database_is_no_error(database):
+def test_a_metric_on_an_empty_database_is_no_error(tmp_path, blank_database):
     """Broken where the first question on a fresh home fails."""
+    shutil.copy(blank_database, tmp_path / "garmentq.db")
+    database = open_database(make_settings(tmp_path), pooled=False)
     assert find_jobs(database, parse_conditions("surface_rms_mm.t2s < 4")) == []
     for bad in ("x;y", "1", "a b"):
         with pytest.raises(QueryBad):

@@ -1,0 +1,167 @@
+"""A real broker, a real Celery worker, and a stand-in for the pipeline."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+from garmentq.service.jobs import cancel, list_jobs, read_events
+from garmentq.service.results import export_files
+from garmentq.workers.broker import is_broker_up, run_folder, start_broker, stop_broker
+from garmentq.workers.embedded import ensure_services, is_worker_up, stop_services
+from garmentq_home import make_environment, read_job, wait_ended, wait_for
+
+
+@pytest.fixture
+def environment(settings, monkeypatch, tmp_path):
+    """Let what is started find the stand-in, and leave nothing running behind."""
+    marks = tmp_path / "marks"
+    for name, value in {**make_environment(settings), "STANDIN_MARKS": str(marks)}.items():
+        monkeypatch.setenv(name, value)
+    yield marks
+    stop_services(settings)
+    assert not is_worker_up(settings) and not is_broker_up(settings)
+
+
+def read_marks(path):
+    """Give (step, process) of every step that was really done."""
+    if not path.exists():
+        return []
+    return [(int(step), int(process)) for step, process in (line.split() for line in path.read_text().splitlines())]
+
+
+def test_twelve_jobs_and_two_workers(settings, database, queue_job, environment):
+    """Broken where a job is lost, done twice, or stops those behind it."""
+    start_broker(settings)
+    command = [sys.executable, "-m", "garmentq.cli.main", "worker", "--workers", "1"]
+    with (settings.home / "worker.log").open("wb") as log:
+        workers = [subprocess.Popen(command, stdout=log, stderr=log, env=dict(os.environ)) for _ in range(2)]
+    try:
+        names = [f"{'skirt' if i % 2 else 'shirt'}{i}" for i in range(10)] + ["bad", "fault"]
+        jobs = [queue_job(name) for name in names]
+        rows = [wait_ended(settings, job) for job in jobs]
+    finally:
+        for worker in workers:
+            worker.terminate()
+        codes = [worker.wait(timeout=20) for worker in workers]
+    assert [row.state for row in rows] == ["succeeded"] * 10 + ["failed"] * 2
+    assert [row.error_code for row in rows[10:]] == ["scan.truncated", "job.crashed"]
+    assert [row.bad_input for row in rows[10:]] == [True, False]
+    assert {row.attempts for row in rows} == {1}
+    for job in jobs:
+        assert [event.kind for event in read_events(database, job)].count("started") == 1
+    assert codes == [0, 0]
+
+
+def test_a_killed_child_resumes_and_a_poisonous_job_dies(settings, database, store, queue_job, environment, tmp_path):
+    """Broken where a crash loses the job, begins it anew, or is repeated for ever."""
+    ensure_services(settings, workers=2)
+    job, poison = queue_job("slow"), queue_job("crash")
+    wait_for(lambda: len(read_marks(environment)) > 12)
+    os.kill(read_marks(environment)[-1][1], signal.SIGKILL)
+    row = wait_ended(settings, job)
+    assert (row.state, row.attempts, row.fence) == ("succeeded", 2, 2)
+    marks = read_marks(environment)
+    assert len({process for _, process in marks}) == 2
+    done = [step for step, _ in marks]
+    assert sorted(set(done)) == list(range(40))
+    assert len(done) - 40 < 6, "only the work since the last checkpoint may be done again"
+    assert export_files(database, store, job, tmp_path / "out")[0].name == "metrics.txt"
+    row = wait_ended(settings, poison, seconds=40.0)
+    assert (row.state, row.attempts, row.error_code) == ("dead", 3, "job.worker_lost")
+    assert not list((settings.home / "work").glob(f"{job}-*")), "the killed attempt's folder must be gone"
+
+
+def test_cancel_a_running_job(settings, database, queue_job, environment):
+    """Broken where a worker does not look at the flag."""
+    ensure_services(settings, workers=1)
+    job = queue_job("slow")
+    wait_for(lambda: len(read_marks(environment)) > 2)
+    assert cancel(database, job) == "running"
+    assert wait_ended(settings, job, seconds=5.0).state == "cancelled"
+    assert len(read_marks(environment)) < 30
+
+
+def test_down_gives_the_job_back_and_up_goes_on(settings, database, queue_job, environment):
+    """Broken where stopping counts as a crash, or the work done so far is lost."""
+    assert ensure_services(settings, workers=1) == ["broker", "worker"]
+    assert ensure_services(settings, workers=1) == []
+    job = queue_job("slow")
+    wait_for(lambda: len(read_marks(environment)) > 7)
+    assert stop_services(settings) == ["worker", "broker"]
+    row = read_job(settings, job)
+    assert (row.state, row.attempts) == ("queued", 0)
+    ensure_services(settings, workers=1)
+    row = wait_ended(settings, job)
+    assert (row.state, row.attempts, row.fence) == ("succeeded", 1, 2)
+    assert [step for step, _ in read_marks(environment)] == list(range(40)), "no step twice, none left out"
+
+
+def test_a_lost_message_is_sent_again(settings, database, queue_job, environment):
+    """Broken where the broker's memory is the truth: after FLUSHALL the queue would be forgotten."""
+    import redis
+
+    start_broker(settings)
+    client = redis.Redis(unix_socket_path=str(run_folder(settings) / "broker.sock"))
+    job = queue_job()
+    from garmentq.service.reaper import dispatch
+    from garmentq.workers.app import make_app, publish
+
+    app = make_app(settings)
+    assert dispatch(database, lambda key: publish(app, key)) == 1
+    assert client.llen("garmentq") == 1
+    client.flushall()
+    client.close()
+    app.close()
+    ensure_services(settings, workers=1)
+    assert wait_ended(settings, job).state == "succeeded"
+    assert "republished" in [event.kind for event in read_events(database, job)]
+
+
+def test_a_job_that_takes_too_long_fails(settings, database, queue_job, environment, monkeypatch):
+    """Broken where a heartbeat alone keeps a stuck job alive for ever."""
+    monkeypatch.setenv("GARMENTQ_MAX_SECONDS", "1")
+    from dataclasses import replace
+
+    ensure_services(replace(settings, max_seconds=1.0), workers=1)
+    row = wait_ended(settings, queue_job("slow"))
+    assert (row.state, row.error_code) == ("failed", "job.too_long")
+
+
+def test_an_idle_worker_goes_home(settings, database, queue_job, environment):
+    """Broken where `garmentq run` leaves a worker and a broker on the machine for ever."""
+    from dataclasses import replace
+
+    ensure_services(replace(settings, idle_seconds=1.0), workers=1)
+    wait_for(lambda: not is_worker_up(settings), 20.0)
+    wait_for(lambda: not is_broker_up(settings), 10.0)
+    assert list_jobs(database) == []
+
+
+def test_the_broker_is_private(settings, environment):
+    """Broken where another user could put a message in, or the queue were only in memory."""
+    start_broker(settings)
+    folder = run_folder(settings)
+    assert (folder / "broker.sock").stat().st_mode & 0o077 == 0
+    assert folder.stat().st_mode & 0o077 == 0
+    assert any((settings.home / "broker").rglob("*.aof*"))
+    assert stop_broker(settings) and not stop_broker(settings)
+
+
+def test_a_long_home_has_a_short_socket(tmp_path):
+    """Broken where a home deeper than a socket's path may be long cannot be used."""
+    from garmentq_home import make_settings
+
+    settings = make_settings(tmp_path / ("x" * 60) / ("y" * 60))
+    folder = run_folder(settings)
+    try:
+        assert len(os.fsencode(folder / "broker.sock")) < 104
+        assert run_folder(settings) == folder
+        assert start_broker(settings) and stop_broker(settings)
+    finally:
+        for left in folder.iterdir():
+            left.unlink()
+        folder.rmdir()
