@@ -12,6 +12,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
+from typing import Any
 
 import igl
 import numpy as np
@@ -19,9 +20,9 @@ import scipy.sparse as sp
 import torch
 
 SAMPLE_COUNT = 900
-"""Bodies drawn. Over 20 per kept direction, so that the covariances are well determined."""
+"""Bodies drawn. 15 per kept direction, so that the covariances are well determined."""
 DIRECTION_COUNT = 60
-"""Directions kept. They leave under 2 mm RMS of the drawn bodies unexplained."""
+"""Directions kept. They leave 2.2 mm RMS of the drawn bodies unexplained."""
 FACE_COUNT = 14000
 """Faces of the decimated template: edges of about 1.5 cm, as fine as the garments draped on it."""
 LOCAL_SPREAD = 0.35
@@ -46,7 +47,7 @@ LOCAL_PREFIXES = (
 """Local changes that a garment or a fit can feel; faces, ears, toes and fingers are left alone."""
 
 
-def draw_phenotype(model: torch.nn.Module, rng: np.random.Generator) -> tuple[dict, dict, float]:
+def draw_phenotype(model: Any, rng: np.random.Generator) -> tuple[dict, dict, float]:
     """Draw one adult: phenotypes, symmetric local changes, and the gender (1 is female)."""
     gender = float(rng.choice([0.0, 1.0]))
     values = {
@@ -80,7 +81,7 @@ def rotation_between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.eye(3) + k + k @ k / (1 + a @ b)
 
 
-def pose_t(model: torch.nn.Module, phenotype: dict, changes: dict) -> tuple[np.ndarray, np.ndarray]:
+def pose_t(model: Any, phenotype: dict, changes: dict) -> tuple[np.ndarray, np.ndarray]:
     """Give vertices and bone heads [m] of one body in the T-pose: y up, facing +z, feet at y = 0, pelvis above 0."""
     labels, parents = list(model.bone_labels), list(model.bone_parents)
     identity = torch.eye(4, dtype=torch.float64)[None, None].repeat(1, model.bone_count, 1, 1)
@@ -112,7 +113,7 @@ def pose_t(model: torch.nn.Module, phenotype: dict, changes: dict) -> tuple[np.n
     return vertices - shift, heads - shift
 
 
-def close_surface(model: torch.nn.Module) -> tuple[sp.csr_matrix, np.ndarray]:
+def close_surface(model: Any) -> tuple[sp.csr_matrix, np.ndarray]:
     """Give the outer skin: a map from the model's vertices to the skin's, and the skin's faces.
 
     Eyes, teeth and tongue are dropped, the mouth and the eye sockets are cut at their rims and each rim is closed by a
@@ -169,7 +170,7 @@ def decimate(vertices: np.ndarray, faces: np.ndarray) -> tuple[sp.csr_matrix, np
     return sp.csr_matrix((weight.ravel(), (row, corner.ravel())), shape=(len(coarse), len(vertices))), new_faces
 
 
-def collapse_weights(model: torch.nn.Module) -> np.ndarray:
+def collapse_weights(model: Any) -> np.ndarray:
     """Give skinning weights on the 24 joints: each bone counts for its nearest ancestor that is one, [n, 24]."""
     labels, parents = list(model.bone_labels), list(model.bone_parents)
     joint_of = {labels.index(bone): j for j, bone in enumerate(BONES.values())}
@@ -186,7 +187,7 @@ def collapse_weights(model: torch.nn.Module) -> np.ndarray:
     return weights / weights.sum(axis=1, keepdims=True)
 
 
-def draw_bodies(model: torch.nn.Module) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def draw_bodies(model: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Give vertices [s, n, 3] and joints [s, 24, 3] of the drawn bodies, and their gender [s]."""
     rng = np.random.default_rng(0)
     columns = [list(model.bone_labels).index(bone) for bone in BONES.values()]

@@ -1,0 +1,152 @@
+"""Registration of meshes that are only meshes."""
+
+import igl
+import numpy as np
+import pytest
+import trimesh
+from garmentq.core.body import JOINTS, Body, NotHuman, builtin_body, register_body, rest_body, skin
+from garmentq.core.body.fit import Fitter, Stage, State, Surface, vertex_normals
+from garmentq.core.body.registration import RegistrationSettings
+from garmentq.core.body.template import articulate, load_template, rotations_of, transforms_of
+from garmentq.core.errors import Cancelled
+from garmentq.core.hooks import Hooks
+
+TEMPLATE = load_template()
+
+
+def everyday_body(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """Give a random body in a random everyday pose, place and heading: other triangles, 2 mm noise, joints, heading."""
+    rng = np.random.default_rng(seed)
+    gender = ("female", "male")[seed % 2]
+    root = np.linalg.cholesky(TEMPLATE.covariances[gender] + 1e-9 * np.eye(60))
+    rest, joints = TEMPLATE.shaped(TEMPLATE.means[gender] + 0.8 * root @ rng.standard_normal(60))
+    angles = np.zeros((24, 3))
+    drop, stride, heading = rng.uniform(-0.2, 1.3), rng.uniform(-0.5, 0.5), rng.uniform(0, 2 * np.pi)
+    angles[0] = (0, heading, 0)
+    for side, sign in (("left", -1), ("right", 1)):
+        shoulder = (rng.normal(0, 0.2), sign * rng.uniform(-0.2, 0.7), sign * (drop + rng.normal(0, 0.15)))
+        angles[JOINTS.index(f"{side}_shoulder")] = shoulder
+        angles[JOINTS.index(f"{side}_elbow")] = (0, sign * rng.uniform(0, 1.3), 0)
+        angles[JOINTS.index(f"{side}_hip")] = (sign * stride, rng.normal(0, 0.1), -sign * rng.uniform(0, 0.15))
+        angles[JOINTS.index(f"{side}_knee")] = (rng.uniform(0, 0.5), 0, 0)
+    for name in ("spine1", "spine2", "spine3", "neck", "head"):
+        angles[JOINTS.index(name)] = rng.normal(0, 0.08, 3)
+    world, posed = articulate(rotations_of(angles), joints, rng.uniform(-1, 1, 3))
+    skinned = skin(rest, TEMPLATE.weights, transforms_of(world, posed, joints))
+    finer = trimesh.Trimesh(skinned, TEMPLATE.faces, process=False).subdivide()
+    vertices, faces, *_ = igl.qslim(np.asfortranarray(finer.vertices), np.asfortranarray(finer.faces, np.int32), 12000)
+    return vertices + rng.normal(0, 0.002, vertices.shape), faces, posed, heading
+
+
+@pytest.fixture(scope="module")
+def registered() -> tuple[Body, np.ndarray, np.ndarray, np.ndarray, float]:
+    """Register one everyday body for all tests that only look at the outcome."""
+    vertices, faces, joints, heading = everyday_body(3)
+    return register_body(vertices, faces, name="someone"), vertices, faces, joints, heading
+
+
+def check_joints(body: Body, joints: np.ndarray) -> None:
+    """Hold a registered body's joints against the true ones: 15 mm on average, none swapped."""
+    error = np.linalg.norm(body.joints - joints, axis=1)
+    assert error.mean() < 0.015
+    for left, right in (("left_hip", "right_hip"), ("left_foot", "right_foot"), ("left_wrist", "right_wrist")):
+        i, j = JOINTS.index(left), JOINTS.index(right)
+        assert error[i] < np.linalg.norm(body.joints[i] - joints[j])
+
+
+@pytest.mark.slow
+def test_everyday_body_gets_its_joints(registered: tuple) -> None:
+    """A start in the wrong heading that wins swaps left and right; weak pairs leave limbs centimetres off."""
+    body, vertices, faces, joints, heading = registered
+    check_joints(body, joints)
+    assert body.fit_rms < 0.004 and body.source == "mesh:someone"
+    assert np.array_equal(body.vertices, vertices) and np.array_equal(body.faces, faces)
+    front = body.heading @ [np.sin(heading), 0, np.cos(heading)]
+    assert front[2] > np.cos(np.radians(10)) and np.allclose(body.heading @ [0, 1, 0], [0, 1, 0])
+
+
+@pytest.mark.slow
+def test_registered_body_is_consistent(registered: tuple) -> None:
+    """Weights, transforms and rest pose must belong together, or a garment carried into the pose misses the body."""
+    body, vertices, *_ = registered
+    assert np.allclose(body.weights.sum(axis=1), 1) and body.weights.min() >= 0
+    posed_joints = np.einsum("jab,jb->ja", body.transforms, np.c_[body.rest_joints, np.ones(24)])[:, :3]
+    assert np.allclose(posed_joints, body.joints)
+    model = skin(body.rest_vertices, body.rest_weights, body.transforms)
+    distance = np.sqrt(igl.point_mesh_squared_distance(vertices, model, body.rest_faces)[0])
+    assert np.sqrt((distance**2).mean()) < 0.006
+    still = rest_body(body)
+    assert still.vertices[:, 1].min() == pytest.approx(0, abs=1e-9)
+    assert still.joint("left_wrist")[0] > 0.5 and still.joint("left_foot")[2] > still.joint("left_ankle")[2]
+
+
+@pytest.mark.slow
+def test_a_moved_mesh_gives_the_same_joints_moved(registered: tuple) -> None:
+    """A heading or place that the starts favour would show as other joints on the same body."""
+    body, vertices, faces, joints, _ = registered
+    turn, shift = rotations_of(np.array([0.0, 2.0, 0.0])), np.array([3.0, -0.7, 1.5])
+    moved = register_body(vertices @ turn.T + shift, faces[:, ::-1])
+    check_joints(moved, joints @ turn.T + shift)
+    assert np.linalg.norm(moved.joints - (body.joints @ turn.T + shift), axis=1).mean() < 0.005
+    assert np.array_equal(moved.faces, faces)
+
+
+def test_derivatives_by_pose_and_shape_agree_with_differences() -> None:
+    """A wrong column in the Jacobian sends a limb or the shape astray in every fit."""
+    rng = np.random.default_rng(0)
+    subset = np.arange(0, len(TEMPLATE.vertices), 250)
+    fitter = Fitter(TEMPLATE, subset, Surface(np.zeros((1, 3)), np.array([[0.0, 1.0, 0.0]])))
+    state = State(rng.normal(0, 1, 6), rotations_of(rng.normal(0, 0.4, (24, 3))), rng.normal(0, 1, 3))
+    _, _, moved, world, posed, _ = fitter._place(state)
+    turn, shape = fitter._derivatives(state, 6, moved, world, posed)
+    h = 1e-6
+    for column in (1, 5, 17, 40, 71):
+        step = np.zeros(72)
+        step[column] = h
+        ends = [State(state.shape, rotations_of(s * step.reshape(24, 3)) @ state.rotations, state.translation)
+                for s in (1, -1)]  # fmt: skip
+        slope = (fitter._place(ends[0])[0] - fitter._place(ends[1])[0]) / (2 * h)
+        assert np.allclose(slope, turn[:, :, column], atol=1e-7)
+    for k in range(6):
+        step = np.eye(6)[k] * h
+        ends = [State(state.shape + s * step, state.rotations, state.translation) for s in (1, -1)]
+        slope = (fitter._place(ends[0])[0] - fitter._place(ends[1])[0]) / (2 * h)
+        assert np.allclose(slope, shape[:, :, k], atol=1e-7)
+
+
+def test_a_fit_from_the_true_state_stays_there() -> None:
+    """Pairs or priors with a bias would walk away from a surface that the model matches."""
+    body = builtin_body("builtin:female")
+    subset = np.arange(0, len(TEMPLATE.vertices), 10)
+    state = State(body.parameters["shape"], np.tile(np.eye(3), (24, 1, 1)), np.zeros(3))
+    rest, _ = TEMPLATE.shaped(state.shape)
+    normals = vertex_normals(rest, TEMPLATE.faces)
+    fitter = Fitter(TEMPLATE, subset, Surface(rest, normals))
+    after = fitter.fit(state, Stage(3, 0.01, 0.03, True, 60))
+    rest_after, _ = TEMPLATE.shaped(after.shape)
+    assert np.abs(rest_after - rest).max() < 0.003
+    assert np.abs(after.translation).max() < 0.001
+    assert fitter.residual(after, 0.05, 0.05) < 1.02 * fitter.residual(state, 0.05, 0.05)
+
+
+def test_a_cube_is_no_person() -> None:
+    """A wrong mesh must be refused with a stable code, not given bones."""
+    cube = trimesh.creation.box((1.0, 1.0, 1.0)).subdivide().subdivide()
+    quick = RegistrationSettings(coarse_count=60, fine_count=300, surface_count=600, kept=(1, 1))
+    with pytest.raises(NotHuman, match="metres") as caught:
+        register_body(cube.vertices, cube.faces, settings=quick)
+    assert caught.value.code == "body.not_human"
+
+
+def test_millimetres_are_no_person() -> None:
+    """A body in millimetres would search for ever in the wrong scale; the height says it at once."""
+    body = builtin_body("builtin:male")
+    with pytest.raises(NotHuman, match="high"):
+        register_body(1000 * body.vertices, body.faces)
+
+
+def test_cancelling_stops_the_search() -> None:
+    """A cancelled job must not fit on for seconds."""
+    body = builtin_body("builtin:male")
+    with pytest.raises(Cancelled):
+        register_body(body.vertices, body.faces, hooks=Hooks(is_cancelled=lambda: True))
