@@ -1,0 +1,64 @@
+"""The first drape: every shipped template hangs on the built-in body, whole and outside it."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from garmentq.core.body import builtin_body
+from garmentq.core.drape import DrapeSettings, Stand, drape_template, place, waist_loop
+from garmentq.core.pattern import list_templates, load_template, mesh_pattern
+
+CONTOURS = {
+    "tshirt": {"neck", "cuff.left", "cuff.right", "hem"},
+    "tank": {"neck", "armhole.left", "armhole.right", "hem"},
+    "dress": {"neck", "armhole.left", "armhole.right", "hem"},
+    "trousers": {"waist", "leg.left", "leg.right"},
+    "skirt": {"waist", "hem"},
+}
+
+
+@cache
+def stand(pose: str) -> Stand:
+    """Give the built-in body in a pose with its distance grids."""
+    return Stand.of(builtin_body(f"builtin:female,height=1.70,pose={pose}"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pose", ["T", "A"])
+@pytest.mark.parametrize("name", sorted(CONTOURS))
+def test_template_hangs_on_the_builtin_body(name: str, pose: str) -> None:
+    """Breaks if a panel passes through the body while it is inflated, or if the pose tears the cloth."""
+    wearer = stand(pose)
+    garment = drape_template(load_template(name), wearer, settings=DrapeSettings(template_vertices=700))
+    assert {contour.name for contour in garment.contours} == CONTOURS[name]
+    assert wearer.grid.distance(garment.nodes).min() > -1e-3
+    sides = garment.faces[:, [[0, 1], [1, 2], [2, 0]]]
+    rest = garment.rest[:, [[0, 1], [1, 2], [2, 0]]]
+    ratio = np.linalg.norm(np.diff(garment.nodes[sides], axis=2), axis=-1) / np.linalg.norm(
+        np.diff(rest, axis=2), axis=-1
+    )
+    assert 0.9 < np.median(ratio) < 1.1
+    assert np.quantile(ratio, 0.99) < 2.0
+
+
+def test_every_template_is_tried_here() -> None:
+    """Breaks if a template is shipped that no test drapes."""
+    assert {info.name for info in list_templates()} == set(CONTOURS)
+
+
+@pytest.mark.parametrize("shift", [-1.1, 0.0, 0.4])
+def test_origin_of_the_file_does_not_matter(shift: float) -> None:
+    """Breaks if the height at which a garment is placed follows its file instead of the body's shoulders or waist."""
+    body = stand("T").rest
+    for name in ("tshirt", "skirt"):
+        garment = mesh_pattern(load_template(name), 500)
+        moved = garment.at(garment.nodes + np.array([0.3, shift, -0.2]))
+        assert place(moved, body) == pytest.approx(place(garment, body), abs=1e-9)
+
+
+def test_only_garments_without_arms_hang_from_the_waist() -> None:
+    """Breaks if a top is held at its neck as if that were a waistband."""
+    held = {name: waist_loop(mesh_pattern(load_template(name), 500)) is not None for name in CONTOURS}
+    assert held == {"tshirt": False, "tank": False, "dress": False, "trousers": True, "skirt": True}

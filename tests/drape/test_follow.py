@@ -1,0 +1,88 @@
+"""Position-based steps: what they must conserve, reach and keep out of."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from garmentq.core.drape import FollowSettings, follow, lay_threads, tie_contour
+from garmentq.core.pattern import Edge, Garment, Panel, Pattern, mesh_pattern
+
+
+def sheet(width: float = 0.3, height: float = 0.3, edge: float = 0.03) -> Garment:
+    """Mesh one rectangular panel, unsewn."""
+    points = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
+    return mesh_pattern(Pattern("sheet", (Panel("sheet", points, (Edge(),) * 4),), ()), edge_length=edge)
+
+
+def on_sphere(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Give the distance to a sphere of 10 cm about (0.15, -0.12, 0.15)."""
+    offset = points - np.array([0.15, -0.12, 0.15])
+    length = np.linalg.norm(offset, axis=1)
+    return length - 0.1, offset / length[:, None]
+
+
+def test_rest_lengths_are_those_of_the_flat_panel() -> None:
+    """Breaks if threads take their lengths from the placed mesh, or if a hinge's pair is measured folded."""
+    garment = sheet()
+    threads = lay_threads(garment)
+    flat = np.zeros((len(garment.nodes), 3))
+    flat[garment.uv_node, :2] = garment.uv
+    found = np.linalg.norm(flat[threads.ends[:, 0]] - flat[threads.ends[:, 1]], axis=1)
+    assert found == pytest.approx(threads.lengths, abs=1e-12)
+
+
+def test_flat_sheet_without_weight_stays_where_it_is() -> None:
+    """Breaks if the constraints create motion of their own."""
+    garment = sheet()
+    nodes, velocities = follow(lay_threads(garment), garment.nodes, None, 10)
+    assert np.abs(nodes - garment.nodes).max() < 1e-9
+    assert np.abs(velocities).max() < 1e-6
+
+
+def test_stretched_sheet_returns_to_its_size() -> None:
+    """Breaks if the sweeps do not converge on the edge lengths."""
+    garment = sheet()
+    threads = lay_threads(garment)
+    nodes, _ = follow(threads, garment.nodes * 1.3, None, 60)
+    edges = threads.stiffness == 1.0
+    found = np.linalg.norm(nodes[threads.ends[edges, 0]] - nodes[threads.ends[edges, 1]], axis=1)
+    assert np.abs(found / threads.lengths[edges] - 1.0).max() < 0.01
+
+
+def test_sheet_falls_on_a_sphere_and_stays_outside() -> None:
+    """Breaks if contact is lost between steps, or if friction pulls cloth through the surface."""
+    garment = sheet()
+    nodes = garment.nodes[:, [0, 2, 1]] * np.array([1.0, 1.0, 1.0])
+    settings = FollowSettings()
+    nodes, _ = follow(lay_threads(garment), nodes, on_sphere, 120, settings=settings, gravity=9.81)
+    distance, _ = on_sphere(nodes)
+    assert distance.min() > settings.thickness - 1e-3
+    assert nodes[:, 1].min() < -0.1, "the rim hangs down"
+
+
+def test_held_nodes_do_not_move() -> None:
+    """Breaks if a held node takes part in a projection."""
+    garment = sheet()
+    held = np.array([0, 3, 5])
+    nodes, _ = follow(lay_threads(garment), garment.nodes, None, 20, gravity=9.81, held=held)
+    assert np.array_equal(nodes[held], garment.nodes[held])
+    assert nodes[:, 1].min() < garment.nodes[:, 1].min() - 0.05
+
+
+def test_same_input_gives_the_same_bits() -> None:
+    """Breaks if anything in the steps depends on memory or order of execution."""
+    garment = sheet()
+    runs = [follow(lay_threads(garment), garment.nodes * 1.1, on_sphere, 15, gravity=9.81)[0] for _ in range(2)]
+    assert np.array_equal(runs[0], runs[1])
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_loop_is_tied_to_its_own_place_on_the_curve(turned: bool) -> None:
+    """Breaks if the start or the sense of rotation of the two curves is not matched."""
+    angle = np.linspace(0.0, 2 * np.pi, 90, endpoint=False)
+    curve = np.column_stack([0.15 * np.cos(angle), np.zeros(90), 0.1 * np.sin(angle)])
+    angle = np.linspace(0.0, 2 * np.pi, 40, endpoint=False) + 1.0
+    loop = np.column_stack([0.165 * np.cos(angle), np.full(40, 0.02), 0.11 * np.sin(angle)])
+    tied = tie_contour(loop, curve[::-1] if turned else curve)
+    assert np.linalg.norm(tied - loop, axis=1).max() < 0.03
+    assert np.abs(tied[:, 1]).max() < 1e-12
