@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
+import functools
+
 import numpy as np
 import pytest
 from garmentq.core.body import JOINTS, Body
@@ -75,8 +78,8 @@ def tube_recovery():
     import trimesh
     from garmentq.core.measure import judge, measure_fit, measure_seams
 
-    def make(**changes) -> Recovery:
-        names = changes.pop("panel_names", ("front", "back"))
+    @functools.cache
+    def base(names: tuple[str, str]) -> Recovery:
         garment = make_tube(make_tube_pattern(names=names))
         post = trimesh.creation.cylinder(radius=0.13, height=1.2, sections=48)
         body = make_body(post.vertices[:, [1, 2, 0]] + [0.0, 0.95, 0.0], np.array(post.faces))
@@ -105,6 +108,9 @@ def tube_recovery():
             "peak_mb": 321.0,
             "manifest": {"seed": 0},
         }
-        return Recovery(**(values | changes))
+        return Recovery(**values)
+
+    def make(panel_names: tuple[str, str] = ("front", "back"), **changes) -> Recovery:
+        return dataclasses.replace(base(panel_names), **changes)
 
     return make
