@@ -106,6 +106,8 @@ def register_body(
     settings = settings or RegistrationSettings()
     vertices = np.asarray(vertices, dtype=np.float64)
     faces = np.asarray(faces, dtype=np.int64)
+    if not len(faces) or not np.isfinite(vertices).all():
+        raise NotHuman(f"The body mesh has no faces or positions that are no numbers. {NotHuman().message}")
     corners = vertices[faces]
     if np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) < 0:
         faces = faces[:, ::-1]

@@ -145,6 +145,15 @@ def test_millimetres_are_no_person() -> None:
         register_body(1000 * body.vertices, body.faces)
 
 
+def test_an_empty_mesh_and_nan_are_no_person() -> None:
+    """A mesh with nothing to sample must end in the same clear refusal, not in a traceback."""
+    body = builtin_body("builtin:male")
+    with pytest.raises(NotHuman):
+        register_body(body.vertices, np.zeros((0, 3), int))
+    with pytest.raises(NotHuman):
+        register_body(np.where(body.vertices > 1.7, np.nan, body.vertices), body.faces)
+
+
 def test_cancelling_stops_the_search() -> None:
     """A cancelled job must not fit on for seconds."""
     body = builtin_body("builtin:male")
