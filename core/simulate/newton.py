@@ -1,4 +1,4 @@
-"""One descent step on the cloth's energy: exact Hessian where it is positive definite, its PSD form elsewhere."""
+"""One descent step on the cloth's energy: as much of the exact Hessian as is positive definite."""
 
 from __future__ import annotations
 
@@ -16,6 +16,10 @@ _SHORTEST = 2.0**-12
 """Shortest step tried: shorter ones move nothing that can be seen."""
 
 
+_RETREAT = 0.6
+"""Factor on the exact share after each indefinite matrix; below a tenth the PSD form alone is taken."""
+
+
 @dataclass(frozen=True)
 class Step:
     """Hold the outcome of one Newton iteration.
@@ -25,14 +29,14 @@ class Step:
         energy: Energy before it [J].
         residual: Largest force before it, relative to the mean weight of a node.
         motion: Largest displacement [m]; 0 where no step helped.
-        definite: Whether the exact Hessian was asked for and was positive definite.
+        share: Share of the exact Hessian that was used: 1 exact, 0 its PSD form.
     """
 
     nodes: np.ndarray
     energy: float
     residual: float
     motion: float
-    definite: bool
+    share: float
 
 
 def mean_weight(energy: Energy) -> float:
@@ -40,32 +44,57 @@ def mean_weight(energy: Energy) -> float:
     return float(energy.masses.mean()) * 9.81
 
 
-def newton_step(energy: Energy, solver: Solver, nodes: np.ndarray, exact: bool) -> Step:
-    """Take one clamped Newton step with a line search on the energy."""
-    start, gradient, blocks = energy.hessian(nodes, exact)
-    residual = float(np.sqrt((gradient**2).sum(1).max())) / mean_weight(energy)
-    topology, fixed = energy.topology, energy.fixed
-    usable = solver.factor(topology.assemble(blocks, fixed))
-    definite = exact and usable and solver.is_positive_definite()
-    if exact and not definite:
-        _, _, blocks = energy.hessian(nodes, False)
-        usable = False
-    # the PSD form may be singular (slack cloth): shift it by the weight of a node per centimetre, then ever more
-    shift = 100.0 * mean_weight(energy)
-    while not usable or (not definite and not np.isfinite(shift)):
-        shifted = blocks.copy()
-        shifted[topology.diagonal] += shift * np.eye(3)
-        usable = solver.factor(topology.assemble(shifted, fixed))
-        shift *= 10.0
-        if shift > 1e12:
-            return Step(nodes, start, residual, 0.0, False)
+def relative_residual(energy: Energy, gradient: np.ndarray) -> float:
+    """Give the largest force on a node, relative to the mean weight of a node."""
+    return float(np.sqrt((gradient**2).sum(1).max())) / mean_weight(energy)
+
+
+def newton_step(energy: Energy, solver: Solver, nodes: np.ndarray, share: float) -> Step:
+    """Take one clamped Newton step with a line search on the energy.
+
+    The matrix is share K + (1 - share) K_psd; where that is indefinite the share is lowered until it is not. The exact
+    Hessian is indefinite on compressed cloth, and the PSD form alone creeps: a blend keeps most of the curvature.
+    """
+    start, gradient, blocks = energy.hessian(nodes, share > 0)
+    residual = relative_residual(energy, gradient)
+    share = _factor(energy, solver, nodes, blocks, share)
+    if share < 0:
+        return Step(nodes, start, residual, 0.0, 0.0)
     direction = -solver.solve(gradient.ravel()).reshape(-1, 3)
     slope = float((gradient * direction).sum())
     if not np.isfinite(direction).all() or slope >= 0:
+        # round-off has eaten the direction: down the gradient, a millimetre at most
         direction = -gradient * (1e-3 / max(float(np.abs(gradient).max()), 1e-300))
         slope = float((gradient * direction).sum())
     nodes, motion = _search(energy, nodes, direction, start, slope)
-    return Step(nodes, start, residual, motion, definite)
+    return Step(nodes, start, residual, motion, share)
+
+
+def _factor(energy: Energy, solver: Solver, nodes: np.ndarray, blocks: np.ndarray, share: float) -> float:
+    """Factor the largest share of the exact Hessian that is definite and give it; -1 where nothing can be factored.
+
+    `blocks` is the exact Hessian where `share` > 0, else the PSD form. Slack cloth makes the PSD form singular, so it
+    is shifted, first by a node's weight per metre, which is nothing beside the cloth's stiffness.
+    """
+    topology, fixed = energy.topology, energy.fixed
+    if share >= 1.0:
+        if solver.factor(topology.assemble(blocks, fixed)) and solver.is_positive_definite():
+            return 1.0
+        share = _RETREAT
+    psd = energy.hessian(nodes, False)[2] if share > 0 else blocks
+    shift = mean_weight(energy)
+    psd[topology.diagonal] += shift * np.eye(3)
+    while True:
+        mixed = share * blocks + (1.0 - share) * psd if share > 0 else psd
+        if solver.factor(topology.assemble(mixed, fixed)) and solver.is_positive_definite():
+            return share
+        if share > 0:
+            share = share * _RETREAT if share > 0.1 else 0.0
+        elif shift > 1e12 * mean_weight(energy):
+            return -1.0
+        else:
+            psd[topology.diagonal] += 99.0 * shift * np.eye(3)
+            shift *= 100.0
 
 
 def _search(

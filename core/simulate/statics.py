@@ -14,7 +14,7 @@ from .dynamics import bring_to_hold, lag_friction
 from .energy import Energy
 from .fabric import Fabric
 from .hold import Hold
-from .newton import Step, newton_step
+from .newton import Step, newton_step, relative_residual
 from .settings import GRAVITY, SimulateSettings
 from .solver import Solver, make_solver
 from .topology import Topology
@@ -75,8 +75,8 @@ def equilibrium(
 ) -> Drape:
     """Find positions at which no force is left on any node, from nodes [m], shape [node_count, 3].
 
-    Newton on dE/dx = 0 with a line search on E. The PSD Hessian far away (steps over 1 cm), the exact one near, and
-    the PSD one again for a few iterations wherever the exact one is indefinite. Friction's normal forces are taken from
+    Newton on dE/dx = 0 with a line search on E. The PSD Hessian far away (steps over 1 cm), then as much of the exact
+    one as is positive definite, which makes the last iterations quadratic. Friction's normal forces are taken from
     the current positions in every iteration until the cloth is nearly at rest, and then frozen.
 
     Raises:
@@ -88,7 +88,7 @@ def equilibrium(
     anchors = nodes.copy() if anchors is None else anchors
     solver = solver or make_solver(topology)
     energy = Energy(topology, fabric, grid, hold, gravity, settings)
-    started, exact, wait, calm = time.process_time(), False, 0, 0
+    started, share, calm = time.process_time(), 0.0, 0
     outcome, done, lagging = "iterations", 0, True
     for done in range(settings.max_iterations + 1):
         hooks.check()
@@ -96,7 +96,7 @@ def equilibrium(
         moved_hold, nodes = float(np.abs(held - nodes).max()), held
         if lagging:
             energy = replace(energy, friction=lag_friction(energy, nodes, anchors))
-        step = newton_step(energy, solver, nodes, exact)
+        step = newton_step(energy, solver, nodes, share)
         if step.residual <= settings.tolerance and moved_hold == 0:
             outcome = "converged"
             break
@@ -105,7 +105,7 @@ def equilibrium(
         nodes = step.nodes
         lagging = lagging and step.motion > 1e-3
         calm = calm + 1 if step.motion < settings.still and moved_hold == 0 else 0
-        if step.motion == 0 and moved_hold == 0 and not exact:
+        if step.motion == 0 and moved_hold == 0 and step.share == 0:
             outcome = "stuck"
             break
         if calm >= 3:
@@ -114,18 +114,16 @@ def equilibrium(
         if settings.max_cpu_seconds is not None and time.process_time() - started > settings.max_cpu_seconds:
             outcome = "time"
             break
-        exact, wait = _choose_exact(step, exact, wait)
+        share = _choose_share(step, share)
     end, gradient = energy.gradient(nodes)
-    residual = float(np.sqrt((gradient**2).sum(1).max())) / (float(energy.masses.mean()) * 9.81)
+    residual = relative_residual(energy, gradient)
     slid = anchors if energy.friction is None else energy.friction.slide(nodes)
     converged = outcome in ("converged", "still")
     return Drape(nodes, residual, done, converged, end, outcome, MESSAGES[outcome], slid)
 
 
-def _choose_exact(step: Step, exact: bool, wait: int) -> tuple[bool, int]:
-    """Choose the next iteration's Hessian: exact below 1 cm of motion, three PSD ones after an indefinite one."""
-    if exact and not step.definite:
-        return False, 3
-    if wait > 0:
-        return False, wait - 1
-    return step.motion < 1e-2, 0
+def _choose_share(step: Step, asked: float) -> float:
+    """Choose how much of the exact Hessian to try next: none beyond 1 cm of motion, then a quarter more each time."""
+    if step.motion > 1e-2 or step.motion == 0:
+        return 0.0
+    return min(1.0, max(1.25 * step.share, 0.3)) if step.share == asked else step.share
