@@ -33,8 +33,10 @@ test: $(VENV)/.installed-test
 lint: $(VENV)/.installed-test
 	$(BIN)/ruff check .
 
+# mypy does not follow an editable install: it is shown the checkout under the package's name.
 types: $(VENV)/.installed-test
-	$(BIN)/mypy -p garmentq.core -p garmentq.service -p garmentq.workers -p garmentq.cli
+	mkdir -p $(VENV)/types && ln -sfn $(CURDIR) $(VENV)/types/garmentq
+	MYPYPATH=$(VENV)/types $(BIN)/mypy -p garmentq.core -p garmentq.service -p garmentq.workers -p garmentq.cli
 
 bench: $(VENV)/.installed
 	$(BIN)/garmentq bench $(PACKS)
