@@ -48,29 +48,43 @@ def drop_duty(database: Database, name: str, owner: str) -> None:
         session.execute(delete(LockRow).where(LockRow.name == name, LockRow.owner == owner))
 
 
-def reap(database: Database, max_attempts: int, republish_seconds: float) -> int:
-    """Take back what its owner no longer renews, and owe a wake-up to what was forgotten.
+def reap(database: Database, max_attempts: int) -> int:
+    """Take back the jobs whose owners no longer renew their lease; one that was lost too often ends as `dead`.
 
     Returns:
-        How many jobs were touched.
+        How many jobs were taken back.
     """
     with database.read() as session:
-        waiting = session.execute(select(exists().where(_is_expired()))).scalar()
-        waiting = waiting or session.execute(select(exists().where(_is_forgotten(republish_seconds)))).scalar()
-    if not waiting:
-        return 0
+        if not session.execute(select(exists().where(_is_expired()))).scalar():
+            return 0
     with database.write() as session:
         expired = session.scalars(select(JobRow).where(_is_expired()).with_for_update(skip_locked=True)).all()
         for row in expired:
             _take_back(session, row, max_attempts)
-        forgotten = session.scalars(
-            select(JobRow).where(_is_forgotten(republish_seconds)).with_for_update(skip_locked=True)
-        ).all()
+        return len(expired)
+
+
+def remind(database: Database, seconds: float, is_broker_empty: Callable[[], bool]) -> int:
+    """Owe a new wake-up to each queued job that saw nothing for so long [s] while the broker holds no message at all.
+
+    A broker that still holds messages is only busy: publishing again would pile them up.
+
+    Returns:
+        How many jobs were forgotten.
+    """
+    with database.read() as session:
+        if not session.execute(select(exists().where(_is_forgotten(seconds)))).scalar():
+            return 0
+    if not is_broker_empty():
+        return 0
+    with database.write() as session:
+        statement = select(JobRow).where(_is_forgotten(seconds)).limit(BATCH).with_for_update(skip_locked=True)
+        forgotten = session.scalars(statement).all()
         for row in forgotten:
             row.touched = clock()  # type: ignore[assignment]
             session.add(OutboxRow(job=row.id, created=clock()))
             record(session, row.id, "republished")
-        return len(expired) + len(forgotten)
+        return len(forgotten)
 
 
 def dispatch(database: Database, publish: Callable[[str], None]) -> int:

@@ -42,8 +42,8 @@ class ServiceSettings:
         max_attempts: Claims of one job before it ends as `dead`; a third crash in a row is no bad luck.
         max_seconds: Longest time that one attempt may take [s]; an ordinary job takes one to two minutes.
         poll_seconds: Period of the dispatcher and of the cancel check [s]; half a second is not noticed by a person.
-        republish_seconds: A queued job that saw no event for so long is published again [s]: the broker may have lost
-            it. A needless message does no harm.
+        republish_seconds: A queued job that saw no event for so long is published again [s] if the broker holds no
+            message: it must have lost it. A needless message does no harm.
         idle_seconds: The embedded worker and broker stop after so long without a job [s]; 0: never.
         threads: Threads of each pool child; one, since two children with two threads each took 8 times as long.
         pipeline: Dotted path of the function that runs a job.

@@ -55,3 +55,9 @@ def make_app(settings: ServiceSettings) -> Celery:
 def publish(app: Celery, job: str) -> None:
     """Send one wake-up for a job; raises at once where the broker is away."""
     app.send_task(TASK, args=(job,), queue=QUEUE, task_id=uuid.uuid4().hex, retry=False, ignore_result=True)
+
+
+def count_messages(app: Celery) -> int:
+    """Count the wake-ups that wait in the broker."""
+    with app.pool.acquire(block=True, timeout=BROKER_SECONDS) as connection:
+        return int(connection.default_channel.client.llen(QUEUE))

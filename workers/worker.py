@@ -20,9 +20,9 @@ from celery.platforms import SecurityWarning
 
 from ..core.errors import GarmentqError
 from ..service.database import Database, open_database
-from ..service.reaper import dispatch, drop_duty, hold_duty, is_idle, reap
+from ..service.reaper import dispatch, drop_duty, hold_duty, is_idle, reap, remind
 from ..service.settings import ServiceSettings
-from .app import TASK, make_app, publish
+from .app import TASK, count_messages, make_app, publish
 from .recovery import run_job
 from .threads import limit_threads
 
@@ -33,7 +33,7 @@ DUTY_SECONDS = 5.0
 """How long the duty outlives its holder [s]: what a dead dispatcher delays the queue at most."""
 
 IDLE_CHECK_SECONDS = 5.0
-"""Period of the look whether an embedded worker may go home [s]."""
+"""Longest period of the look whether an embedded worker may go home [s]."""
 
 
 class Duties(bootsteps.StartStopStep):
@@ -49,7 +49,8 @@ class Duties(bootsteps.StartStopStep):
         self.app = parent.app
         self.rounds = parent.timer.call_repeatedly(self.settings.poll_seconds, self._round)
         if parent.app.garmentq_goes_home and self.settings.idle_seconds:
-            parent.timer.call_repeatedly(IDLE_CHECK_SECONDS, self._go_home_if_idle)
+            period = min(IDLE_CHECK_SECONDS, self.settings.idle_seconds)
+            parent.timer.call_repeatedly(period, self._go_home_if_idle)
 
     def stop(self, parent: Any) -> None:
         """Let another worker take over at once; the parent's timers go on while its children finish."""
@@ -62,7 +63,8 @@ class Duties(bootsteps.StartStopStep):
     def _round(self) -> None:
         try:
             if hold_duty(self.database, DUTY, self.name, DUTY_SECONDS):
-                reap(self.database, self.settings.max_attempts, self.settings.republish_seconds)
+                reap(self.database, self.settings.max_attempts)
+                remind(self.database, self.settings.republish_seconds, lambda: count_messages(self.app) == 0)
                 dispatch(self.database, lambda job: publish(self.app, job))
         except Exception as error:  # the next round tries again; the loop must never end
             log.warning("a round of the dispatcher failed: %s: %s", type(error).__name__, error)

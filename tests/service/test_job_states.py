@@ -27,7 +27,7 @@ from garmentq.service.jobs import (
     retry,
 )
 from garmentq.service.models import ArtifactRow, EventRow, JobRow, MetricRow, OutboxRow
-from garmentq.service.reaper import dispatch, drop_duty, hold_duty, is_idle, reap
+from garmentq.service.reaper import dispatch, drop_duty, hold_duty, is_idle, reap, remind
 from garmentq.service.results import load_checkpoint, save_checkpoint, store_recovery
 from garmentq_home import make_environment
 from garmentq_standin import make_recovery
@@ -83,7 +83,7 @@ def test_a_zombie_writes_nothing(database, store, queue_job, tmp_path):
     job = queue_job()
     zombie = claim(database, job, "zombie", 30.0)
     expire(database, job)
-    reap(database, max_attempts=3, republish_seconds=60.0)
+    reap(database, max_attempts=3)
     owner = claim(database, job, "owner", 30.0)
     assert owner.fence == zombie.fence + 1
     with database.read() as session:
@@ -120,9 +120,9 @@ def test_reaper_requeues_then_gives_up(database, queue_job):
     job = queue_job("crash")
     for attempt in (1, 2, 3):
         assert claim(database, job, "a", 30.0).attempt == attempt
-        assert reap(database, 3, 60.0) == 0, "a lease that holds must be left alone"
+        assert reap(database, 3) == 0, "a lease that holds must be left alone"
         expire(database, job)
-        assert reap(database, 3, 60.0) == 1
+        assert reap(database, 3) == 1
     row = find_job(database, job)
     assert (row.state, row.error_code, row.lease_until) == ("dead", "job.worker_lost", None)
     kinds = [event.kind for event in read_events(database, job)]
@@ -162,7 +162,7 @@ def test_a_cancelled_job_whose_worker_died_ends_cancelled(database, queue_job):
     claim(database, job, "a", 30.0)
     cancel(database, job)
     expire(database, job)
-    reap(database, 3, 60.0)
+    reap(database, 3)
     assert find_job(database, job).state == "cancelled"
 
 
@@ -196,10 +196,12 @@ def test_a_forgotten_job_is_published_again(database, queue_job):
     """Broken where the broker's memory were the truth: a FLUSHALL would leave the job queued for ever."""
     job = queue_job()
     dispatch(database, lambda _: None)
-    assert reap(database, 3, republish_seconds=60.0) == 0
+    assert remind(database, 60.0, lambda: True) == 0
     time.sleep(0.1)
-    assert reap(database, 3, republish_seconds=0.05) == 1
-    assert reap(database, 3, republish_seconds=0.05) == 0, "what is already owed must not be owed twice"
+    assert remind(database, 0.05, lambda: False) == 0, "a broker that is only busy must not be flooded"
+    assert remind(database, 0.05, lambda: True) == 1
+    time.sleep(0.1)
+    assert remind(database, 0.05, lambda: True) == 0, "what is already owed must not be owed twice"
     sent = []
     dispatch(database, sent.append)
     assert sent == [job]

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import io
 import os
 import shutil
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
+from unittest import mock
 
 import pytest
+from garmentq.cli.main import main
 from garmentq.service.database import Database, open_database
 from garmentq.service.jobs import ENDED, find_job
 from garmentq.service.models import JobRow
@@ -42,14 +46,28 @@ def make_environment(settings: ServiceSettings) -> dict[str, str]:
 
 
 class Cli:
-    """Run garmentq as a user does: in a process of its own."""
+    """Run garmentq's commands, in this process (quick) or in one of their own (as a user does)."""
 
     def __init__(self, settings: ServiceSettings) -> None:
         self.settings = settings
         self.environment = make_environment(settings)
 
     def __call__(self, *arguments: object, **variables: str) -> subprocess.CompletedProcess[str]:
-        """Run one command to its end."""
+        """Run one command to its end in this process."""
+        words, out, error = [str(argument) for argument in arguments], io.StringIO(), io.StringIO()
+        with (
+            mock.patch.dict(os.environ, {**self.environment, **variables}),
+            redirect_stdout(out),
+            redirect_stderr(error),
+        ):
+            try:
+                main(words)
+            except SystemExit as end:
+                return subprocess.CompletedProcess(words, int(end.code or 0), out.getvalue(), error.getvalue())
+        raise AssertionError("a command must end by SystemExit")
+
+    def start(self, *arguments: object, **variables: str) -> subprocess.CompletedProcess[str]:
+        """Run one command to its end in a process of its own."""
         command = [sys.executable, "-m", "garmentq.cli.main", *map(str, arguments)]
         return subprocess.run(
             command, env={**self.environment, **variables}, capture_output=True, text=True, timeout=120, check=False

@@ -33,6 +33,7 @@ def read_marks(path):
     return [(int(step), int(process)) for step, process in (line.split() for line in path.read_text().splitlines())]
 
 
+@pytest.mark.slow
 def test_twelve_jobs_and_two_workers(settings, database, queue_job, environment):
     """Broken where a job is lost, done twice, or stops those behind it."""
     start_broker(settings)
@@ -56,6 +57,7 @@ def test_twelve_jobs_and_two_workers(settings, database, queue_job, environment)
     assert codes == [0, 0]
 
 
+@pytest.mark.slow
 def test_a_killed_child_resumes_and_a_poisonous_job_dies(settings, database, store, queue_job, environment, tmp_path):
     """Broken where a crash loses the job, begins it anew, or is repeated for ever."""
     ensure_services(settings, workers=2)
@@ -85,6 +87,7 @@ def test_cancel_a_running_job(settings, database, queue_job, environment):
     assert len(read_marks(environment)) < 30
 
 
+@pytest.mark.slow
 def test_down_gives_the_job_back_and_up_goes_on(settings, database, queue_job, environment):
     """Broken where stopping counts as a crash, or the work done so far is lost."""
     assert ensure_services(settings, workers=1) == ["broker", "worker"]
@@ -131,6 +134,7 @@ def test_a_job_that_takes_too_long_fails(settings, database, queue_job, environm
     assert (row.state, row.error_code) == ("failed", "job.too_long")
 
 
+@pytest.mark.slow
 def test_an_idle_worker_goes_home(settings, database, queue_job, environment):
     """Broken where `garmentq run` leaves a worker and a broker on the machine for ever."""
     from dataclasses import replace
