@@ -19,7 +19,7 @@ ARM = ("collar", "shoulder", "elbow", "wrist", "hand")
 LEG = ("hip", "knee", "ankle", "foot")
 """Bones of a leg from the pelvis outward, without their side."""
 ARMHOLE_END = 0.4
-"""A sleeveless garment's armhole lies above this share of the upper arm: a dropped shoulder reaches 0.25, and a sleeve
+"""A sleeveless garment's armhole lies above this share of the upper arm: a dropped shoulder reaches 0.26, and a sleeve
 that ends before 0.4 (10 cm) is a cap, cut in one with the bodice."""
 WAIST_END = 0.6
 """A skirt's or trousers' waist lies below this share of the way from the pelvis to the neck joint: a high waist reaches
