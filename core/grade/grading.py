@@ -82,7 +82,7 @@ def grade_pattern(
     contours = compare_contours((garment.nodes, garment.contours), (target.vertices, target.contours), body)
     moved = register_coarsely(garment, target, settings.registration, hooks)
     hooks.progress("grade", 0.8, "flattening")
-    stretch = stretch_between(garment, moved, settings.flattening.stretch_limit)
+    stretch = stretch_between(garment, moved, settings.flattening)
     points = fit_control_points(garment, stretch, settings.flattening)
     pattern, share = _step_without_folds(garment.pattern, points, settings)
     uv = garment.uv + map_controls(garment).apply(pattern.points - garment.pattern.points)
