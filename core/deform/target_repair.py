@@ -12,7 +12,7 @@ from .operators import border_edges, half_edges, twins, unit, vertex_areas, vert
 from .surface import Surface, SurfacePoints
 
 SPIKE_EDGES = 1.3
-"""Distance from the median of its ring, in median edges, beyond which it is a spike (a prototype found 113 of 115, 3 false)."""
+"""Distance from the median of its ring, in median edges, beyond which it is a spike (a trial found 113 of 115)."""
 
 SPIKE_OWN = 0.7
 """A spike is also at least this share of its own shortest edge away: a coarse but sound patch is not."""
