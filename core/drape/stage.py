@@ -35,7 +35,7 @@ class DrapeSettings:
     settle_steps: int = 30
     dress: DressSettings = field(default_factory=DressSettings)
     follow: FollowSettings = field(default_factory=FollowSettings)
-    simulate: SimulateSettings = field(default_factory=lambda: SimulateSettings(max_iterations=40))
+    simulate: SimulateSettings = field(default_factory=SimulateSettings)
 
 
 @dataclass(frozen=True)
