@@ -92,8 +92,7 @@ class Lines:
     def show(self, event: EventRow) -> None:
         """Write what is new."""
         if event.kind != "progress":
-            detail = event.data.get("message", "")
-            click.echo(f"{event.kind}{': ' + detail if detail else ''}", err=True)
+            click.echo(event.kind, err=True)
         elif event.data["stage"] != self.stage:
             self.stage = event.data["stage"]
             click.echo(f"  {self.stage} ...", err=True)
@@ -130,7 +129,7 @@ class Bars:
         """Draw what is new."""
         if event.kind != "progress":
             if event.kind not in ("queued", "started", "succeeded"):
-                self.progress.console.print(event.kind, event.data.get("message", ""), markup=False)
+                self.progress.console.print(event.kind)
             return
         stage = event.data["stage"]
         if stage not in self.tasks:

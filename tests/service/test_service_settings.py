@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
@@ -45,3 +47,25 @@ def test_bad_numbers(text):
 def test_passwords_are_hidden(url, shown):
     """Broken where `doctor` or an error prints a secret."""
     assert hide_password(url) == shown
+
+
+ROOT = Path(__file__).parents[2]
+NAMES = {f"GARMENTQ_{field.name.upper()}" for field in fields(ServiceSettings)}
+
+
+def test_the_page_names_every_setting():
+    """Broken where a setting is added or renamed and docs/service.md is forgotten."""
+    assert set(re.findall(r"GARMENTQ_[A-Z_]+", (ROOT / "docs" / "service.md").read_text(encoding="utf-8"))) == NAMES
+
+
+def test_the_compose_file_names_what_exists():
+    """Broken where the compose file sets a variable that nobody reads, or starts a command that is none."""
+    from garmentq.cli.main import COMMANDS
+
+    text = (ROOT / "docker-compose.yml").read_text(encoding="utf-8")
+    assert set(re.findall(r"GARMENTQ_[A-Z_]+", text)) <= NAMES
+    assert {"GARMENTQ_HOME", "GARMENTQ_BROKER_URL"} <= set(re.findall(r"GARMENTQ_[A-Z_]+", text))
+    assert re.findall(r'command: \["(\w+)"\]', text) == ["worker"] and "worker" in COMMANDS
+    volumes = re.findall(r"^  (\w+):$", text.split("\nvolumes:\n")[1], re.MULTILINE)
+    assert sorted(volumes) == ["broker", "home"] and all(f"- {name}:/" in text for name in volumes)
+    assert "ports:" not in text, "nothing may be published that has no key"
