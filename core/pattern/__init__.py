@@ -10,7 +10,7 @@ from .resampling import resample
 from .seams import equalise_seams, seam_lengths, seam_mismatch
 from .sewing import mesh_pattern
 from .symmetry import Mirror, Symmetry, find_symmetry
-from .templates import TemplateInfo, TemplateUnknown, list_templates, load_template
+from .templates import TemplateInfo, TemplateUnknown, list_templates, load_draped_template, load_template
 from .validity import check_outline
 
 __all__ = [
@@ -34,6 +34,7 @@ __all__ = [
     "equalise_seams",
     "find_symmetry",
     "list_templates",
+    "load_draped_template",
     "load_pattern",
     "load_template",
     "map_controls",

@@ -5,9 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from ..errors import NotFound
+from ..segment.target import Contour
+from .garment import Garment
 from .garmentcode import load_pattern
 from .pattern import Pattern
+from .sewing import mesh_pattern
 
 
 class TemplateUnknown(NotFound):
@@ -41,6 +46,9 @@ TEMPLATES = (
 """Every shipped template."""
 
 
+DRAPED_VERTICES = 1500
+"""Nodes of the shipped drapes: edges of 2.5 cm, enough to start from, and 20 kB a file."""
+
 LIBRARY = Path(__file__).parent / "library"
 """Where the pattern files are; `drafting.write_library` makes them."""
 
@@ -60,3 +68,37 @@ def load_template(name: str) -> Pattern:
         known = ", ".join(info.name for info in TEMPLATES)
         raise TemplateUnknown(f"template '{name}' is not one of {known}; `garmentq templates list` shows them.")
     return load_pattern(LIBRARY / f"{name}.json")
+
+
+def load_draped_template(name: str) -> Garment | None:
+    """Load a shipped template as it hangs on the built-in female body, contours named; None where no drape is shipped.
+
+    The file holds node positions only; the mesh is made anew, and where another machine's triangulation gives another
+    number of nodes the drape does not apply and None is returned.
+
+    Raises:
+        TemplateUnknown: where there is no template of that name.
+    """
+    pattern = load_template(name)
+    path = LIBRARY / f"{name}.npz"
+    if not path.exists():
+        return None
+    garment = mesh_pattern(pattern, DRAPED_VERTICES)
+    with np.load(path) as kept:
+        nodes = kept["nodes"].astype(np.float64)
+        names = [key.removeprefix("loop.") for key in kept.files if key.startswith("loop.")]
+        loops = {contour: kept[f"loop.{contour}"].astype(np.int64) for contour in names}
+    if len(nodes) != len(garment.nodes):
+        return None
+    contours = tuple(Contour(contour, loop, _closed_length(nodes[loop])) for contour, loop in loops.items())
+    return garment.at(nodes, contours)
+
+
+def save_draped_template(garment: Garment, path: Path) -> None:
+    """Keep the nodes [m], to 32 bits, and the named contours of a drape that `load_draped_template` reads."""
+    loops = {f"loop.{contour.name}": contour.vertices.astype(np.int32) for contour in garment.contours}
+    np.savez_compressed(path, nodes=garment.nodes.astype(np.float32), **loops)
+
+
+def _closed_length(loop: np.ndarray) -> float:
+    return float(np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1).sum())

@@ -10,6 +10,7 @@ from garmentq.core.pattern import (
     check_outline,
     find_symmetry,
     list_templates,
+    load_draped_template,
     load_template,
     mesh_pattern,
     panel_area,
@@ -136,3 +137,20 @@ def test_an_unknown_name_lists_the_known_ones():
     with pytest.raises(NotFound, match="tshirt, tank, dress, trousers, skirt") as caught:
         load_template("../tshirt")
     assert caught.value.code == "template.unknown"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_template_ships_its_drape(name):
+    """Breaks where a draft changed and was not draped again: the mesh would not fit, or be stretched out of shape."""
+    garment = load_draped_template(name)
+    assert garment is not None
+    assert {contour.name for contour in garment.contours} == CONTOURS[name]
+    edges = np.sort(garment.faces[:, [[0, 1], [1, 2]]].reshape(-1, 2), axis=1)
+    worn = np.linalg.norm(garment.nodes[edges[:, 0]] - garment.nodes[edges[:, 1]], axis=1)
+    corners = garment.uv_faces[:, [[0, 1], [1, 2]]].reshape(-1, 2)
+    flat = np.linalg.norm(garment.uv[corners[:, 0]] - garment.uv[corners[:, 1]], axis=1)
+    assert np.median(worn / flat) == pytest.approx(1.0, abs=0.05)
+    assert np.quantile(worn / flat, 0.99) < 1.3
+    for contour in garment.contours:
+        if contour.name.endswith(("left", "right")):
+            assert (garment.nodes[contour.vertices, 0].mean() > 0) == contour.name.endswith("left")

@@ -1,0 +1,43 @@
+"""Drape the shipped templates on the built-in female body: `python -m garmentq.core.drape.library`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..body import DistanceGrid, builtin_body
+from ..pattern import list_templates, load_template, mesh_pattern
+from ..pattern.templates import DRAPED_VERTICES, LIBRARY, save_draped_template
+from ..segment import name_contours
+from ..simulate import Hold, SimulateSettings, Topology, equilibrium, get_fabric, push_out
+from .dress import dress, waist_loop
+from .stage import look_up
+
+WEARER = "builtin:female,height=1.70"
+"""The body that the templates were drafted for."""
+
+FABRIC = "cotton_poplin"
+"""The default fabric of a recovery."""
+
+
+def drape_library(folder: Path) -> None:
+    """Drape every template on the body it was drafted for, in T-pose, and keep its nodes beside its pattern file.
+
+    Waists are held at the height where the draft places them, as the first drape leaves them.
+    """
+    body = builtin_body(WEARER)
+    grid = DistanceGrid.from_mesh(body.vertices, body.faces)
+    for info in list_templates():
+        garment = mesh_pattern(load_template(info.name), DRAPED_VERTICES)
+        waist = waist_loop(garment)
+        height = None if waist is None else float(garment.nodes[waist, 1].mean())
+        nodes = dress(garment, body, look_up(grid), waist_height=height)
+        hold = None if waist is None else Hold(waist, nodes[waist])
+        topology = Topology.from_garment(garment)
+        rest = equilibrium(topology, get_fabric(FABRIC), nodes, grid=grid, hold=hold, settings=SimulateSettings())
+        nodes = push_out(rest.nodes, body, garment.faces)
+        contours, _ = name_contours(nodes, garment.faces, body)
+        save_draped_template(garment.at(nodes, contours), folder / f"{info.name}.npz")
+
+
+if __name__ == "__main__":
+    drape_library(LIBRARY)
