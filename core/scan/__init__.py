@@ -1,8 +1,29 @@
 """From an untrusted file to a checked `Scan`."""
 
+from .cut import cut_garment
+from .labels import read_labels
 from .limits import Limits
 from .load import lies_on, load_pair, load_scan, vertex_normals
+from .pieces import Pieces, load_pieces
 from .scan import Scan
+from .selection import TOLERANCE, Selection, parse_colour, select_vertices
 from .units import find_units, find_up
 
-__all__ = ["Limits", "Scan", "find_units", "find_up", "lies_on", "load_pair", "load_scan", "vertex_normals"]
+__all__ = [
+    "TOLERANCE",
+    "Limits",
+    "Pieces",
+    "Scan",
+    "Selection",
+    "cut_garment",
+    "find_units",
+    "find_up",
+    "lies_on",
+    "load_pair",
+    "load_pieces",
+    "load_scan",
+    "parse_colour",
+    "read_labels",
+    "select_vertices",
+    "vertex_normals",
+]

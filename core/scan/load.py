@@ -45,6 +45,10 @@ class _Mesh:
     colours: np.ndarray | None
     labels: np.ndarray | None
     repairs: tuple[str, ...]
+    origin: np.ndarray
+    """Index in the file of each vertex."""
+    count: int
+    """Vertices in the file."""
 
 
 def load_scan(
@@ -200,6 +204,8 @@ def _read(path: Path, limits: Limits) -> _Mesh:
         colours=None if colours is None else colours[surface.origin].astype(np.float64) / 255.0,
         labels=None if labels is None else labels[surface.origin],
         repairs=surface.repairs,
+        origin=surface.origin,
+        count=len(vertices),
     )
 
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 REFUSED = 3
-_LABELS = ("label", "labels", "is_garment", "segment", "segment_id", "class")
+LABELS = ("label", "labels", "is_garment", "segment", "segment_id", "class")
 """Names under which scanners and labelling tools keep an integer per vertex in a PLY."""
 
 
@@ -89,7 +89,7 @@ def _pick(loaded: dict[str, Any]) -> dict[str, np.ndarray]:
         arrays["colours"] = _as_bytes(np.asarray(colours)[:, :3])
     rows = loaded.get("metadata", {}).get("_ply_raw", {}).get("vertex", {}).get("data")
     names = getattr(getattr(rows, "dtype", None), "names", None) or (rows.keys() if isinstance(rows, dict) else ())
-    for name in _LABELS:
+    for name in LABELS:
         if name in names and len(np.ravel(rows[name])) == len(vertices):
             values = np.ravel(rows[name])
             if np.issubdtype(values.dtype, np.integer):

@@ -141,3 +141,33 @@ class ChoiceBad(BadInput):
     """Units are m, cm or mm and up is y or z; correct the option."""
 
     code = "scan.choice"
+
+
+class LabelsMissing(BadInput):
+    """The scan has neither labels nor colours to tell the garment by; give a label file with --labels."""
+
+    code = "scan.labels_missing"
+
+
+class LabelsUnreadable(BadInput):
+    """The label file cannot be read; save one integer or word per vertex as .npz, .npy, .json or .txt."""
+
+    code = "scan.labels_unreadable"
+
+
+class LabelsMismatch(BadInput):
+    """There are more or fewer labels than vertices; give one label per vertex, in the order of the scan's file."""
+
+    code = "scan.labels_mismatch"
+
+
+class LabelUnknown(BadInput):
+    """The garment cannot be told from the rest by these labels; correct --keep or --keep-colour."""
+
+    code = "scan.label_unknown"
+
+
+class ColourBad(BadInput):
+    """The colour cannot be read; write it as '#465faa'."""
+
+    code = "scan.colour"

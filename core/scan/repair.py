@@ -56,6 +56,11 @@ def repair_surface(vertices: np.ndarray, faces: np.ndarray) -> Surface:
     return _turn_outward(_drop_unused(surface))
 
 
+def clean_cut(surface: Surface) -> Surface:
+    """Tidy what a cut through a repaired surface leaves: fans that meet in a vertex are split, islands dropped."""
+    return _drop_unused(_drop_strays(_split_fans(surface)))
+
+
 def _merge_duplicates(surface: Surface) -> Surface:
     vertices = surface.vertices
     step = MERGE * float(np.linalg.norm(np.ptp(vertices, axis=0))) or 1.0

@@ -1,0 +1,103 @@
+"""Cut the garment out of a clothed scan along a smooth line."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_matrix
+
+from . import refusal
+from .repair import Surface, clean_cut, half_edges
+from .scan import Scan
+
+SOFTNESS = 0.008
+"""Width over which the labels are averaged along the surface before the cut [m], as a standard deviation: wider than
+the triangles of a scan (3 to 5 mm), whose teeth a cut along them would show, and than single wrong labels; narrow
+beside a shoulder strap (3 cm)."""
+NEAREST = 0.1
+"""The cut keeps this share of an edge away from its ends, so that no triangle becomes a sliver."""
+ROUNDS = 60
+"""Most rounds of averaging; reached only where triangles are smaller than 2 mm."""
+
+
+def cut_garment(scan: Scan, cloth: np.ndarray) -> Scan:
+    """Give the part of a scan where `cloth` is set, bool, shape [vertex_count], as a surface of its own.
+
+    The marks are averaged over neighbours to a smooth function f; the garment is where f > 1/2, and triangles that
+    straddle f = 1/2 are cut there, so that contours are smooth curves on the scan. Pieces below 5 % of the largest are
+    dropped.
+
+    Raises:
+        LabelUnknown: where what is left is no surface.
+    """
+    field = soften(scan.vertices, scan.faces, cloth)
+    vertices, faces, ends, share = _cut_level(scan.vertices, scan.faces, field)
+    surface = Surface(vertices, faces, np.arange(len(vertices)))
+    surface = clean_cut(surface) if len(faces) else surface
+    if len(surface.faces) == 0:
+        raise refusal.LabelUnknown(f"the labels leave no surface of {scan.name}; check --keep.")
+    first, second = ends[surface.origin].T
+    t = share[surface.origin][:, None]
+    colours = scan.colours
+    return Scan(
+        vertices=surface.vertices,
+        faces=surface.faces,
+        name=scan.name,
+        sha256=scan.sha256,
+        units=scan.units,
+        up_axis=scan.up_axis,
+        colours=None if colours is None else (1.0 - t) * colours[first] + t * colours[second],
+        labels=None if scan.labels is None else scan.labels[first],
+        repairs=(*scan.repairs, *surface.repairs),
+    )
+
+
+def soften(vertices: np.ndarray, faces: np.ndarray, cloth: np.ndarray) -> np.ndarray:
+    """Average marks along the surface over `SOFTNESS`, shape [vertex_count].
+
+    A round f <- f / 2 + (mean over neighbours) / 2 widens by a variance of edge^2 / 4 in each direction.
+    """
+    directed, _ = half_edges(faces)
+    count = len(vertices)
+    tail, head = np.concatenate([directed, directed[:, ::-1]]).T
+    links = coo_matrix((np.ones(len(tail)), (tail, head)), shape=(count, count)).tocsr()
+    degree = np.maximum(np.asarray(links.sum(axis=1)).ravel(), 1.0)
+    edge = float(np.median(np.linalg.norm(vertices[directed[:, 0]] - vertices[directed[:, 1]], axis=1)))
+    field = cloth.astype(np.float64)
+    for _ in range(int(np.clip(round(4.0 * (SOFTNESS / edge) ** 2), 1, ROUNDS))):
+        field = 0.5 * field + 0.5 * (links @ field) / degree
+    return field
+
+
+def _cut_level(
+    vertices: np.ndarray, faces: np.ndarray, field: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Keep where field > 1/2; give vertices, faces, and of each vertex the edge [n, 2] and the share along it [n]."""
+    inside = field > 0.5
+    directed, edge = half_edges(faces)
+    edges = np.zeros((int(edge.max()) + 1, 2), np.int64)
+    edges[edge] = np.sort(directed, axis=1)
+    crossed = np.flatnonzero(inside[edges[:, 0]] != inside[edges[:, 1]])
+    a, b = edges[crossed].T
+    share = np.clip((0.5 - field[a]) / (field[b] - field[a]), NEAREST, 1.0 - NEAREST)
+    place = np.full(len(edges), -1)
+    place[crossed] = len(vertices) + np.arange(len(crossed))
+    points = np.concatenate([vertices, (1.0 - share)[:, None] * vertices[a] + share[:, None] * vertices[b]])
+    count = inside[faces].sum(axis=1)
+    kept = [faces[count == 3]]
+    of_face = place[edge.reshape(-1, 3)]
+    for number in (1, 2):
+        # Turn each face until the corner that differs from the two others comes first.
+        rows = np.flatnonzero(count == number)
+        lone = np.argmax(inside[faces[rows]] == (number == 1), axis=1)
+        turn = (lone[:, None] + np.arange(3)) % 3
+        corner = np.take_along_axis(faces[rows], turn, axis=1)
+        cut = np.take_along_axis(of_face[rows], turn, axis=1)
+        first, last = cut[:, 0], cut[:, 2]
+        if number == 1:
+            kept.append(np.stack([corner[:, 0], first, last], axis=1))
+        else:
+            kept.append(np.stack([first, corner[:, 1], corner[:, 2]], axis=1))
+            kept.append(np.stack([first, corner[:, 2], last], axis=1))
+    own = np.arange(len(vertices))
+    ends = np.concatenate([np.stack([own, own], axis=1), edges[crossed]])
+    return points, np.concatenate(kept), ends, np.concatenate([np.zeros(len(vertices)), share])

@@ -1,0 +1,127 @@
+"""Read one label per vertex from an untrusted file beside the scan: .npz, .npy, .json or .txt, never a pickle."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+
+from . import refusal
+from .limits import Limits
+from .parse import LABELS
+
+WORD = 64
+"""Longest label that is a word [characters]."""
+
+
+def read_labels(path: Path, key: str | None = None, limits: Limits | None = None) -> np.ndarray:
+    """Read the labels in a file: int64 or texts, shape [label_count].
+
+    Args:
+        path: `.npz` or `.npy` (integers, booleans or texts), `.json` (a list, or an object with lists), or `.txt` (one
+            label a line).
+        key: The array's name in an `.npz` or `.json`; None: the only one, or the first of the usual names.
+        limits: What reading may cost.
+
+    Raises:
+        LabelsUnreadable: where the file cannot be read as labels; it is never unpickled.
+    """
+    limits = limits or Limits()
+    path = Path(path)
+    if not path.is_file():
+        raise refusal.LabelsUnreadable(f"there is no label file '{path.name}'; check the path.")
+    if path.stat().st_size > limits.file_bytes:
+        raise refusal.LabelsUnreadable(f"{path.name} is larger than {limits.file_bytes >> 20} MiB.")
+    readers = {".npz": _read_npz, ".npy": _read_npy, ".json": _read_json, ".txt": _read_text}
+    reader = readers.get(path.suffix.lower())
+    if reader is None:
+        raise refusal.LabelsUnreadable(f"{path.name} is no .npz, .npy, .json or .txt; save the labels as one of these.")
+    try:
+        return _check(reader(path, key, limits), path.name)
+    except refusal.LabelsUnreadable:
+        raise
+    except (ValueError, TypeError, KeyError, EOFError, OSError, OverflowError, RecursionError, MemoryError) as error:
+        words = (str(error) or type(error).__name__).splitlines()[0][:120]
+        raise refusal.LabelsUnreadable(f"{path.name} cannot be read as labels: {words}; save them again.") from error
+    except zipfile.BadZipFile as error:
+        raise refusal.LabelsUnreadable(f"{path.name} is no .npz archive; save the labels again.") from error
+
+
+def _read_npz(path: Path, key: str | None, limits: Limits) -> np.ndarray:
+    with zipfile.ZipFile(path) as archive:
+        names = {name.removesuffix(".npy"): name for name in archive.namelist() if name.endswith(".npy")}
+        with archive.open(names[_choose(list(names), key, path.name)]) as entry:
+            return _read_array(entry, limits, path.name)
+
+
+def _read_npy(path: Path, key: str | None, limits: Limits) -> np.ndarray:
+    with path.open("rb") as file:
+        return _read_array(file, limits, path.name)
+
+
+def _read_array(file: IO[bytes], limits: Limits, name: str) -> np.ndarray:
+    """Read one array, after its header: a hostile one declares more than there is, or objects."""
+    version = np.lib.format.read_magic(file)
+    if version not in ((1, 0), (2, 0)):
+        raise refusal.LabelsUnreadable(f"{name} is of an unknown version of the format; save the labels again.")
+    read_header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, _, kind = read_header(file)
+    if kind.hasobject or kind.kind not in "iubU" or kind.itemsize > 4 * WORD:
+        raise refusal.LabelsUnreadable(f"{name} holds {kind}; labels are integers or short words, never objects.")
+    if len([side for side in shape if side != 1]) > 1 or not 0 < int(np.prod(shape, dtype=object)) <= limits.count:
+        raise refusal.LabelsUnreadable(f"{name} has the shape {shape}; give one label per vertex of the scan.")
+    count = int(np.prod(shape))
+    content = file.read(count * kind.itemsize)
+    if len(content) != count * kind.itemsize:
+        raise refusal.LabelsUnreadable(f"{name} is shorter than its header says; save the labels again.")
+    return np.frombuffer(content, dtype=kind)
+
+
+def _read_json(path: Path, key: str | None, limits: Limits) -> np.ndarray:
+    data: Any = json.loads(path.read_text(encoding="utf-8"))
+    if isinstance(data, dict):
+        data = data[_choose([name for name, value in data.items() if isinstance(value, list)], key, path.name)]
+    if not isinstance(data, list):
+        raise refusal.LabelsUnreadable(f"{path.name} holds no list; give one label per vertex of the scan.")
+    return _as_array(data, path.name, limits)
+
+
+def _read_text(path: Path, key: str | None, limits: Limits) -> np.ndarray:
+    words: list[Any] = path.read_text(encoding="utf-8").split()
+    if words and all(word.lstrip("+-").isdecimal() for word in words):
+        words = [int(word) for word in words]
+    return _as_array(words, path.name, limits)
+
+
+def _as_array(values: list[Any], name: str, limits: Limits) -> np.ndarray:
+    whole = all(type(value) in (int, bool) for value in values)
+    word = all(type(value) is str and 0 < len(value) <= WORD for value in values)
+    if not (whole or word) or not 0 < len(values) <= limits.count:
+        raise refusal.LabelsUnreadable(f"{name}: labels are all integers or all words of at most {WORD} letters.")
+    return np.array(values, dtype=np.int64 if whole else np.str_)
+
+
+def _choose(names: list[str], key: str | None, file: str) -> str:
+    """Give the array to read: the one that is named, the only one, or the first of the usual names."""
+    if key is not None and key in names:
+        return key
+    shown = ", ".join(sorted(names)[:12]) or "none"
+    if key is not None:
+        raise refusal.LabelsUnreadable(f"{file} has no array '{key}', but {shown}; correct --labels-key.")
+    if len(names) == 1:
+        return names[0]
+    usual = [name for name in LABELS if name in names]
+    if not usual:
+        raise refusal.LabelsUnreadable(f"{file} has the arrays {shown}; say with --labels-key which holds the labels.")
+    return usual[0]
+
+
+def _check(labels: np.ndarray, name: str) -> np.ndarray:
+    if labels.dtype.kind == "U":
+        return labels
+    if labels.dtype.kind == "u" and labels.size and int(labels.max()) > np.iinfo(np.int64).max:
+        raise refusal.LabelsUnreadable(f"{name} holds labels beyond 64 bits; number them from 0.")
+    return labels.astype(np.int64)

@@ -1,0 +1,85 @@
+"""The files of one recovery read together: a garment alone, with its body, or a dressed person with labels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from . import refusal
+from .cut import cut_garment
+from .labels import read_labels
+from .limits import Limits
+from .load import _finish, _Mesh, _read, _settle, lies_on, load_pair, load_scan
+from .scan import Scan
+from .selection import Selection, select_vertices
+from .units import check_choice
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Hold what was read.
+
+    Attributes:
+        garment: The garment's surface; cut out where the scan is a dressed person.
+        wearer: The body's mesh, or the whole dressed person, or None.
+        cloth: True at the wearer's vertices that are cloth, shape [vertex_count]; None where the wearer is a bare body.
+    """
+
+    garment: Scan
+    wearer: Scan | None
+    cloth: np.ndarray | None = None
+
+
+def load_pieces(
+    scan: Path,
+    body: Path | None,
+    *,
+    units: str | None = None,
+    up: str | None = None,
+    selection: Selection | None = None,
+    limits: Limits | None = None,
+) -> Pieces:
+    """Read a garment with its body, or cut it out of the scan of a dressed person.
+
+    Args:
+        scan: The garment's file, or with a selection the dressed person's.
+        body: The wearer's file, or None.
+        units: `m`, `cm` or `mm`, or None to find it.
+        up: `y` or `z`, or None to find it.
+        selection: Which part of the scan is the garment; None: all of it.
+        limits: What reading may cost.
+
+    Raises:
+        BadInput: with a code `scan.*` where a file cannot be used.
+    """
+    if selection is None:
+        return Pieces(*load_pair(scan, body, units=units, up=up, limits=limits))
+    check_choice(units, up)
+    mesh = _read(Path(scan), limits or Limits())
+    labels = _labels_of(mesh, selection, limits)
+    whole = _finish(mesh, *_settle(mesh, units, up, "body"))
+    cloth = select_vertices(whole, labels, selection)
+    garment = cut_garment(whole, cloth)
+    if body is None:
+        return Pieces(garment, whole, cloth)
+    wearer = load_scan(body, units=units, up=up, kind="body", limits=limits)
+    if not lies_on(garment.vertices, wearer):
+        raise refusal.BodyApart(
+            f"the garment cut out of {garment.name} does not lie on the body; export both from the same scene."
+        )
+    return Pieces(garment, wearer)
+
+
+def _labels_of(mesh: _Mesh, selection: Selection, limits: Limits | None) -> np.ndarray | None:
+    """Give the label of each vertex of the repaired mesh: from the file beside it, or its own."""
+    if selection.labels is None or selection.colour is not None:
+        return mesh.labels
+    labels = read_labels(selection.labels, selection.key, limits)
+    if len(labels) != mesh.count:
+        raise refusal.LabelsMismatch(
+            f"{selection.labels.name} holds {len(labels)} labels for the {mesh.count} vertices of {mesh.name}; "
+            "give one label per vertex, in the order of the scan's file."
+        )
+    return np.asarray(labels[mesh.origin])

@@ -1,0 +1,98 @@
+"""Which vertices of a clothed scan are the garment: by labels in the file or beside it, or by colour."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from . import refusal
+from .scan import Scan
+
+TOLERANCE = 60.0
+"""Distance in RGB (0 to 255) up to which a colour is the garment's: a camera's noise of 9 a channel stays within 35,
+skin lies 150 from denim. Strong shadows need more."""
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Say which part of a clothed scan is the garment.
+
+    Attributes:
+        labels: A file with one label per vertex of the scan, or None for the labels in the scan itself.
+        key: The array's name in that file, or None to find it.
+        keep: The garment's labels as texts; empty where the labels are 0 and 1, of which 1 is kept.
+        colour: The garment's colour as `#rrggbb` instead of labels, or None.
+        tolerance: Distance in RGB (0 to 255) up to which a colour is the garment's.
+    """
+
+    labels: Path | None = None
+    key: str | None = None
+    keep: tuple[str, ...] = ()
+    colour: str | None = None
+    tolerance: float = TOLERANCE
+
+
+def select_vertices(scan: Scan, labels: np.ndarray | None, selection: Selection) -> np.ndarray:
+    """Mark the garment's vertices, bool, shape [vertex_count].
+
+    Args:
+        scan: The whole scan.
+        labels: Label of each of its vertices, numbers or texts, shape [vertex_count], or None.
+        selection: What to keep.
+
+    Raises:
+        LabelsMissing: where there are neither labels nor colours.
+        LabelUnknown: where nothing or everything is kept, or it is not said what to keep.
+    """
+    if selection.colour is not None:
+        mask = _near_colour(scan, selection.colour, selection.tolerance)
+        what = f"the colour {selection.colour} (within {selection.tolerance:g})"
+    elif labels is None:
+        raise refusal.LabelsMissing(f"{scan.name} has no labels; {_next(refusal.LabelsMissing)}")
+    else:
+        mask, what = _kept_labels(scan, labels, selection.keep)
+    share = float(mask.mean())
+    if not 0.0 < share < 1.0:
+        found = "no vertex" if share == 0.0 else "every vertex"
+        raise refusal.LabelUnknown(f"{found} of {scan.name} has {what}; {_next(refusal.LabelUnknown)}")
+    return mask
+
+
+def _kept_labels(scan: Scan, labels: np.ndarray, keep: tuple[str, ...]) -> tuple[np.ndarray, str]:
+    values, index = np.unique(labels, return_inverse=True)
+    texts = [str(value) for value in values.tolist()]
+    shown = ", ".join(texts[:12]) + (", ..." if len(texts) > 12 else "")
+    if not keep:
+        if texts != ["0", "1"]:
+            raise refusal.LabelUnknown(f"{scan.name} has the labels {shown}; say with --keep which is the garment.")
+        keep = ("1",)
+    unknown = [text for text in keep if text not in texts]
+    if unknown:
+        raise refusal.LabelUnknown(f"{scan.name} has no label {', '.join(unknown)}, but {shown}; correct --keep.")
+    return np.isin(index.ravel(), [texts.index(text) for text in keep]), f"the label {', '.join(keep)}"
+
+
+def _near_colour(scan: Scan, text: str, tolerance: float) -> np.ndarray:
+    if scan.colours is None:
+        raise refusal.LabelsMissing(f"{scan.name} has no vertex colours; {_next(refusal.LabelsMissing)}")
+    colour = np.array(parse_colour(text))
+    return np.asarray(np.linalg.norm(255.0 * scan.colours - colour, axis=1) <= tolerance)
+
+
+def parse_colour(text: str) -> tuple[int, int, int]:
+    """Read `#rrggbb` as three bytes.
+
+    Raises:
+        ColourBad: where it is not of that form.
+    """
+    if not re.fullmatch(r"#?[0-9A-Fa-f]{6}", text):
+        raise refusal.ColourBad(f"'{text[:40]}' is no colour; write it as '#465faa'.")
+    red, green, blue = (int(text.lstrip("#")[i : i + 2], 16) for i in (0, 2, 4))
+    return red, green, blue
+
+
+def _next(kind: type[Exception]) -> str:
+    return str(kind.__doc__).partition("; ")[2]
