@@ -24,7 +24,9 @@ class DrapeSettings:
         template_vertices: Vertices of the template's mesh; 1500 resolve a T-shirt with edges of 2.5 cm, enough for the
             measures that grading takes, and dress in under 2 s.
         pose_steps: Position-based steps that let the skinned cloth find its place on the posed body.
-        settle_steps: Position-based steps before Newton; they take out stretch that would make Newton creep.
+        settle_steps: Position-based steps without weight before Newton. The registered mesh is stretched by up to half
+            in places; 15 steps bring every edge within a quarter. Under weight the sweeps, which do not converge on
+            4000 vertices, would stretch the cloth by 7 % and Newton would take 30 iterations to undo it.
         dress: The first drape.
         follow: The position-based steps in the pose.
         simulate: The equilibrium.
@@ -32,7 +34,7 @@ class DrapeSettings:
 
     template_vertices: int = 1500
     pose_steps: int = 60
-    settle_steps: int = 30
+    settle_steps: int = 15
     dress: DressSettings = field(default_factory=DressSettings)
     follow: FollowSettings = field(default_factory=FollowSettings)
     simulate: SimulateSettings = field(default_factory=SimulateSettings)
@@ -176,15 +178,8 @@ def drape_graded(
         hold = Hold(waist, points)
     hooks.progress("drape", 0.1, "settling")
     threads = lay_threads(garment, settings.follow.bending)
-    nodes, _ = follow(
-        threads,
-        nodes,
-        look_up(stand.grid),
-        settings.settle_steps,
-        settings=settings.follow,
-        gravity=9.81,
-        held=waist,
-    )
+    lookup = look_up(stand.grid)
+    nodes, _ = follow(threads, nodes, lookup, settings.settle_steps, settings=settings.follow, held=waist)
     hooks.progress("drape", 0.3, "equilibrium")
     drape = equilibrium(
         Topology.from_garment(garment),

@@ -25,7 +25,8 @@ STYLE = """
 .cloth { fill: #f4f1ea; stroke: none; }
 .edge { fill: none; stroke: #1d1d1f; stroke-width: 0.6; }
 .grain, .notch, .bar { fill: none; stroke: #1d1d1f; stroke-width: 0.4; }
-text { font-family: sans-serif; fill: #1d1d1f; text-anchor: middle; paint-order: stroke; stroke: #f4f1ea; stroke-width: 3; }
+text { font-family: sans-serif; fill: #1d1d1f; text-anchor: middle; }
+text { paint-order: stroke; stroke: #f4f1ea; stroke-width: 3; }
 .name { font-size: 12px; }
 .note { font-size: 7px; }
 """

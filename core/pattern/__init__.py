@@ -2,6 +2,7 @@
 
 from .control import ControlMap, map_controls, mean_value_coordinates
 from .curves import edge_length, edge_points, panel_area, panel_outline, reverse_edge, split_edge
+from .division import divide_edges
 from .garment import Garment
 from .garmentcode import load_pattern, read_pattern, save_pattern, write_pattern
 from .meshing import choose_edge_length, contains
@@ -29,6 +30,7 @@ __all__ = [
     "check_outline",
     "choose_edge_length",
     "contains",
+    "divide_edges",
     "edge_length",
     "edge_points",
     "equalise_seams",

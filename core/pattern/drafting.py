@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import root
 
+from .division import divide_edges
 from .garmentcode import save_pattern
 from .outline import Outline, Point, Stroke, length, mirror, place_panel, sew_by_label, smooth, unfold
 from .pattern import Panel, Pattern
@@ -173,7 +174,8 @@ def draft_skirt(measures: BodyMeasures | None = None) -> Pattern:
     """Draft an A-line skirt of two panels from the natural waist to above the knee.
 
     Allowances: waist + 2 cm (held there), hip + 5 cm, hem 1.30 m wide. Waist and hem dip by 12 and 15 mm at the
-    middle, so that both meet the slanted side seams nearly at a right angle and the hem hangs level.
+    middle, so that both meet the slanted side seams nearly at a right angle and the hem hangs level. Control points at
+    every quarter of waist and hem, so that grading can open it to a full circle.
     """
     m = measures or BodyMeasures()
     waist, hip = (m.waist + 0.02) / 4, (m.hip + 0.05) / 4
@@ -181,7 +183,8 @@ def draft_skirt(measures: BodyMeasures | None = None) -> Pattern:
     strokes = smooth(points, ["side.0.left", "side.1.left"])
     strokes.append(Stroke((0.0, -0.012), ((waist * 0.6, -0.010), (waist * 0.3, -0.012)), contour="waist"))
     outline = unfold(Outline(points[0], tuple(strokes)), "hem", dip=0.015)
-    return sew_by_label("skirt", "skirt", [place_panel(side, outline, m.waist_height) for side in ("front", "back")])
+    panels = [place_panel(side, outline, m.waist_height) for side in ("front", "back")]
+    return divide_edges(divide_edges(sew_by_label("skirt", "skirt", panels), {"hem"}, 4), {"waist"}, 2)
 
 
 def draft_trousers(measures: BodyMeasures | None = None) -> Pattern:
