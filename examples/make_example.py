@@ -16,7 +16,6 @@ from pathlib import Path
 
 import newton
 import numpy as np
-import open3d as o3d
 import trimesh
 import warp as wp
 from garmentq.core.body import Body, builtin_body, skin
@@ -39,6 +38,8 @@ START_NODES = 1500
 
 SCAN_VERTICES = 9000
 """Vertices of the written mesh: twice the simulated mesh's, so that its triangles are others and no fold is lost."""
+NOISE = 2.0e-4
+"""Standard deviation of the written surface along its normals [m]: a good structured-light scanner's."""
 
 DENSITY = 0.18
 """Weight of the cloth [kg/m2]: a jersey for T-shirts."""
@@ -203,12 +204,12 @@ def simulate(model: newton.Model, mesh: newton.Mesh, body: Body, duration: float
     return now.particle_q.numpy().astype(np.float64)
 
 
-def scan_surface(nodes: np.ndarray, faces: np.ndarray) -> trimesh.Trimesh:
-    """Give the surface another mesh: subdivided once by Loop's rule, then decimated by quadrics, its openings kept."""
-    mesh = o3d.geometry.TriangleMesh(o3d.utility.Vector3dVector(nodes), o3d.utility.Vector3iVector(faces))
-    mesh = mesh.subdivide_loop(1).simplify_quadric_decimation(2 * SCAN_VERTICES, boundary_weight=3.0)
-    mesh.remove_degenerate_triangles().remove_unreferenced_vertices()
-    return trimesh.Trimesh(np.asarray(mesh.vertices), np.asarray(mesh.triangles), process=False)
+def scan_surface(garment: Garment, nodes: np.ndarray) -> trimesh.Trimesh:
+    """Give the surface another, finer mesh with a scanner's noise along its normals."""
+    fine = mesh_pattern(garment.pattern, SCAN_VERTICES)
+    mesh = trimesh.Trimesh(resample(garment, nodes, fine), fine.faces, process=False)
+    noise = NOISE * np.random.default_rng(0).standard_normal((len(mesh.vertices), 1))
+    return trimesh.Trimesh(mesh.vertices + noise * mesh.vertex_normals, mesh.faces, process=False)
 
 
 def main() -> None:
@@ -225,7 +226,7 @@ def main() -> None:
         model, mesh = build_model(garment, body)
         nodes = simulate(model, mesh, body, options.duration)
     posed = lower_arms(body, ARM_DROPS["A"])
-    scan = scan_surface(nodes, garment.faces)
+    scan = scan_surface(garment, nodes)
     save_pattern(pattern, options.out / "pattern.json")
     trimesh.Trimesh(posed, body.faces, process=False).export(options.out / "body.ply")
     scan.export(options.out / "garment.ply")
