@@ -67,8 +67,13 @@ class RegistrationSettings:
 
 COARSE = (Stage(5, 0.30, 0.15, False, 4), Stage(4, 0.15, 0.15, False, 8))
 MIDDLE = (Stage(10, 0.10, 0.15, False, 10), Stage(10, 0.06, 0.10, True, 15))
-FINE = (Stage(12, 0.05, 0.10, True, 20), Stage(12, 0.025, 0.06, True, 40), Stage(12, 0.012, 0.04, True, 60))
-"""From far and few points to near and many: scale [m] falls, more of the shape is set free."""
+FINE = (
+    Stage(12, 0.05, 0.10, True, 20, 0.1),
+    Stage(12, 0.025, 0.06, True, 40, 0.05),
+    Stage(12, 0.012, 0.04, True, 60, 0.03),
+)
+"""From far and few points to near and many: scale [m] falls, more of the shape is set free, and cloth says less: it
+shows a limb's direction, but not its girth."""
 
 
 class NotHuman(BadInput):
@@ -81,6 +86,7 @@ def register_body(
     vertices: np.ndarray,
     faces: np.ndarray,
     *,
+    cloth: np.ndarray | None = None,
     name: str = "mesh",
     hooks: Hooks = SILENT,
     settings: RegistrationSettings | None = None,
@@ -93,12 +99,15 @@ def register_body(
     Args:
         vertices: Positions [m], y up, any place and heading, shape [n, 3].
         faces: Triangles, shape [f, 3]; turned outward where they enclose a negative volume.
-        name: Goes into `Body.source` as `mesh:NAME`.
+        cloth: True at vertices that are cloth and not skin, shape [n]: there the body lies below the mesh. None: the
+            mesh is a body's.
+        name: Goes into `Body.source` as `mesh:NAME`, or with `cloth` as `scan:NAME`.
         hooks: For progress and cancelling.
         settings: How to register, or None for the defaults.
 
     Returns:
-        The body; its vertices are the given ones.
+        The body. Its vertices are the given ones, or with `cloth` the fitted model's, and `fit_rms` is then the
+        distance of the skin to it.
 
     Raises:
         NotHuman: where no start comes near the mesh.
@@ -111,25 +120,42 @@ def register_body(
     corners = vertices[faces]
     if np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) < 0:
         faces = faces[:, ::-1]
+    if cloth is not None:
+        cloth = np.asarray(cloth, dtype=bool)
+        if cloth.shape != vertices.shape[:1] or cloth[faces].all():
+            raise NotHuman(f"Nothing of the mesh is skin. {NotHuman().message}")
     if not 0.8 <= np.ptp(vertices[:, 1]) <= 2.6:
         raise NotHuman(f"The body mesh is {np.ptp(vertices[:, 1]):.2f} m high. {NotHuman().message}")
     template = load_template()
-    state = _find(template, vertices, faces, settings, hooks)
+    state = _find(template, vertices, faces, cloth, settings, hooks)
     rest, joints = template.shaped(state.shape)
     world, posed = articulate(state.rotations, joints, state.translation)
-    rms = _misfit(skin(rest, template.weights, transforms_of(world, posed, joints)), template.faces, vertices, faces)
+    model = skin(rest, template.weights, transforms_of(world, posed, joints))
+    if cloth is None:
+        rms = _misfit(model, template.faces, vertices, faces)
+    else:
+        rms = _distance(vertices, faces[~cloth[faces].any(axis=1)], model, template.faces)
     if rms > settings.worst_fit * np.ptp(rest[:, 1]):
         raise NotHuman(f"The built-in body stays {1e3 * rms:.0f} mm from the body mesh. {NotHuman().message}")
+    if cloth is not None:
+        return _body(template, state, model, template.faces, f"scan:{name}", rms)
     return _body(template, state, vertices, faces, f"mesh:{name}", rms)
 
 
 def _find(
-    template: Template, vertices: np.ndarray, faces: np.ndarray, settings: RegistrationSettings, hooks: Hooks
+    template: Template,
+    vertices: np.ndarray,
+    faces: np.ndarray,
+    cloth: np.ndarray | None,
+    settings: RegistrationSettings,
+    hooks: Hooks,
 ) -> State:
     """Let all starts compete and give the best fit."""
     rng = np.random.default_rng(settings.seed)
-    surface = _sample(vertices, faces, settings.surface_count, rng)
-    few = Surface(surface.points[: settings.coarse_count], surface.normals[: settings.coarse_count])
+    surface = _sample(vertices, faces, settings.surface_count, rng, cloth)
+    first = slice(settings.coarse_count)
+    hidden = None if surface.cloth is None else surface.cloth[first]
+    few = Surface(surface.points[first], surface.normals[first], hidden)
     subset = _spread_subset(template, settings.fine_count, rng)
     coarse = Fitter(template, subset[: settings.coarse_count], few)
     starts = _starts(template, surface, _area(vertices, faces), subset)
@@ -196,15 +222,18 @@ def _spread_subset(template: Template, count: int, rng: np.random.Generator) -> 
     return rng.choice(len(area), count, replace=False, p=area / area.sum())
 
 
-def _sample(vertices: np.ndarray, faces: np.ndarray, count: int, rng: np.random.Generator) -> Surface:
-    """Draw points uniformly by area, with their faces' normals."""
+def _sample(
+    vertices: np.ndarray, faces: np.ndarray, count: int, rng: np.random.Generator, cloth: np.ndarray | None = None
+) -> Surface:
+    """Draw points uniformly by area, with their faces' normals; a face with a corner on cloth is cloth."""
     corners = vertices[faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(normal, axis=1)
     face = rng.choice(len(faces), count, p=area / area.sum())
     u, v = np.sqrt(rng.random((count, 1))), rng.random((count, 1))
     a, b, c = (corners[face, k] for k in range(3))
-    return Surface((1 - u) * a + u * (1 - v) * b + u * v * c, normal[face] / area[face, None])
+    hidden = None if cloth is None else cloth[faces[face]].any(axis=1)
+    return Surface((1 - u) * a + u * (1 - v) * b + u * v * c, normal[face] / area[face, None], hidden)
 
 
 def _area(vertices: np.ndarray, faces: np.ndarray) -> float:
@@ -216,14 +245,18 @@ def _area(vertices: np.ndarray, faces: np.ndarray) -> float:
 
 def _misfit(model: np.ndarray, model_faces: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> float:
     """Give the RMS distance [m] of two surfaces, half of it from points of the one, half from points of the other."""
+    there = _distance(model, model_faces, vertices, faces)
+    back = _distance(vertices, faces, model, model_faces)
+    return float(np.sqrt((there**2 + back**2) / 2))
+
+
+def _distance(vertices: np.ndarray, faces: np.ndarray, others: np.ndarray, other_faces: np.ndarray) -> float:
+    """Give the RMS distance [m] from one surface to another."""
     import igl
 
-    rng = np.random.default_rng(0)
-    total = 0.0
-    for v, f, w, g in ((model, model_faces, vertices, faces), (vertices, faces, model, model_faces)):
-        points = _sample(v, f, 4000, rng).points
-        total += float(igl.point_mesh_squared_distance(points, w, np.ascontiguousarray(g))[0].mean())
-    return float(np.sqrt(total / 2))
+    points = _sample(vertices, faces, 4000, np.random.default_rng(0)).points
+    squared = igl.point_mesh_squared_distance(points, others, np.ascontiguousarray(other_faces))[0]
+    return float(np.sqrt(squared.mean()))
 
 
 def _body(template: Template, state: State, vertices: np.ndarray, faces: np.ndarray, source: str, rms: float) -> Body:
