@@ -10,37 +10,60 @@ from .fabrics import FabricUnknown, get_fabric, load_fabrics
 from .settings import GRAVITY, SimulateSettings, SimulateSettingsBad
 
 if TYPE_CHECKING:
+    from .derivative import AtRest, Derivative, Implicit, NotAtRest, Response, with_friction_frozen
     from .dynamics import State, settle
     from .energy import Energy, Inertia
     from .friction import Friction
     from .hold import Hold, HoldBad
+    from .parameters import Parameters, map_rest, stretch_edge
     from .penetration import push_out
+    from .sensitivity import FABRIC, Sensitivity, fabric_forces, pull_forces, push_forces
     from .solver import Solver, SuperLU, make_solver
     from .statics import Drape, NodesBad, equilibrium
     from .topology import Topology, TopologyBad
+    from .unrolled import InMotion, Unrolled
 
 _LAZY = {
+    "AtRest": "derivative",
+    "Derivative": "derivative",
     "Drape": "statics",
     "Energy": "energy",
+    "FABRIC": "sensitivity",
     "Friction": "friction",
     "Hold": "hold",
     "HoldBad": "hold",
+    "Implicit": "derivative",
+    "InMotion": "unrolled",
     "Inertia": "energy",
     "NodesBad": "statics",
+    "NotAtRest": "derivative",
+    "Parameters": "parameters",
+    "Response": "derivative",
+    "Sensitivity": "sensitivity",
     "Solver": "solver",
     "State": "dynamics",
     "SuperLU": "solver",
     "Topology": "topology",
     "TopologyBad": "topology",
+    "Unrolled": "unrolled",
     "equilibrium": "statics",
+    "fabric_forces": "sensitivity",
     "make_solver": "solver",
+    "map_rest": "parameters",
+    "pull_forces": "sensitivity",
+    "push_forces": "sensitivity",
     "push_out": "penetration",
     "settle": "dynamics",
+    "stretch_edge": "parameters",
+    "with_friction_frozen": "derivative",
 }
 # Their modules hold compiled kernels: imported on first use, so that the room itself stays light.
 
 __all__ = [
+    "FABRIC",
     "GRAVITY",
+    "AtRest",
+    "Derivative",
     "Drape",
     "Energy",
     "Fabric",
@@ -48,8 +71,14 @@ __all__ = [
     "Friction",
     "Hold",
     "HoldBad",
+    "Implicit",
+    "InMotion",
     "Inertia",
     "NodesBad",
+    "NotAtRest",
+    "Parameters",
+    "Response",
+    "Sensitivity",
     "SimulateSettings",
     "SimulateSettingsBad",
     "Solver",
@@ -57,12 +86,19 @@ __all__ = [
     "SuperLU",
     "Topology",
     "TopologyBad",
+    "Unrolled",
     "equilibrium",
+    "fabric_forces",
     "get_fabric",
     "load_fabrics",
     "make_solver",
+    "map_rest",
+    "pull_forces",
+    "push_forces",
     "push_out",
     "settle",
+    "stretch_edge",
+    "with_friction_frozen",
 ]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numba import njit
@@ -91,16 +91,39 @@ class Topology:
         shape_gradients, areas = _rest_shape(rest)
         node_areas = np.bincount(faces.ravel(), np.repeat(areas / 3, 3), minlength=count)
         hinges, hinge_faces, corner = _find_hinges(faces)
-        edge = np.stack(
-            [rest[hinge_faces[:, s], (corner[:, s] + 1) % 3] - rest[hinge_faces[:, s], corner[:, s]] for s in (0, 1)]
-        )
-        squared = (edge**2).sum(-1).mean(0)
-        scale = squared / areas[hinge_faces].sum(1)
+        edge = _hinge_edges(rest, hinge_faces, corner)
+        scale = (edge**2).sum(-1).mean(0) / areas[hinge_faces].sum(1)
         angles = np.zeros(len(hinges)) if rest_angles is None else np.asarray(rest_angles, dtype=np.float64)
         return cls(
             count, faces, np.ascontiguousarray(rest, dtype=np.float64), shape_gradients, areas, node_areas, hinges,
             hinge_faces, scale, angles, *_map_blocks(count, faces, hinges),
         )  # fmt: skip
+
+    @property
+    def hinge_corners(self) -> np.ndarray:
+        """Give the corner at which each hinge's edge starts in each of its two faces, shape [hinge_count, 2]."""
+        opposite = self.faces[self.hinge_faces] == self.hinges[:, 2:, None]
+        return (opposite.argmax(2) + 1) % 3
+
+    @property
+    def hinge_edges(self) -> np.ndarray:
+        """Give each hinge's edge in the flat triangles of both its faces [m], shape [2, hinge_count, 2]."""
+        return _hinge_edges(self.rest, self.hinge_faces, self.hinge_corners)
+
+    def reshape(self, rest: np.ndarray) -> Topology:
+        """Give the same mesh with other flat rest triangles [m], shape [face_count, 3, 2]; solvers stay valid.
+
+        Raises:
+            TopologyBad: where a face has no area.
+        """
+        rest = np.ascontiguousarray(rest, dtype=np.float64)
+        shape_gradients, areas = _rest_shape(rest)
+        node_areas = np.bincount(self.faces.ravel(), np.repeat(areas / 3, 3), minlength=self.node_count)
+        edge = _hinge_edges(rest, self.hinge_faces, self.hinge_corners)
+        scale = (edge**2).sum(-1).mean(0) / areas[self.hinge_faces].sum(1)
+        return replace(
+            self, rest=rest, shape_gradients=shape_gradients, areas=areas, node_areas=node_areas, hinge_scale=scale
+        )
 
     def assemble(self, blocks: np.ndarray, fixed: np.ndarray) -> np.ndarray:
         """Spread blocks [block_count, 3, 3] to the matrix's data; fixed nodes get the identity."""
@@ -120,6 +143,13 @@ def _rest_shape(rest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     one = np.stack([q[:, 1], -q[:, 0]], axis=1) / det[:, None]
     two = np.stack([-p[:, 1], p[:, 0]], axis=1) / det[:, None]
     return np.ascontiguousarray(np.stack([-one - two, one, two], axis=1)), 0.5 * np.abs(det)
+
+
+def _hinge_edges(rest: np.ndarray, hinge_faces: np.ndarray, corner: np.ndarray) -> np.ndarray:
+    """Give the flat edge of each hinge on both sides, shape [2, hinge_count, 2]."""
+    return np.stack(
+        [rest[hinge_faces[:, s], (corner[:, s] + 1) % 3] - rest[hinge_faces[:, s], corner[:, s]] for s in (0, 1)]
+    )
 
 
 def _find_hinges(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -1,0 +1,223 @@
+"""Derivatives of a drape: through its equilibrium, by the implicit function theorem."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from ..errors import GarmentqError
+from .energy import Energy
+from .newton import newton_step, relative_residual
+from .sensitivity import Sensitivity, fabric_forces, pull_forces, push_forces
+from .solver import Solver, SuperLU, make_solver
+from .topology import Topology
+
+_ROUND_OFF = 1e-6
+"""Residual under which a Newton step that no longer helps has met round-off and not an obstacle."""
+
+
+_NEAR = 0.02
+"""Share of the clamp on static steps (1 mm) under which Newton's steps are taken whole: there they are quadratic."""
+
+
+class NotAtRest(GarmentqError):
+    """The cloth does not come to rest closely enough for a derivative; settle it for longer first."""
+
+    code = "simulate.not_at_rest"
+
+
+class Response(Protocol):
+    """Hold where cloth ends up, and tell how that follows what it depends on."""
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """Give the positions [m], shape [node_count, 3]."""
+
+    def pull(self, upstream: np.ndarray) -> Sensitivity:
+        """Give a loss's derivative by everything, from that by the positions [1/m], shape [node_count, 3]."""
+
+
+class Derivative(Protocol):
+    """Decide where cloth ends up and how the derivative of that is taken."""
+
+    def solve(self, energy: Energy, nodes: np.ndarray, solver: Solver | None = None) -> Response:
+        """Bring the cloth from nodes [m], shape [node_count, 3], to where its derivative is taken."""
+
+
+@dataclass(frozen=True)
+class Implicit:
+    """Differentiate the quasi-static equilibrium g(x*; p) = dE/dx = 0.
+
+        dx*/dp = -K^-1 dg/dp,    dL/dp = -lambda . dg/dp  with  K lambda = dL/dx
+
+    K is the exact Hessian at x*, contact, hold and lagged friction included: one factorisation, then a
+    back-substitution for each parameter (`AtRest.push`) or for each loss (`AtRest.pull`). Friction's limits and anchors
+    count as given, as they do in the last iterations of `equilibrium`.
+
+    **Deviation**: the thesis differentiates 20 time steps, as `Unrolled` does. At rest both give the same gradient
+    (docs/simulate.md).
+
+    Attributes:
+        tolerance: Largest force left on a node, relative to the mean weight of a node. What is left of force displaces
+            the point at which the derivative is taken and adds no error of its own, so 1e-5 is enough. 0 asks for
+            all that round-off allows (some 1e-10 at 1000 nodes), as difference quotients do.
+        max_iterations: Newton iterations after which `solve` gives up.
+    """
+
+    tolerance: float = 1e-5
+    max_iterations: int = 60
+
+    def solve(self, energy: Energy, nodes: np.ndarray, solver: Solver | None = None) -> AtRest:
+        """Bring nodes near rest [m], shape [node_count, 3], to rest, with the energy's friction as it is.
+
+        Raises:
+            NotAtRest: where the force left stays above the tolerance.
+        """
+        solver = solver or make_solver(energy.topology)
+        return come_to_rest(energy, place_held(energy, nodes), solver, self.tolerance, self.max_iterations)
+
+
+@dataclass(frozen=True)
+class AtRest:
+    """Hold an equilibrium with its factored Hessian.
+
+    Attributes:
+        energy: The energy that is at rest.
+        nodes: Positions [m], shape [node_count, 3].
+        blocks: The exact Hessian's blocks [N/m], for `Topology.assemble`.
+        solver: Holds the Hessian's factors; valid until somebody else factors with it.
+    """
+
+    energy: Energy
+    nodes: np.ndarray
+    blocks: np.ndarray
+    solver: Solver
+
+    def pull(self, upstream: np.ndarray) -> Sensitivity:
+        """Give a loss's derivative by everything, from that by the positions [1/m], shape [node_count, 3]."""
+        weights = adjoint(self.energy, self.solver, upstream)
+        rest, fabric = pull_forces(self.energy, self.nodes, weights)
+        return Sensitivity(
+            -rest, -fabric, pull_hold(self.energy, self.blocks, weights, upstream), np.zeros_like(weights)
+        )
+
+    def push(self, rest_rates: np.ndarray | None = None, fabric_rates: np.ndarray | None = None) -> np.ndarray:
+        """Give dx*/dp [m per unit], shape [node_count, 3, direction_count], along directions of the parameters.
+
+        `rest_rates`: of the flat triangles [m], shape [face_count, 3, 2, direction_count]. `fabric_rates`: of `FABRIC`,
+        shape [6, direction_count]. Where both are given their directions are the same ones.
+        """
+        if rest_rates is None and fabric_rates is None:
+            raise ValueError("push needs directions of the rest shape, of the fabric or of both")
+        parts = []
+        if rest_rates is not None:
+            parts.append(push_forces(self.energy, self.nodes, rest_rates))
+        if fabric_rates is not None:
+            parts.append(fabric_forces(self.energy, self.nodes) @ fabric_rates)
+        forces = np.sum(parts, axis=0)
+        forces[self.energy.fixed] = 0.0
+        return -self.solver.solve(forces.reshape(forces.shape[0] * 3, -1)).reshape(forces.shape)
+
+
+def come_to_rest(energy: Energy, nodes: np.ndarray, solver: Solver, tolerance: float, max_iterations: int) -> AtRest:
+    """Find where no force is left, from nodes near it [m], and factor the exact Hessian there.
+
+    Raises:
+        NotAtRest: where the force left stays above the tolerance.
+    """
+    share = 1.0
+    for _ in range(max_iterations + 1):
+        _, gradient, blocks = energy.hessian(nodes)
+        residual = relative_residual(energy, gradient)
+        if residual <= tolerance:
+            return AtRest(energy, nodes, blocks, factor(energy, blocks, solver))
+        nearer = _approach(energy, nodes, solver, gradient, blocks, residual) if share >= 1.0 else None
+        if nearer is not None:
+            nodes = nearer
+            continue
+        if share >= 1.0 and residual <= max(tolerance, _ROUND_OFF):
+            return AtRest(energy, nodes, blocks, factor(energy, blocks, solver))
+        step = newton_step(energy, solver, nodes, share)
+        nodes = step.nodes
+        # far away a blend that could be factored is tried again; where it moved little the exact Hessian is due
+        share = 1.0 if step.motion < _NEAR * energy.settings.max_step else min(1.0, max(1.25 * step.share, 0.3))
+    raise NotAtRest(f"the cloth does not come to rest: a force of {residual:.1e} of a node's weight is left.")
+
+
+def factor(energy: Energy, blocks: np.ndarray, solver: Solver) -> Solver:
+    """Factor an exact Hessian and give what holds its factors: `SuperLU` where it is indefinite (an unstable rest).
+
+    Raises:
+        NotAtRest: where the Hessian is singular: the cloth is free to move.
+    """
+    data = energy.topology.assemble(blocks, energy.fixed)
+    if solver.factor(data):
+        return solver
+    general = SuperLU()
+    general.analyse(energy.topology)
+    if not general.factor(data):
+        raise NotAtRest("the cloth is free to move; hold it, or lay it on a body.")
+    return general
+
+
+def adjoint(energy: Energy, solver: Solver, upstream: np.ndarray) -> np.ndarray:
+    """Solve K lambda = dL/dx (thesis eq. 2.28; K is symmetric), shape [node_count, 3]; zero where nodes are fixed."""
+    right = np.array(upstream, dtype=np.float64)
+    right[energy.fixed] = 0.0
+    return np.asarray(solver.solve(right.ravel())).reshape(-1, 3)
+
+
+def place_held(energy: Energy, nodes: np.ndarray) -> np.ndarray:
+    """Put fixed nodes where they are held; give a copy of nodes [m], shape [node_count, 3]."""
+    nodes = np.array(nodes, dtype=np.float64)
+    if energy.hold is not None and energy.hold.stiffness is None:
+        nodes[energy.hold.nodes] = energy.hold.points
+    return nodes
+
+
+def pull_hold(energy: Energy, blocks: np.ndarray, weights: np.ndarray, upstream: np.ndarray) -> np.ndarray:
+    """Give the derivative by the held points [1/m], shape [held_count, 3].
+
+    Fixed: dL/dx_h - K_hf lambda_f, for x_h is the point itself. On springs: stiffness lambda_h.
+    """
+    hold = energy.hold
+    if hold is None:
+        return np.zeros((0, 3))
+    if hold.stiffness is not None:
+        return hold.stiffness * np.array(hold.directions) * weights[hold.nodes]
+    data = energy.topology.assemble(blocks, np.zeros(len(weights), dtype=bool))
+    return upstream[hold.nodes] - (matrix_of(energy.topology, data) @ weights.ravel()).reshape(-1, 3)[hold.nodes]
+
+
+def matrix_of(topology: Topology, data: np.ndarray) -> csr_matrix:
+    """Give the sparse matrix with these entries, shape [3 node_count, 3 node_count]."""
+    return csr_matrix((data, topology.indices, topology.indptr), shape=(3 * topology.node_count,) * 2)
+
+
+def _approach(
+    energy: Energy, nodes: np.ndarray, solver: Solver, gradient: np.ndarray, blocks: np.ndarray, residual: float
+) -> np.ndarray | None:
+    """Take a full Newton step; None where it is far or does not lower the residual.
+
+    A line search cannot see the last digits: there the energy changes by less than its round-off.
+    """
+    if not solver.factor(energy.topology.assemble(blocks, energy.fixed)):
+        return None
+    step = np.asarray(solver.solve(gradient.ravel())).reshape(-1, 3)
+    if not np.abs(step).max() < _NEAR * energy.settings.max_step:
+        return None
+    trial = nodes - step
+    return trial if relative_residual(energy, energy.gradient(trial)[1]) < residual else None
+
+
+def with_friction_frozen(energy: Energy, nodes: np.ndarray, anchors: np.ndarray) -> Energy:
+    """Give the energy with friction's limits taken at nodes and held there, as a derivative needs it.
+
+    `anchors` [m], shape [node_count, 3], are those of the `Drape` (or `State`) that `nodes` come from.
+    """
+    from .dynamics import lag_friction
+
+    return replace(energy, friction=lag_friction(replace(energy, friction=None), nodes, anchors))

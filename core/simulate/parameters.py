@@ -1,0 +1,97 @@
+"""The few numbers that a fit may turn: control points of the pattern and parameters of the fabric."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from ..pattern import ControlMap, EdgeRef, Garment, Pattern, Symmetry
+from .energy import Energy
+from .sensitivity import FABRIC, Sensitivity
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Say how the rest shape and the fabric follow from a vector of parameters; the shape's first, then the fabric's.
+
+        rest(p) = rest + shape p_shape,    value(p) = value exp(p_fabric)
+
+    The fabric's are logarithms: they stay positive, and a step of 0.01 is one per cent of each.
+
+    Attributes:
+        shape: Rest corners [m] by shape parameter [m], shape [6 face_count, shape_count].
+        fabric: Names out of `FABRIC`.
+    """
+
+    shape: csr_matrix
+    fabric: tuple[str, ...] = ()
+
+    @classmethod
+    def of_garment(
+        cls, garment: Garment, control: ControlMap, symmetry: Symmetry | None = None, fabric: tuple[str, ...] = ()
+    ) -> Parameters:
+        """Take all control points, or the effective ones of a symmetry, as x0, y0, x1, y1, ... [m]."""
+        shape = map_rest(garment) @ control.matrix
+        return cls(csr_matrix(shape if symmetry is None else shape @ symmetry.matrix), fabric)
+
+    @property
+    def count(self) -> int:
+        """Give how many there are."""
+        return self.shape.shape[1] + len(self.fabric)
+
+    def move(self, energy: Energy, step: np.ndarray) -> Energy:
+        """Give the energy with its rest shape and fabric moved by a step, shape [count]."""
+        step = np.asarray(step, dtype=np.float64)
+        topology, first = energy.topology, self.shape.shape[1]
+        if first:
+            moved = topology.rest + (self.shape @ step[:first]).reshape(topology.rest.shape)
+            topology = topology.reshape(moved)
+        scaled = {
+            n: getattr(energy.fabric, n) * float(np.exp(s)) for n, s in zip(self.fabric, step[first:], strict=True)
+        }
+        return replace(energy, topology=topology, fabric=replace(energy.fabric, **scaled))
+
+    def rates(self, energy: Energy) -> tuple[np.ndarray, np.ndarray]:
+        """Give the rates of the rest corners, shape [face_count, 3, 2, count], and of `FABRIC`, shape [6, count]."""
+        first = self.shape.shape[1]
+        rest = np.zeros((self.shape.shape[0], self.count))
+        rest[:, :first] = self.shape.toarray()
+        fabric = np.zeros((len(FABRIC), self.count))
+        for n, name in enumerate(self.fabric):
+            fabric[FABRIC.index(name), first + n] = getattr(energy.fabric, name)
+        return rest.reshape(*energy.topology.rest.shape, self.count), fabric
+
+    def pull(self, energy: Energy, sensitivity: Sensitivity) -> np.ndarray:
+        """Give a number's derivative by the parameters, shape [count]."""
+        scales = [getattr(energy.fabric, n) * sensitivity.fabric[FABRIC.index(n)] for n in self.fabric]
+        return np.concatenate([self.shape.T @ sensitivity.rest.ravel(), scales])
+
+
+def map_rest(garment: Garment) -> csr_matrix:
+    """Give the linear map from uv (x0, y0, x1, ...) to the rest triangles of `Topology.from_garment`.
+
+    Shape [6 face_count, 2 uv_count]; each panel's grainline turns its warp to the second rest axis.
+    """
+    angles = np.array([panel.grainline for panel in garment.pattern.panels])[garment.panel_of_face]
+    turn = np.stack([np.cos(angles), np.sin(angles), -np.sin(angles), np.cos(angles)], axis=1).reshape(-1, 1, 2, 2)
+    values = np.broadcast_to(turn, (len(angles), 3, 2, 2))
+    rows = np.broadcast_to(np.arange(6 * len(angles)).reshape(-1, 3, 2, 1), values.shape)
+    columns = np.broadcast_to(2 * garment.uv_faces[:, :, None, None] + np.arange(2), values.shape)
+    size = (6 * len(angles), 2 * len(garment.uv))
+    return csr_matrix((values.ravel(), (rows.ravel(), columns.ravel())), shape=size)
+
+
+def stretch_edge(pattern: Pattern, edge: EdgeRef) -> np.ndarray:
+    """Give the motion of control points that lengthens one edge about its middle, shape [point_count, 2].
+
+    d length / d step = length: the step is the logarithm of a gathered seam's ratio. A column for `Parameters.shape`.
+    """
+    index = [panel.name for panel in pattern.panels].index(edge.panel)
+    first, count = int(pattern.point_starts[index]), len(pattern.panels[index].points)
+    start, end = first + edge.edge, first + (edge.edge + 1) % count
+    motion = np.zeros_like(pattern.points)
+    half = 0.5 * (pattern.points[end] - pattern.points[start])
+    motion[start], motion[end] = -half, half
+    return motion

@@ -1,0 +1,65 @@
+"""The simulator as one differentiable operation of torch."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import torch
+
+from .derivative import Derivative
+from .energy import Energy
+from .sensitivity import FABRIC
+
+
+class _Drape(torch.autograd.Function):
+    """Solve forwards; pull a gradient back through the solution."""
+
+    @staticmethod
+    def forward(  # type: ignore[override]
+        ctx: Any, rest: torch.Tensor, fabric: torch.Tensor, hold: torch.Tensor, start: torch.Tensor, given: Any
+    ) -> torch.Tensor:
+        """Bring the cloth to where `given`'s derivative is taken."""
+        energy, derivative, solver = given
+        values = dict(zip(FABRIC, _array(fabric).tolist(), strict=True))
+        energy = replace(
+            energy, topology=energy.topology.reshape(_array(rest)), fabric=replace(energy.fabric, **values)
+        )
+        if energy.hold is not None:
+            energy = replace(energy, hold=replace(energy.hold, points=_array(hold)))
+        ctx.response = derivative.solve(energy, _array(start), solver)
+        return torch.from_numpy(ctx.response.nodes.copy())
+
+    @staticmethod
+    def backward(ctx: Any, *upstream: torch.Tensor) -> tuple[torch.Tensor | None, ...]:
+        """Pull the gradient by the positions back to everything."""
+        found = ctx.response.pull(_array(upstream[0]))
+        return (*(torch.from_numpy(part) for part in (found.rest, found.fabric, found.hold, found.start)), None)
+
+
+def drape_tensor(
+    energy: Energy,
+    derivative: Derivative,
+    start: torch.Tensor,
+    *,
+    rest: torch.Tensor | None = None,
+    fabric: torch.Tensor | None = None,
+    hold: torch.Tensor | None = None,
+) -> torch.Tensor:
+    """Give draped positions [m], shape [node_count, 3], float64, through which torch can differentiate.
+
+    What is not given is taken from the energy. `rest`: flat triangles [m], shape [face_count, 3, 2], as `map_rest`
+    makes them from uv. `fabric`: the values of `FABRIC`, shape [6]. `hold`: held points [m], shape [held_count, 3].
+    Each call factors anew on the way back if another call has used its solver: each has its own.
+    """
+    points = np.zeros((0, 3)) if energy.hold is None else np.asarray(energy.hold.points, dtype=np.float64)
+    values = np.array([getattr(energy.fabric, name) for name in FABRIC])
+    given = [(rest, energy.topology.rest), (fabric, values), (hold, points)]
+    tensors = [torch.from_numpy(np.array(value)) if tensor is None else tensor for tensor, value in given]
+    return _Drape.apply(*tensors, start, (energy, derivative, None))  # type: ignore[no-any-return, no-untyped-call]
+
+
+def _array(tensor: torch.Tensor) -> np.ndarray:
+    """Give a tensor's values as float64."""
+    return np.asarray(tensor.detach().cpu().numpy(), dtype=np.float64)
