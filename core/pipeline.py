@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from .body import Body, BodyMissing, builtin_body, register_body
+from .checkpoints import keep_body, keep_drape, kept_body, kept_drape
 from .deform import Deformation, DeformSettings, deform
 from .drape import Stand, drape_graded, drape_template
 from .grade import choose_template, grade_pattern
@@ -76,25 +77,13 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         scan, wearer = read_files(request)
     with clock.stage("body", "finding the wearer's joints") as inner:
         body = find_body(request, wearer, inner)
-        stand = Stand.of(body)
     with clock.stage("segment", "naming the open contours"):
         target = segment_garment(scan, body)
         if settings.garment is not None:
             target = replace(target, category=check_category(settings.garment))
-    with clock.stage("template", "dressing the body in the template") as inner:
-        template, base = find_template(request, target)
-        worn = drape_template(base, stand, target, hooks=inner)
-    warnings: list[str] = list(scan.repairs)
-    with clock.stage("grade", "grading the pattern to the scan") as inner:
-        graded = worn
-        for _ in range(GRADINGS):
-            grading = grade_pattern(graded, target, body, hooks=inner)
-            graded = grading.garment
-        warnings += grading.warnings
-    with clock.stage("drape", "draping the graded pattern") as inner:
-        garment, drape = drape_graded(graded, stand, fabric, target, vertex_count=settings.vertex_count, hooks=inner)
-        if not drape.converged:
-            warnings.append(drape.message)
+    template, base = find_template(request, target)
+    garment, drape, notes = drape_to_scan(base, body, target, settings, clock)
+    warnings = [*scan.repairs, *notes]
     with clock.stage("deform", "deforming the drape onto the scan") as inner:
         preset = DeformSettings.thesis() if settings.preset == "thesis" else DeformSettings()
         detail = deform(garment, target, body, settings=preset, hooks=inner)
@@ -122,6 +111,36 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     )
 
 
+def drape_to_scan(
+    base: Pattern, body: Body, target: Target, settings: RecoverySettings, clock: Clock
+) -> tuple[Garment, Drape, list[str]]:
+    """Dress the wearer in a base pattern, grade it to the target and drape what was graded.
+
+    Returns:
+        The graded garment at rest, its drape, and what the user should know.
+    """
+    kept = kept_drape(clock.hooks, base, settings.vertex_count, body)
+    if kept is not None:
+        return kept
+    with clock.stage("template", "dressing the body in the template") as inner:
+        stand = Stand.of(body)
+        worn = drape_template(base, stand, target, hooks=inner)
+    with clock.stage("grade", "grading the pattern to the scan") as inner:
+        grading = grade_pattern(worn, target, body, hooks=inner)
+        for _ in range(GRADINGS - 1):
+            grading = grade_pattern(grading.garment, target, body, hooks=inner)
+    warnings = list(grading.warnings)
+    with clock.stage("drape", "draping the graded pattern") as inner:
+        fabric = get_fabric(settings.fabric)
+        garment, drape = drape_graded(
+            grading.garment, stand, fabric, target, vertex_count=settings.vertex_count, hooks=inner
+        )
+    if not drape.converged:
+        warnings.append(drape.message)
+    keep_drape(clock.hooks, garment, drape, warnings)
+    return garment, drape, warnings
+
+
 def read_files(request: Request) -> tuple[Scan, Scan | None]:
     """Read the garment and, where the body is a file, the body; units and axes are decided for both together.
 
@@ -144,7 +163,12 @@ def find_body(request: Request, wearer: Scan | None, hooks: Hooks) -> Body:
     """Register the given mesh, or make the built-in body."""
     if wearer is None:
         return builtin_body(str(request.body))
-    return register_body(wearer.vertices, wearer.faces, name=wearer.name, hooks=hooks)
+    kept = kept_body(hooks)
+    if kept is not None:
+        return kept
+    body = register_body(wearer.vertices, wearer.faces, name=wearer.name, hooks=hooks)
+    keep_body(hooks, body)
+    return body
 
 
 def find_template(request: Request, target: Target) -> tuple[str, Pattern]:

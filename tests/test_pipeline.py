@@ -1,0 +1,105 @@
+"""The whole road on a small garment: what comes out, and that a resumed run ends where an uninterrupted one does."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from garmentq.core.body import Body, BodyMissing, builtin_body
+from garmentq.core.checkpoints import keep_body, kept_body
+from garmentq.core.drape import DrapeSettings, Stand, drape_template
+from garmentq.core.errors import Cancelled
+from garmentq.core.hooks import Hooks
+from garmentq.core.pattern import load_template
+from garmentq.core.pipeline import recover
+from garmentq.core.recovery import STAGES, Recovery, Request
+from garmentq.core.settings import RecoverySettings
+
+WEARER = "builtin:female,height=1.68,pose=A"
+
+
+@pytest.fixture(scope="module")
+def request_of_a_skirt(tmp_path_factory: pytest.TempPathFactory) -> Request:
+    """Write a skirt 12 % longer and 6 % wider than the template, worn by the built-in body."""
+    base = load_template("skirt")
+    longer = base.with_points(base.points * np.array([1.06, 1.12]))
+    garment = drape_template(longer, Stand.of(builtin_body(WEARER)), settings=DrapeSettings(template_vertices=900))
+    path = tmp_path_factory.mktemp("scan") / "skirt.ply"
+    trimesh.Trimesh(garment.nodes, garment.faces, process=False).export(path)
+    return Request(path, WEARER, settings=RecoverySettings(vertex_count=800))
+
+
+@pytest.fixture(scope="module")
+def straight(request_of_a_skirt: Request) -> Recovery:
+    """Recover it without interruption."""
+    return recover(request_of_a_skirt)
+
+
+@pytest.mark.slow
+def test_pattern_and_detail_are_recovered(straight: Recovery) -> None:
+    """Breaks if a stage hands on the wrong mesh, or if grading goes the wrong way."""
+    assert straight.target.category == "skirt"
+    assert straight.template == "skirt"
+    assert set(straight.stage_seconds) == set(STAGES)
+    for way in ("s2t", "t2s"):
+        detail, graded = (straight.metrics[f"{prefix}surface_rms_mm.{way}"] for prefix in ("", "graded."))
+        assert detail is not None and graded is not None
+        assert detail < 2.0
+        assert detail < graded < 30.0
+    assert (straight.metrics["body_penetration_mm"] or 0.0) <= 1.0
+    height = np.ptp(straight.pattern.panels[0].points[:, 1])
+    assert height == pytest.approx(1.12 * np.ptp(load_template("skirt").panels[0].points[:, 1]), rel=0.05)
+
+
+@pytest.mark.slow
+def test_resumed_run_ends_where_an_uninterrupted_one_does(request_of_a_skirt: Request, straight: Recovery) -> None:
+    """Breaks if a checkpoint loses something that the later stages need, or if a stage is not deterministic."""
+    kept: dict[str, dict[str, np.ndarray]] = {}
+    stages: list[str] = []
+
+    def note(stage: str, fraction: float, message: str) -> None:
+        stages.append(stage)
+
+    hooks = Hooks(
+        on_progress=note,
+        save_checkpoint=lambda name, arrays: kept.update({name: dict(arrays)}),
+        load_checkpoint=lambda name: kept.get(name),
+    )
+    with pytest.raises(Cancelled):
+        recover(request_of_a_skirt, replace(hooks, is_cancelled=lambda: "deform" in stages))
+    assert "drape" in kept
+    stages.clear()
+    resumed = recover(request_of_a_skirt, hooks)
+    assert "grade" not in stages, "the graded drape was kept"
+    assert np.abs(resumed.detail - straight.detail).max() < 1e-6
+    assert np.abs(resumed.pattern.points - straight.pattern.points).max() < 1e-6
+    assert resumed.metrics["drape.residual"] == straight.metrics["drape.residual"]
+
+
+def test_body_is_kept_whole() -> None:
+    """Breaks if a field of the body is added and not kept."""
+    kept: dict[str, dict[str, np.ndarray]] = {}
+    hooks = Hooks(
+        save_checkpoint=lambda name, arrays: kept.update({name: dict(arrays)}),
+        load_checkpoint=lambda name: kept.get(name),
+    )
+    assert kept_body(hooks) is None
+    body = replace(builtin_body(WEARER), fit_rms=0.003)
+    keep_body(hooks, body)
+    found = kept_body(hooks)
+    assert isinstance(found, Body)
+    for field in fields(Body):
+        ours, theirs = getattr(body, field.name), getattr(found, field.name)
+        if field.name == "parameters":
+            assert set(ours) == set(theirs) and all(np.array_equal(ours[name], theirs[name]) for name in ours)
+        else:
+            assert np.array_equal(ours, theirs)
+
+
+def test_garment_without_body_is_refused_with_the_next_step(tmp_path: Path) -> None:
+    """Breaks if a missing body is guessed, or found out only after the scan was read."""
+    with pytest.raises(BodyMissing, match="builtin:female"):
+        recover(Request(tmp_path / "skirt.ply"))
