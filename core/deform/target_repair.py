@@ -17,6 +17,10 @@ SPIKE_EDGES = 1.3
 SPIKE_OWN = 0.7
 """A spike is also at least this share of its own shortest edge away: a coarse but sound patch is not."""
 
+SPIKE_RING = 0.8
+"""A spike also lies outside this quantile of its ring's distances from the ring's median: a sound vertex lies within its
+ring, however unevenly a scan was decimated. Not the maximum, because one of the ring may be a spike itself."""
+
 UNSIGNED_SHARE = 0.25
 """Share of normals against the source after the vote above which signs mean nothing. Wrong folds give about 0.05."""
 
@@ -100,7 +104,8 @@ def flatten_spikes(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray,
     """Move vertices far from the median of their ring onto it.
 
     A vertex is a spike when it is further from the component-wise median of its neighbours than `SPIKE_EDGES` median
-    edges and than `SPIKE_OWN` of its own shortest edge. Two rounds, because two spikes may be neighbours.
+    edges, than `SPIKE_OWN` of its own shortest edge and than most of these neighbours are (`SPIKE_RING`). Two rounds,
+    because two spikes may be neighbours.
 
     Returns:
         The vertices [m] and which of them moved.
@@ -121,7 +126,8 @@ def flatten_spikes(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray,
         middle = np.nanmedian(around, axis=1)
         own = np.nanmin(np.linalg.norm(around - vertices[used][:, None], axis=2), axis=1)
         off = np.linalg.norm(vertices[used] - middle, axis=1)
-        spike = (off > SPIKE_EDGES * length) & (off > SPIKE_OWN * own)
+        reach = np.nanquantile(np.linalg.norm(around - middle[:, None], axis=2), SPIKE_RING, axis=1)
+        spike = (off > SPIKE_EDGES * length) & (off > SPIKE_OWN * own) & (off > reach)
         vertices[used[spike]] = middle[spike]
         moved[used[spike]] = True
     return vertices, moved

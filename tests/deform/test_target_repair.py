@@ -113,3 +113,16 @@ def test_a_folded_sheet_does_not_intersect_itself_until_it_passes_through():
     assert len(self_intersections(rolled * (1 + 0.1 * sheet[:, :1]), faces)) == 0
     rolled[:, 0] += np.where(sheet[:, 0] > 0.9, -0.3, 0.0)
     assert len(self_intersections(rolled, faces)) > 0
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_uneven_mesh_has_no_spikes(seed: int) -> None:
+    """Breaks if vertices of a decimated scan are taken for spikes because their rings are lopsided (40 to 51 were)."""
+    from scipy.spatial import Delaunay
+
+    rng = np.random.default_rng(seed)
+    # densely in one half of the sheet, six times as sparsely in the other
+    flat = np.concatenate([rng.random((1500, 2)) * [0.2, 0.4], rng.random((40, 2)) * [0.2, 0.4] + [0.2, 0.0]])
+    faces = Delaunay(flat).simplices.astype(np.int64)
+    bent = np.column_stack([0.15 * np.sin(flat[:, 0] / 0.15), flat[:, 1], 0.15 * np.cos(flat[:, 0] / 0.15)])
+    assert flatten_spikes(bent, faces)[1].sum() <= 2, "slivers along the convex hull may be misread"
