@@ -65,24 +65,21 @@ def command(
     packs = read_packs(directory, only)
     lines: list[dict[str, Any]] = []
     for index, pack in enumerate(packs, start=1):
-        if pack.is_scan:
-            line = empty_line(pack.name, method) | {"skipped": True}
-        else:
-            order = {
-                "pack": str(pack.folder.resolve()),
-                "method": method,
-                "preset": preset,
-                "library": library,
-                "out": str(out.resolve()) if out else None,
-            }
-            line = run_target(pack, order, timeout)
+        order = {
+            "pack": str(pack.folder.resolve()),
+            "method": method,
+            "preset": preset,
+            "library": library,
+            "out": str(out.resolve()) if out else None,
+        }
+        line = run_target(pack, order, timeout)
         lines.append(line)
         note(f"[{index}/{len(packs)}] {_summary(line)}")
         if as_json:
             print_json(line)
     if not as_json:
         print_tables(lines, {pack.name: pack.category for pack in packs})
-    failed = any(not line["ok"] and not line.get("skipped") for line in lines)
+    failed = any(not line["ok"] for line in lines)
     context.exit(exits.FAILED if failed else exits.OK)
 
 
@@ -126,8 +123,6 @@ def _children_seconds() -> float:
 
 def _summary(line: dict[str, Any]) -> str:
     """Say in one line how a target went."""
-    if line.get("skipped"):
-        return f"{line['target']}: skipped, its input is a fused scan"
     if not line["ok"]:
         error = line["error"] or {}
         return f"{line['target']}: {error.get('code')}: {error.get('message')}"

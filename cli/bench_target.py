@@ -9,6 +9,7 @@ import json
 import sys
 import time
 import traceback
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -68,7 +69,12 @@ def _recover(order: dict[str, Any]) -> dict[str, Any]:
     template = None if order["library"] else pack.template
     settings = RecoverySettings(method=order["method"], preset=order["preset"])
     # All that the recovery is told: never the category, the true pattern or the truth's body.
-    recovery = recover(Request(scan=pack.garment, body=pack.body, template=template, settings=settings))
+    if pack.scan is None:
+        request = Request(scan=pack.garment, body=pack.body, template=template, settings=settings)
+    else:
+        settings = replace(settings, labels_key="is_garment", keep="1")
+        request = Request(scan=pack.scan, template=template, settings=settings, labels=pack.labels)
+    recovery = recover(request)
     metrics, unmatched = measure_recovery(recovery, pack, own_template=template is not None, seed=settings.seed)
     if order["out"]:
         write_recovery(recovery, Path(order["out"]) / pack.name)

@@ -31,6 +31,21 @@ def order_options(function: Decorator) -> Decorator:
     default = RecoverySettings()
     options = [
         click.option("--body", help="The wearer's mesh file, or builtin:female,height=1.70."),
+        click.option(
+            "--labels",
+            type=click.Path(path_type=Path),
+            help="A dressed person's scan: one label per vertex, .npz .npy .json .txt.  [default: in the scan]",
+        ),
+        click.option("--labels-key", help="The array's name in that file.  [default: found]"),
+        click.option("--keep", multiple=True, metavar="LABEL[,LABEL]", help="The garment's labels.  [default: 1]"),
+        click.option("--keep-colour", metavar="#RRGGBB", help="The garment's colour, instead of labels."),
+        click.option(
+            "--colour-tolerance",
+            type=float,
+            default=default.colour_tolerance,
+            show_default=True,
+            help="Distance in RGB, 0 to 255.",
+        ),
         click.option("--template", help="Base pattern: a pattern file, or a template's name.  [default: chosen]"),
         click.option("--garment", help="Category, overriding the one found: tshirt, tank, dress, trousers, skirt, ..."),
         click.option("--fabric", default=default.fabric, show_default=True, help="A name from `garmentq materials`."),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..core.errors import BadInput
 from ..core.settings import RecoverySettings, SettingsBad
@@ -13,6 +13,9 @@ from ..service.settings import ServiceSettings
 from ..service.store import Store
 from ..service.submission import BUILTIN, BodyUnreadable, Order
 from ..service.templates import find_template
+
+if TYPE_CHECKING:
+    from ..core.scan import Selection
 
 
 class FileUnreadable(BadInput):
@@ -28,11 +31,13 @@ def make_order(settings: ServiceSettings, database: Database, scan: Path, option
         settings: Where the checker is named.
         database: Where imported templates are.
         scan: The garment's file.
-        options: What `order_options` collected.
+        options: What `order_options` collected; of several `--keep` the first.
 
     Raises:
         GarmentqError: with the code of what cannot be used.
     """
+    from ..core.recovery import make_selection
+
     chosen = RecoverySettings(
         method=options["method"],
         preset=options["preset"],
@@ -42,19 +47,36 @@ def make_order(settings: ServiceSettings, database: Database, scan: Path, option
         up=options["up"],
         vertex_count=options["vertices"],
         seed=options["seed"],
+        keep=(options["keep"] or (None,))[0],
+        labels_key=options["labels_key"],
+        keep_colour=options["keep_colour"],
+        colour_tolerance=options["colour_tolerance"],
     )
     _check_names(chosen)
-    body = _find_body(options["body"])
-    _check_meshes(settings, scan, body, chosen)
+    selection = make_selection(options["labels"], chosen)
+    body = None if options["body"] is None and selection is not None else _find_body(options["body"])
+    _check_meshes(settings, scan, body, chosen, selection)
     template, name = _find_template(database, Store(settings.store_path), options["template"])
     chosen = replace(chosen, template=name)
-    return Order(scan, body, template, chosen, force=options["force"])
+    return Order(scan, body, template, chosen, force=options["force"], labels=options["labels"])
 
 
-def _check_meshes(settings: ServiceSettings, scan: Path, body: Path | str, chosen: RecoverySettings) -> None:
+def split_garments(options: dict[str, Any]) -> list[dict[str, Any]]:
+    """Give the options of each garment of a scan: one for each `--keep`, or the options as they are."""
+    return [options | {"keep": (keep,)} for keep in options["keep"]] or [options]
+
+
+def _check_meshes(
+    settings: ServiceSettings,
+    scan: Path,
+    body: Path | str | None,
+    chosen: RecoverySettings,
+    selection: Selection | None,
+) -> None:
     check = settings.find("checker")
+    part = {} if selection is None else {"selection": selection}
     try:
-        check(scan, body if isinstance(body, Path) else None, units=chosen.units, up=chosen.up)
+        check(scan, body if isinstance(body, Path) else None, units=chosen.units, up=chosen.up, **part)
     except OSError as error:
         raise FileUnreadable(f"'{error.filename}' cannot be read: {error.strerror}.") from error
 

@@ -44,6 +44,7 @@ def command(
     Example:
       garmentq run garment.ply --body body.ply --out result
       garmentq run skirt.obj --body builtin:female,height=1.70 --units cm --json
+      garmentq run person.ply --labels labels.npz --keep 1
     """
     from ..service.database import open_database
     from ..service.settings import read_settings
@@ -53,6 +54,8 @@ def command(
     from .order import make_order
     from .terminal import note
 
+    if len(options["keep"]) > 1:
+        raise click.UsageError("one garment at a time; queue several with `garmentq submit`.")
     settings = read_settings(home=home)
     database = open_database(settings)
     order = make_order(settings, database, file, options)

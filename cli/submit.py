@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -32,25 +33,27 @@ def command(
 
     Prints the id of each job; the same scan with the same settings is the same job. A file that is refused is named
     on standard error, the others are queued all the same, and the exit status is 4. `garmentq up` starts a worker.
+    Each --keep of a dressed person's scan is a garment, and a job, of its own.
 
     \b
     Example:
       garmentq submit scans/*.ply --body body.ply
+      garmentq submit person.ply --keep upper --keep lower
     """
     from ..core.errors import GarmentqError
     from ..service.database import open_database
     from ..service.settings import read_settings
     from ..service.store import Store
     from ..service.submission import submit
-    from .order import make_order
+    from .order import make_order, split_garments
     from .terminal import print_error, print_json
 
     settings = read_settings(home=home)
     database = open_database(settings)
     status, jobs = exits.OK, []
-    for file in files:
+    for file, chosen in product(files, split_garments(options)):
         try:
-            order = make_order(settings, database, file, options)
+            order = make_order(settings, database, file, chosen)
             submitted = submit(database, Store(settings.store_path), order)
         except GarmentqError as error:
             print_error(error.code, error.message)

@@ -10,7 +10,7 @@ import numpy as np
 
 from .body import Body
 from .pattern import Garment, Pattern
-from .scan import Scan
+from .scan import Scan, Selection
 from .segment import Target
 from .settings import RecoverySettings
 from .simulate import Fabric
@@ -24,16 +24,31 @@ class Request:
     """Name the files of one recovery.
 
     Attributes:
-        scan: The garment's file.
-        body: The wearer's mesh file, a text `builtin:female,height=1.70`, or None (refused with `body.missing`).
+        scan: The garment's file; or the dressed person's, where labels or the settings say what of it is the garment.
+        body: The wearer's mesh file, a text `builtin:female,height=1.70`, or None: then it must be in the scan, and is
+            refused with `body.missing` where that is a garment alone.
         template: A pattern file that serves as the base pattern, or None to choose from the library.
         settings: Everything else.
+        labels: A file with one label per vertex of a dressed person's scan, or None.
     """
 
     scan: Path
     body: Path | str | None = None
     template: Path | None = None
     settings: RecoverySettings = field(default_factory=RecoverySettings)
+    labels: Path | None = None
+
+    @property
+    def selection(self) -> Selection | None:
+        """Say which part of the scan is the garment; None where it is all of it."""
+        return make_selection(self.labels, self.settings)
+
+
+def make_selection(labels: Path | None, settings: RecoverySettings) -> Selection | None:
+    """Say which part of a scan is the garment by a label file and settings; None where neither says anything."""
+    if labels is None and settings.keep is None and settings.keep_colour is None:
+        return None
+    return Selection(labels, settings.labels_key, settings.kept_labels, settings.keep_colour, settings.colour_tolerance)
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,11 @@ class RecoverySettings:
         vertex_count: Vertices of the garment mesh; 4000 gives edges of about 1.5 cm on a T-shirt, where the folds of a
             scan are still resolved and a Newton step takes about 0.2 s.
         seed: Seeds every random choice, so that the same input gives the same output.
+        keep: Labels of a dressed person's scan that are the garment, separated by commas (`upper,sleeve`), or None.
+        labels_key: Name of the array with the labels in a label file of several, or None to find it.
+        keep_colour: The garment's colour as `#rrggbb`, instead of labels, or None.
+        colour_tolerance: Distance in RGB (0 to 255) up to which a colour is the garment's; 60 spans a camera's noise
+            and soft shadows, while skin lies 150 from denim.
     """
 
     method: str = "deform"
@@ -43,6 +48,10 @@ class RecoverySettings:
     up: str | None = None
     vertex_count: int = 4000
     seed: int = 0
+    keep: str | None = None
+    labels_key: str | None = None
+    keep_colour: str | None = None
+    colour_tolerance: float = 60.0
 
     def __post_init__(self) -> None:
         """Check every value.
@@ -56,6 +65,17 @@ class RecoverySettings:
             raise SettingsBad(f"preset '{self.preset}' is not one of {', '.join(PRESETS)}.")
         if not 500 <= self.vertex_count <= 20000:
             raise SettingsBad(f"vertex_count {self.vertex_count} is outside 500 to 20000.")
+        if self.keep is not None and not self.kept_labels:
+            raise SettingsBad(f"keep '{self.keep}' names no label; give one, or several separated by commas.")
+        if self.keep is not None and self.keep_colour is not None:
+            raise SettingsBad("keep and keep_colour exclude each other; tell the garment by labels or by colour.")
+        if not 0.0 < self.colour_tolerance <= 442.0:
+            raise SettingsBad(f"colour_tolerance {self.colour_tolerance} is outside 0 to 442 (black to white).")
+
+    @property
+    def kept_labels(self) -> tuple[str, ...]:
+        """Give the labels to keep, one by one."""
+        return tuple(word.strip() for word in (self.keep or "").split(",") if word.strip())
 
     def as_dict(self) -> dict[str, Any]:
         """Give the settings as plain JSON values."""

@@ -18,7 +18,7 @@ PIPELINE = "garmentq.core.pipeline:recover"
 WRITER = "garmentq.core.export:write_recovery"
 """What turns a recovery into files."""
 
-CHECKER = "garmentq.core.scan:load_pair"
+CHECKER = "garmentq.core.scan:load_pieces"
 """What looks at a scan and its body before they are queued."""
 
 

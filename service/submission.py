@@ -41,6 +41,7 @@ class Order:
         settings: Everything else.
         priority: Larger goes first.
         force: Make a new job even where an equal one exists.
+        labels: A file with one label per vertex of a dressed person's scan, or None.
     """
 
     scan: Path
@@ -49,6 +50,7 @@ class Order:
     settings: RecoverySettings = field(default_factory=RecoverySettings)
     priority: int = 0
     force: bool = False
+    labels: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -70,13 +72,11 @@ def submit(database: Database, store: Store, order: Order) -> Submitted:
     """Keep the files, then add the job, its first event and its outbox row in one transaction.
 
     Raises:
-        BodyMissing: where no body was named.
+        BodyMissing: where no body was named, and nothing says which part of the scan is the garment.
         StorageFull: where the files cannot be kept.
     """
     if order.body is None:
-        from ..core.body import BodyMissing
-
-        raise BodyMissing()
+        _check_dressed(order)
     scan = store.put(order.scan)
     request = _describe(order, scan, store)
     nonce = uuid.uuid4().hex if order.force else ""
@@ -117,17 +117,28 @@ def clean_name(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9._-]+", "_", Path(name).name).lstrip(".")[-100:] or "file"
 
 
+def _check_dressed(order: Order) -> None:
+    from ..core.body import BodyMissing
+    from ..core.recovery import make_selection
+
+    if make_selection(order.labels, order.settings) is None:
+        raise BodyMissing()
+
+
 def _describe(order: Order, scan: Stored, store: Store) -> dict[str, Any]:
     """Describe an order by hashes only, so that the same files elsewhere are the same order."""
-    body: dict[str, str] | str
-    if isinstance(order.body, str) and order.body.startswith(BUILTIN):
+    body: dict[str, str] | str | None
+    if order.body is None:
+        body = None
+    elif isinstance(order.body, str) and order.body.startswith(BUILTIN):
         body = order.body
     else:
         body = _kept(Path(str(order.body)), store)
     template = _kept(order.template, store) if order.template else None
     if template is not None and order.settings.template:
         template["name"] = clean_name(f"{order.settings.template}.json")  # what the user calls an imported one
-    return {
+    labels = {"labels": _kept(order.labels, store)} if order.labels else {}
+    return labels | {
         "scan": {"sha256": scan.sha256, "name": clean_name(order.scan.name)},
         "body": body,
         "template": template,

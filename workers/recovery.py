@@ -130,9 +130,10 @@ def unpack_request(held: Claim, store: Store, folder: Path) -> Request:
 
     return Request(
         scan=unpack("scan"),
-        body=wanted["body"] if isinstance(wanted["body"], str) else unpack("body"),
+        body=unpack("body") if isinstance(wanted["body"], dict) else wanted["body"],
         template=unpack("template") if wanted["template"] else None,
         settings=RecoverySettings(**wanted["settings"]),
+        labels=unpack("labels") if wanted.get("labels") else None,
     )
 
 

@@ -27,7 +27,7 @@ ARM_DROPS = {"T": 0.0, "A": math.radians(45), "arms-down": math.radians(70)}
 
 
 class BodyMissing(BadInput):
-    """No body was given: give a mesh with `--body body.ply`, or use `--body builtin:female,height=1.70`."""
+    """No body was given: give --body body.ply or builtin:female,height=1.70, or tell cloth from skin by --labels."""
 
     code = "body.missing"
 

@@ -42,7 +42,9 @@ class Pack:
         garment: The target's surface.
         body: The wearer's mesh, or None.
         template: The base pattern, or None.
-        is_scan: True where the input is a fused scan of person and garment.
+        scan: The fused scan of person and garment that is the input instead of `garment`, or None.
+        labels: Which of its vertices are the garment (`is_garment`, 0 or 1), or None.
+        truth_body: The person below the cloth, only to measure, or None.
     """
 
     name: str
@@ -51,7 +53,9 @@ class Pack:
     garment: Path
     body: Path | None
     template: Path | None
-    is_scan: bool
+    scan: Path | None = None
+    labels: Path | None = None
+    truth_body: Path | None = None
 
 
 def read_packs(folder: Path, only: tuple[str, ...] = ()) -> tuple[Pack, ...]:
@@ -77,8 +81,8 @@ def read_packs(folder: Path, only: tuple[str, ...] = ()) -> tuple[Pack, ...]:
     return tuple(pack for pack in packs if not only or pack.name in only)
 
 
-def read_true_mesh(pack: Pack) -> tuple[np.ndarray, np.ndarray]:
-    """Read the truth's surface as it is in the file: nothing merged, nothing repaired.
+def read_true_mesh(pack: Pack, path: Path | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Read the truth's surface, or another file of the pack, as it is: nothing merged, nothing repaired.
 
     Returns:
         Positions [m], shape [n, 3], and faces, shape [m, 3].
@@ -88,14 +92,15 @@ def read_true_mesh(pack: Pack) -> tuple[np.ndarray, np.ndarray]:
     """
     import trimesh
 
+    path = path or pack.garment
     try:
-        mesh: Any = trimesh.load(pack.garment, process=False)
+        mesh: Any = trimesh.load(path, process=False)
         vertices = np.array(mesh.vertices, dtype=np.float64)
         faces = np.array(mesh.faces, dtype=np.int64)
     except Exception as error:  # trimesh raises whatever its reader raised
-        raise PackBad(f"the truth '{pack.garment}' cannot be read as a triangle mesh.") from error
+        raise PackBad(f"the truth '{path}' cannot be read as a triangle mesh.") from error
     if not len(faces) or not np.isfinite(vertices).all():
-        raise PackBad(f"the truth '{pack.garment}' has no faces, or positions that are no numbers.")
+        raise PackBad(f"the truth '{path}' has no faces, or positions that are no numbers.")
     return vertices, faces
 
 
@@ -136,13 +141,18 @@ def _read_pack(folder: Path) -> Pack:
         category = str(meta.get("category", ""))
     except (ValueError, AttributeError, OSError) as error:
         raise PackBad(f"'{folder / 'meta.json'}' is no JSON object; see docs/bench.md.") from error
-    body, template = folder / "body.ply", folder / "template.json"
+
+    def find(name: str) -> Path | None:
+        return folder / name if (folder / name).is_file() else None
+
     return Pack(
         name=folder.name,
         folder=folder,
         category=category,
         garment=folder / "garment.ply",
-        body=body if body.is_file() else None,
-        template=template if template.is_file() else None,
-        is_scan=(folder / "scan.ply").is_file(),
+        body=find("body.ply"),
+        template=find("template.json"),
+        scan=find("scan.ply"),
+        labels=find("labels.npz"),
+        truth_body=find("truth_body.ply"),
     )

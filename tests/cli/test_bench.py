@@ -23,7 +23,7 @@ KEYS = {
 
 @pytest.fixture()
 def packs(tmp_path: Path, tube_recovery) -> Path:
-    """Write three packs: one that works, one whose recovery is refused, and a scan."""
+    """Write three packs: one that works, one whose recovery is refused, and a dressed person's scan."""
     recovery = tube_recovery()
     for name in ("good", "refused", "fused_scan"):
         folder = tmp_path / "packs" / name
@@ -37,7 +37,10 @@ def packs(tmp_path: Path, tube_recovery) -> Path:
             name: {"outline": [q for e in edges for q in e[:-1]], "edges": edges} for name, edges in lines.items()
         }
         (folder / "pattern.json").write_text(json.dumps({"unit": "m", "panels": panels}))
-    (tmp_path / "packs" / "fused_scan" / "scan.ply").write_text("ply")
+    fused = tmp_path / "packs" / "fused_scan"
+    (fused / "scan.ply").write_text("ply")
+    (fused / "labels.npz").write_text("npz")
+    (fused / "body.ply").rename(fused / "truth_body.ply")
     return tmp_path / "packs"
 
 
@@ -69,7 +72,11 @@ def test_one_line_a_target_and_status_5(packs: Path, requests: list) -> None:
     lines = {line["target"]: line for line in map(json.loads, result.stdout.splitlines())}
     assert list(lines) == ["fused_scan", "good", "refused"]
     assert all(set(line) >= KEYS for line in lines.values())
-    assert lines["fused_scan"]["skipped"] is True
+    fused = lines["fused_scan"]
+    assert fused["ok"] and fused["metrics"]["truth_body_rms_mm"] == pytest.approx(0.0, abs=0.01)
+    assert fused["metrics"]["truth_body_penetration_mm"] == fused["metrics"]["body_penetration_mm"]
+    assert requests[0].scan.name == "scan.ply" and requests[0].labels.name == "labels.npz"
+    assert requests[0].body is None and requests[0].settings.keep == "1"
     good, refused = lines["good"], lines["refused"]
     assert (good["ok"], good["error"], good["category"], good["method"]) == (True, None, "skirt", "deform")
     assert good["metrics"]["surface_rms_mm.s2t"] > 0.0
@@ -112,7 +119,7 @@ def test_the_table_has_every_metric_and_the_thesis(packs: Path, requests: list) 
         "0.096",
     ):
         assert word in text, word
-    assert "input.bad" in text and "skipped" in text
+    assert "input.bad" in text
 
 
 def test_unknown_packs_are_refused(packs: Path) -> None:

@@ -31,8 +31,9 @@ def test_packs_are_found_in_the_order_of_their_names(tmp_path: Path) -> None:
     make_pack(tmp_path, "a", scan_ply="x")
     (tmp_path / "notes").mkdir()
     first, second = read_packs(tmp_path)
-    assert (first.name, first.is_scan, first.body, first.template) == ("a", True, None, None)
-    assert (second.name, second.is_scan, second.category) == ("b", False, "skirt")
+    assert (first.name, first.body, first.template, first.labels) == ("a", None, None, None)
+    assert first.scan is not None and first.scan.name == "scan.ply"
+    assert (second.name, second.scan, second.category) == ("b", None, "skirt")
     assert second.body is not None and second.template is not None
     assert [pack.name for pack in read_packs(tmp_path, ("b",))] == ["b"]
     assert [pack.name for pack in read_packs(tmp_path / "b")] == ["b"]
