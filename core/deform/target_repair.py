@@ -18,8 +18,8 @@ SPIKE_OWN = 0.7
 """A spike is also at least this share of its own shortest edge away: a coarse but sound patch is not."""
 
 SPIKE_RING = 0.8
-"""A spike also lies outside this quantile of its ring's distances from the ring's median: a sound vertex lies within its
-ring, however unevenly a scan was decimated. Not the maximum, because one of the ring may be a spike itself."""
+"""A spike also lies outside this quantile of its ring's distances from the ring's median: a sound vertex lies within
+its ring, however unevenly a scan was decimated. Not the maximum: one of the ring may be a spike itself."""
 
 UNSIGNED_SHARE = 0.25
 """Share of normals against the source after the vote above which signs mean nothing. Wrong folds give about 0.05."""
