@@ -23,7 +23,7 @@ from .hooks import SILENT, Hooks
 from .measure import judge, measure_fit, measure_seams
 from .pattern import Garment, Pattern, list_templates, load_pattern, load_template
 from .recovery import Recovery, Request
-from .scan import Scan, load_pair
+from .scan import Pieces, Scan, load_pieces
 from .segment import CATEGORIES, Target, segment_garment
 from .settings import RecoverySettings, SettingsBad
 from .simulate import Drape, get_fabric
@@ -74,9 +74,10 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     fabric = get_fabric(settings.fabric)
     clock = Clock(hooks)
     with clock.stage("scan", "reading the scan"):
-        scan, wearer = read_files(request)
+        pieces = read_files(request)
+        scan = pieces.garment
     with clock.stage("body", "finding the wearer's joints") as inner:
-        body = find_body(request, wearer, inner)
+        body = find_body(request, pieces, inner)
     with clock.stage("segment", "naming the open contours"):
         target = segment_garment(scan, body)
         if settings.garment is not None:
@@ -141,17 +142,19 @@ def drape_to_scan(
     return garment, drape, warnings
 
 
-def read_files(request: Request) -> tuple[Scan, Scan | None]:
-    """Read the garment and, where the body is a file, the body; units and axes are decided for both together.
+def read_files(request: Request) -> Pieces:
+    """Read the garment and its wearer, or cut the garment out of a dressed person's scan.
 
     Raises:
-        BodyMissing: where no body is given.
+        BodyMissing: where no body is given, and none is in the scan.
         BadInput: where a file cannot be used.
     """
-    if request.body is None:
+    selection = request.selection
+    if request.body is None and selection is None:
         raise BodyMissing()
-    given = None if is_builtin(request.body) else Path(request.body)
-    return load_pair(request.scan, given, units=request.settings.units, up=request.settings.up)
+    given = None if request.body is None or is_builtin(request.body) else Path(request.body)
+    settings = request.settings
+    return load_pieces(request.scan, given, units=settings.units, up=settings.up, selection=selection)
 
 
 def is_builtin(body: Path | str) -> bool:
@@ -159,14 +162,15 @@ def is_builtin(body: Path | str) -> bool:
     return isinstance(body, str) and body.startswith("builtin:")
 
 
-def find_body(request: Request, wearer: Scan | None, hooks: Hooks) -> Body:
-    """Register the given mesh, or make the built-in body."""
-    if wearer is None:
+def find_body(request: Request, pieces: Pieces, hooks: Hooks) -> Body:
+    """Register the given mesh or the dressed person, or make the built-in body."""
+    wearer = pieces.wearer
+    if request.body is not None and is_builtin(request.body) or wearer is None:
         return builtin_body(str(request.body))
     kept = kept_body(hooks)
     if kept is not None:
         return kept
-    body = register_body(wearer.vertices, wearer.faces, name=wearer.name, hooks=hooks)
+    body = register_body(wearer.vertices, wearer.faces, cloth=pieces.cloth, name=wearer.name, hooks=hooks)
     keep_body(hooks, body)
     return body
 
