@@ -165,7 +165,7 @@ def is_builtin(body: Path | str) -> bool:
 def find_body(request: Request, pieces: Pieces, hooks: Hooks) -> Body:
     """Register the given mesh or the dressed person, or make the built-in body."""
     wearer = pieces.wearer
-    if request.body is not None and is_builtin(request.body) or wearer is None:
+    if (request.body is not None and is_builtin(request.body)) or wearer is None:
         return builtin_body(str(request.body))
     kept = kept_body(hooks)
     if kept is not None:

@@ -22,7 +22,8 @@ class Body:
     """Hold a body mesh with joints, bones and skinning weights, all in the scan's pose and place.
 
     Attributes:
-        vertices: Positions [m], shape [vertex_count, 3]; for a given mesh the mesh itself, never the fitted model.
+        vertices: Positions [m], shape [vertex_count, 3]; for a given mesh the mesh itself, never the fitted model,
+            except for a dressed person, whose mesh hides the body.
         faces: Outward faces, shape [face_count, 3].
         joints: Joint positions in this pose [m], order of `JOINTS`, shape [24, 3].
         weights: Linear blend skinning weights of `vertices`, rows sum to 1, shape [vertex_count, 24].
@@ -33,8 +34,9 @@ class Body:
         rest_weights: Skinning weights of the fitted model, shape [model_count, 24].
         heading: Rotation [3, 3] that turns the file's axes to a body that faces +z (identity: it faces +z already).
         parameters: Shape and pose parameters of the fitted model by name.
-        source: `builtin:female`, `mesh:NAME`, ...
-        fit_rms: RMS distance of the fitted model to the given mesh [m]; 0 for the built-in body.
+        source: `builtin:female`, `mesh:NAME`, `scan:NAME` (of a dressed person).
+        fit_rms: RMS distance of the fitted model to the given mesh, of a dressed person to the skin [m]; 0 for the
+            built-in body.
     """
 
     vertices: np.ndarray
