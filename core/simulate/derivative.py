@@ -10,7 +10,7 @@ from scipy.sparse import csr_matrix
 
 from ..errors import GarmentqError
 from .energy import Energy
-from .newton import newton_step, relative_residual
+from .newton import factor_blend, relative_residual, search_line
 from .sensitivity import Sensitivity, fabric_forces, pull_forces, push_forces
 from .solver import Solver, SuperLU, make_solver
 from .topology import Topology
@@ -19,8 +19,8 @@ _ROUND_OFF = 1e-6
 """Residual under which a Newton step that no longer helps has met round-off and not an obstacle."""
 
 
-_NEAR = 0.02
-"""Share of the clamp on static steps (1 mm) under which Newton's steps are taken whole: there they are quadratic."""
+_BLIND = 1e-10
+"""Predicted decrease, relative to the energy, under which a line search sees little but the energy's round-off."""
 
 
 class NotAtRest(GarmentqError):
@@ -68,7 +68,7 @@ class Implicit:
     """
 
     tolerance: float = 1e-5
-    max_iterations: int = 60
+    max_iterations: int = 200
 
     def solve(self, energy: Energy, nodes: np.ndarray, solver: Solver | None = None) -> AtRest:
         """Bring nodes near rest [m], shape [node_count, 3], to rest, with the energy's friction as it is.
@@ -125,25 +125,33 @@ class AtRest:
 def come_to_rest(energy: Energy, nodes: np.ndarray, solver: Solver, tolerance: float, max_iterations: int) -> AtRest:
     """Find where no force is left, from nodes near it [m], and factor the exact Hessian there.
 
+    Newton with a line search on the energy; where the energy cannot tell any more, on the residual.
+
     Raises:
         NotAtRest: where the force left stays above the tolerance.
     """
     share = 1.0
     for _ in range(max_iterations + 1):
-        _, gradient, blocks = energy.hessian(nodes)
+        start, gradient, blocks = energy.hessian(nodes)
         residual = relative_residual(energy, gradient)
         if residual <= tolerance:
             return AtRest(energy, nodes, blocks, factor(energy, blocks, solver))
-        nearer = _approach(energy, nodes, solver, gradient, blocks, residual) if share >= 1.0 else None
-        if nearer is not None:
+        used = factor_blend(energy, solver, nodes, blocks, share)
+        direction = -np.asarray(solver.solve(gradient.ravel())).reshape(-1, 3)
+        slope = float((gradient * direction).sum())
+        if used < 0 or not slope < 0:
+            break
+        if -slope < _BLIND * abs(start):
+            nearer = nodes + direction
+            if relative_residual(energy, energy.gradient(nearer)[1]) >= residual:
+                if used == 1.0 and residual <= max(tolerance, _ROUND_OFF):
+                    return AtRest(energy, nodes, blocks, solver)
+                nearer, _ = search_line(energy, nodes, direction, start, slope)
             nodes = nearer
-            continue
-        if share >= 1.0 and residual <= max(tolerance, _ROUND_OFF):
-            return AtRest(energy, nodes, blocks, factor(energy, blocks, solver))
-        step = newton_step(energy, solver, nodes, share)
-        nodes = step.nodes
-        # far away a blend that could be factored is tried again; where it moved little the exact Hessian is due
-        share = 1.0 if step.motion < _NEAR * energy.settings.max_step else min(1.0, max(1.25 * step.share, 0.3))
+        else:
+            nodes, _ = search_line(energy, nodes, direction, start, slope)
+        # a share that could be factored is tried again, and a little more; the exact Hessian is due in the end
+        share = min(1.0, max(1.5 * used, 0.3))
     raise NotAtRest(f"the cloth does not come to rest: a force of {residual:.1e} of a node's weight is left.")
 
 
@@ -195,22 +203,6 @@ def pull_hold(energy: Energy, blocks: np.ndarray, weights: np.ndarray, upstream:
 def matrix_of(topology: Topology, data: np.ndarray) -> csr_matrix:
     """Give the sparse matrix with these entries, shape [3 node_count, 3 node_count]."""
     return csr_matrix((data, topology.indices, topology.indptr), shape=(3 * topology.node_count,) * 2)
-
-
-def _approach(
-    energy: Energy, nodes: np.ndarray, solver: Solver, gradient: np.ndarray, blocks: np.ndarray, residual: float
-) -> np.ndarray | None:
-    """Take a full Newton step; None where it is far or does not lower the residual.
-
-    A line search cannot see the last digits: there the energy changes by less than its round-off.
-    """
-    if not solver.factor(energy.topology.assemble(blocks, energy.fixed)):
-        return None
-    step = np.asarray(solver.solve(gradient.ravel())).reshape(-1, 3)
-    if not np.abs(step).max() < _NEAR * energy.settings.max_step:
-        return None
-    trial = nodes - step
-    return trial if relative_residual(energy, energy.gradient(trial)[1]) < residual else None
 
 
 def with_friction_frozen(energy: Energy, nodes: np.ndarray, anchors: np.ndarray) -> Energy:

@@ -57,7 +57,7 @@ def newton_step(energy: Energy, solver: Solver, nodes: np.ndarray, share: float)
     """
     start, gradient, blocks = energy.hessian(nodes, share > 0)
     residual = relative_residual(energy, gradient)
-    share = _factor(energy, solver, nodes, blocks, share)
+    share = factor_blend(energy, solver, nodes, blocks, share)
     if share < 0:
         return Step(nodes, start, residual, 0.0, 0.0)
     direction = -solver.solve(gradient.ravel()).reshape(-1, 3)
@@ -66,11 +66,11 @@ def newton_step(energy: Energy, solver: Solver, nodes: np.ndarray, share: float)
         # round-off has eaten the direction: down the gradient, a millimetre at most
         direction = -gradient * (1e-3 / max(float(np.abs(gradient).max()), 1e-300))
         slope = float((gradient * direction).sum())
-    nodes, motion = _search(energy, nodes, direction, start, slope)
+    nodes, motion = search_line(energy, nodes, direction, start, slope)
     return Step(nodes, start, residual, motion, share)
 
 
-def _factor(energy: Energy, solver: Solver, nodes: np.ndarray, blocks: np.ndarray, share: float) -> float:
+def factor_blend(energy: Energy, solver: Solver, nodes: np.ndarray, blocks: np.ndarray, share: float) -> float:
     """Factor the largest share of the exact Hessian that is definite and give it; -1 where nothing can be factored.
 
     `blocks` is the exact Hessian where `share` > 0, else the PSD form. Slack cloth makes the PSD form singular, so it
@@ -97,7 +97,7 @@ def _factor(energy: Energy, solver: Solver, nodes: np.ndarray, blocks: np.ndarra
             shift *= 100.0
 
 
-def _search(
+def search_line(
     energy: Energy, nodes: np.ndarray, direction: np.ndarray, start: float, slope: float
 ) -> tuple[np.ndarray, float]:
     """Halve the step until the energy falls; give the new nodes and the largest displacement."""

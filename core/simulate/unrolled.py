@@ -40,7 +40,7 @@ class Unrolled:
     dt: float = 0.05
     damping: float = 1.0
     tolerance: float = 1e-6
-    max_iterations: int = 60
+    max_iterations: int = 200
 
     def solve(
         self, energy: Energy, nodes: np.ndarray, solver: Solver | None = None, velocities: np.ndarray | None = None
@@ -55,7 +55,9 @@ class Unrolled:
         path = [start if velocities is None else start - self.dt * np.asarray(velocities), start]
         for _ in range(self.steps):
             step = self._energy_of_step(energy, path[-2], path[-1])
-            guess = place_held(energy, path[-1])
+            assert step.inertia is not None
+            guesses = (place_held(energy, path[-1]), place_held(energy, step.inertia.target))
+            guess = min(guesses, key=step.value)
             path.append(come_to_rest(step, guess, solver, self.tolerance, self.max_iterations).nodes)
         return InMotion(energy, self, np.stack(path), solver)
 

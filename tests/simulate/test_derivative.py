@@ -1,0 +1,213 @@
+"""Derivatives of drapes against central differences of fully converged drapes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from garmentq.core.simulate import (
+    FABRIC,
+    Energy,
+    Hold,
+    Implicit,
+    Inertia,
+    NotAtRest,
+    Parameters,
+    SimulateSettings,
+    Topology,
+    Unrolled,
+    equilibrium,
+    fabric_forces,
+    make_solver,
+    pull_forces,
+    push_forces,
+    settle,
+    with_friction_frozen,
+)
+from scipy.sparse import csr_matrix
+
+SHAPE_STEP, LOG_STEP = 1e-6, 1e-4
+"""Steps of the difference quotients: 1e-6 m because a drape has folds at 0.1 mm; one in ten thousand of the fabric."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A sheet at rest on a ball, two of its nodes held, friction on."""
+
+    energy: Energy
+    nodes: np.ndarray
+    parameters: Parameters
+    upstream: np.ndarray
+
+
+def lay(sheet, grid_of, cloth, count: int) -> Scene:
+    """Lay a rectangle off-centre over a ball, pull two corners up, and bring it to rest."""
+    flat, faces = sheet(count, count, 0.30, 0.28)
+    middle = flat - [0.13, 0.15]
+    grid = grid_of(lambda p: np.linalg.norm(p, axis=-1) - 0.1, -0.25, 0.25)
+    nodes = np.column_stack([middle[:, 0], np.full(len(flat), 0.103), -middle[:, 1]])
+    topology = Topology.from_mesh(faces, flat[faces])
+    moving = settle(topology, cloth, nodes, grid=grid, steps=15)
+    held = np.array([0, count - 1])
+    hold = Hold(held, moving.nodes[held] + [0.0, 0.01, 0.0])
+    settings = SimulateSettings(max_iterations=300, still=0.0)
+    drape = equilibrium(topology, cloth, moving.nodes, grid=grid, hold=hold, anchors=moving.anchors, settings=settings)
+    assert drape.converged
+    energy = with_friction_frozen(Energy(topology, cloth, grid, hold), drape.nodes, drape.anchors)
+    u, v = (middle / 0.15).T
+    # the rest shape's directions: wider, longer, sheared, and a dart-like swelling
+    fields = [(u, 0 * u), (0 * u, v), (v, 0 * u), (u * v, v * v)]
+    shape = np.stack([np.stack(field, axis=1)[faces].ravel() for field in fields], axis=1)
+    upstream = np.sin(9 * drape.nodes[:, [1, 2, 0]] + [0.3, 0.5, 0.7])
+    return Scene(energy, drape.nodes, Parameters(csr_matrix(shape), FABRIC), upstream)
+
+
+@pytest.fixture(scope="module")
+def scene(sheet, grid_of, cloth):
+    return lay(sheet, grid_of, cloth, 32)
+
+
+@pytest.fixture(scope="module")
+def small(sheet, grid_of, cloth):
+    return lay(sheet, grid_of, cloth, 12)
+
+
+def differ(scene: Scene, derivative, energy: Energy, nodes: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """Give the central differences of upstream . x by every parameter."""
+    solver, found = make_solver(energy.topology), []
+    for direction in np.diag(steps):
+        ends = [derivative.solve(scene.parameters.move(energy, s * direction), nodes, solver).nodes for s in (1, -1)]
+        found.append(float((scene.upstream * (ends[0] - ends[1])).sum()) / (2 * direction.sum()))
+    return np.array(found)
+
+
+def step_sizes(parameters: Parameters, shape_step: float, log_step: float) -> np.ndarray:
+    """Give a step for each parameter."""
+    first = parameters.shape.shape[1]
+    return np.repeat([shape_step, log_step], [first, parameters.count - first])
+
+
+def test_forces_follow_rest_shape_and_fabric(crumpled, cloth, grid_of):
+    """A wrong term in dg/dp (membrane, bending, weight, contact, inertia) breaks this; g alone, no equilibrium."""
+    topology, nodes, _ = crumpled
+    grid = grid_of(lambda p: p[..., 1] + 0.001)
+    rng = np.random.default_rng(2)
+    energy = Energy(topology, cloth, grid, inertia=Inertia(nodes + rng.normal(0, 1e-2, nodes.shape), 400.0))
+    assert (energy.touch(nodes)[0] > 0).sum() > 10
+    weights = rng.normal(size=nodes.shape)
+    rest, fabric = pull_forces(energy, nodes, weights)
+    ways = rng.normal(0, 1e-3, (*topology.rest.shape, 3))
+    pushed = push_forces(energy, nodes, ways)
+    for n in range(3):
+        ends = [
+            (weights * replace(energy, topology=topology.reshape(topology.rest + s * ways[..., n])).gradient(nodes)[1])
+            for s in (1e-4, -1e-4)
+        ]
+        expected = float((ends[0] - ends[1]).sum()) / 2e-4
+        assert (rest * ways[..., n]).sum() == pytest.approx(expected, rel=1e-6)
+        assert (pushed[..., n] * weights).sum() == pytest.approx(expected, rel=1e-6)
+    forces = fabric_forces(energy, nodes)
+    for n, name in enumerate(FABRIC):
+        value = getattr(cloth, name)
+        ends = [replace(energy, fabric=replace(cloth, **{name: s * value})).gradient(nodes)[1] for s in (1.1, 0.9)]
+        np.testing.assert_allclose(forces[:, :, n] * value, (ends[0] - ends[1]) / 0.2, rtol=1e-8, atol=1e-9)
+        assert fabric[n] == pytest.approx(float((forces[:, :, n] * weights).sum()), rel=1e-9)
+
+
+def test_reshape_equals_a_new_topology(crumpled):
+    """A rest quantity that reshape forgets breaks this."""
+    topology, _, flat = crumpled
+    moved = (flat * [1.1, 0.9] + 0.1 * flat[:, ::-1])[topology.faces]
+    new, reshaped = Topology.from_mesh(topology.faces, moved), topology.reshape(moved)
+    for name in ("rest", "shape_gradients", "areas", "node_areas", "hinge_scale", "hinge_rest"):
+        np.testing.assert_array_equal(getattr(reshaped, name), getattr(new, name), err_msg=name)
+
+
+@pytest.mark.slow
+def test_implicit_against_central_differences(scene):
+    """A wrong adjoint, Hessian or dg/dp breaks this: 1K nodes, contact, friction and hold on, every parameter kind."""
+    implicit = Implicit(tolerance=0.0)
+    rest = implicit.solve(scene.energy, scene.nodes)
+    assert (scene.energy.touch(rest.nodes)[0] > 0).sum() > 50
+    found = scene.parameters.pull(scene.energy, rest.pull(scene.upstream))
+    expected = differ(scene, implicit, scene.energy, rest.nodes, step_sizes(scene.parameters, SHAPE_STEP, LOG_STEP))
+    np.testing.assert_allclose(found, expected, rtol=1e-5)
+
+
+def test_push_and_pull_are_transposes(scene):
+    """A push that forgets a term of the pull, or fixed nodes that move, break this."""
+    rest = Implicit().solve(scene.energy, scene.nodes)
+    moves = rest.push(*scene.parameters.rates(scene.energy))
+    found = scene.parameters.pull(scene.energy, rest.pull(scene.upstream))
+    np.testing.assert_allclose(np.einsum("vd,vdp->p", scene.upstream, moves), found, rtol=1e-9)
+    assert not moves[scene.energy.fixed].any()
+
+
+def hold_differences(energy: Energy, derivative, nodes: np.ndarray, upstream: np.ndarray) -> np.ndarray:
+    """Give the central differences of upstream . x by the held points."""
+    hold, solver = energy.hold, make_solver(energy.topology)
+    found = np.zeros_like(hold.points)
+    for place in np.ndindex(found.shape):
+        ends = []
+        for sign in (1, -1):
+            points = hold.points.copy()
+            points[place] += sign * SHAPE_STEP
+            held = replace(energy, hold=replace(hold, points=points))
+            ends.append(derivative.solve(held, nodes, solver).nodes)
+        found[place] = float((upstream * (ends[0] - ends[1])).sum()) / (2 * SHAPE_STEP)
+    return found
+
+
+@pytest.mark.parametrize("stiffness", [None, 5.0])
+def test_hold_differentiates(small, stiffness):
+    """A held point whose pull on its neighbours is forgotten, or a spring of the wrong sign, breaks this."""
+    energy = replace(small.energy, hold=replace(small.energy.hold, stiffness=stiffness))
+    implicit = Implicit(tolerance=0.0)
+    rest = implicit.solve(energy, small.nodes)
+    found = rest.pull(small.upstream).hold
+    expected = hold_differences(energy, implicit, rest.nodes, small.upstream)
+    np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-5 * np.abs(expected).max())
+
+
+def test_loose_cloth_has_no_derivative(crumpled, cloth):
+    """A derivative of cloth that falls for ever would be noise; it must be refused."""
+    topology, nodes, _ = crumpled
+    with pytest.raises(NotAtRest):
+        Implicit(max_iterations=5).solve(Energy(topology, cloth), nodes)
+
+
+def test_unrolled_against_central_differences(small):
+    """A wrong step adjoint or a lost term of inertia breaks this: the sheet moves by centimetres, in 6 steps."""
+    start = small.nodes
+    energy = small.parameters.move(small.energy, np.array([0.01, -0.01, 0.005, 0.01] + 6 * [0.0]))
+    unrolled = Unrolled(steps=6, tolerance=0.0)
+    moved = unrolled.solve(energy, start)
+    assert np.abs(moved.nodes - start).max() > 3e-3
+    found = moved.pull(small.upstream)
+    # the third derivative is large: 1e-7 m and 1e-5 keep its share under 1e-6; 1e-9 is the quotients' round-off
+    expected = differ(small, unrolled, energy, start, step_sizes(small.parameters, 1e-7, 1e-5))
+    np.testing.assert_allclose(small.parameters.pull(energy, found), expected, rtol=1e-6, atol=1e-9)
+    way = 1e-7 * np.sin(np.arange(start.size)).reshape(start.shape)
+    ends = [unrolled.solve(energy, start + s * way).nodes for s in (1, -1)]
+    change = float((small.upstream * (ends[0] - ends[1])).sum()) / 2
+    assert float((found.start * way).sum()) == pytest.approx(change, rel=1e-5)
+
+
+def test_unrolled_sums_losses_along_the_way(small):
+    """A loss on every step must be the sum of losses on single steps (targets in motion)."""
+    energy = small.parameters.move(small.energy, np.array([0.01, 0.0, 0.0, 0.0] + 6 * [0.0]))
+    moved = Unrolled(steps=3).solve(energy, small.nodes)
+    every = moved.pull(np.stack([small.upstream, 0 * small.upstream, 2 * small.upstream]))
+    first = Unrolled(steps=1).solve(energy, small.nodes).pull(small.upstream)
+    last = moved.pull(2 * small.upstream)
+    np.testing.assert_allclose(every.rest, first.rest + last.rest, atol=1e-6 * np.abs(every.rest).max())
+
+
+def test_both_agree_on_a_settled_drape(small):
+    """The two ways disagree where one of them is wrong: 20 steps at rest give the equilibrium's gradient."""
+    rest = Implicit(tolerance=0.0).solve(small.energy, small.nodes)
+    one = small.parameters.pull(small.energy, rest.pull(small.upstream))
+    moved = Unrolled(steps=20).solve(small.energy, rest.nodes)
+    two = small.parameters.pull(small.energy, moved.pull(small.upstream))
+    assert one @ two / np.linalg.norm(one) / np.linalg.norm(two) > 0.9999

@@ -1,0 +1,135 @@
+"""Control points and fabrics as parameters, and the operation for torch."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from garmentq.core.pattern import (
+    Edge,
+    EdgeRef,
+    Panel,
+    Pattern,
+    Seam,
+    edge_length,
+    find_symmetry,
+    map_controls,
+    mesh_pattern,
+)
+from garmentq.core.simulate import (
+    FABRIC,
+    Energy,
+    Hold,
+    Implicit,
+    Parameters,
+    Topology,
+    Unrolled,
+    map_rest,
+    pull_forces,
+    stretch_edge,
+)
+from garmentq.core.simulate.torch_bridge import drape_tensor
+from scipy.sparse import csr_matrix
+
+
+@pytest.fixture(scope="module")
+def garment():
+    """Two rectangles sewn along one edge, the second on the bias and with a curved hem."""
+    points = np.array([[0.0, 0.0], [0.2, 0.0], [0.2, 0.3], [0.0, 0.3]])
+    line, curve = Edge(), Edge("quadratic", np.array([[0.5, -0.1]]))
+    front = Panel("front", points, (line,) * 4)
+    back = Panel("back", points, (curve, line, line, line), translation=np.array([0.2, 0.0, 0.0]), grainline=0.6)
+    return mesh_pattern(
+        Pattern("pair", (front, back), (Seam(EdgeRef("front", 1), EdgeRef("back", 3)),)), edge_length=0.03
+    )
+
+
+def test_rest_map_gives_the_rest_triangles(garment):
+    """A grainline turned the wrong way, or corners in another order than the topology's, break this."""
+    rest = (map_rest(garment) @ garment.uv.ravel()).reshape(-1, 3, 2)
+    np.testing.assert_allclose(rest, Topology.from_garment(garment).rest, atol=1e-15)
+
+
+def test_control_points_pull_back_through_the_map(garment, cloth):
+    """A parameter vector that is not the control points, one by one, breaks this."""
+    control = map_controls(garment)
+    topology = Topology.from_garment(garment)
+    parameters = Parameters.of_garment(garment, control, fabric=("k", "density"))
+    rng = np.random.default_rng(0)
+    nodes = garment.nodes + rng.normal(0, 2e-3, garment.nodes.shape)
+    energy, weights = Energy(topology, cloth), rng.normal(size=nodes.shape)
+    rest, _ = pull_forces(energy, nodes, weights)
+    found = parameters.shape.T @ rest.ravel()
+    for index in (0, 5, 10, 15):
+        ends = []
+        for sign in (1, -1):
+            points = garment.pattern.points.ravel().copy()
+            points[index] += sign * 1e-6
+            moved = replace(garment, uv=control.apply(points.reshape(-1, 2)))
+            ends.append(replace(energy, topology=Topology.from_garment(moved)).gradient(nodes)[1])
+        assert found[index] == pytest.approx(float((weights * (ends[0] - ends[1])).sum()) / 2e-6, rel=1e-6)
+
+
+def test_symmetry_leaves_effective_points_only():
+    """Parameters of a symmetric pattern are its effective control points: both halves move as mirror images."""
+    points = np.array([[-0.1, 0.0], [0.1, 0.0], [0.06, 0.2], [-0.06, 0.2]])
+    flat = mesh_pattern(Pattern("apron", (Panel("apron", points, (Edge(),) * 4),), ()), edge_length=0.03)
+    symmetry = find_symmetry(flat.pattern)
+    parameters = Parameters.of_garment(flat, map_controls(flat), symmetry)
+    assert parameters.count == 2 * len(symmetry.effective) == 4
+    move = (parameters.shape @ np.array([1.0, 0.0, 1.0, 0.0])).reshape(-1, 2)
+    corners = flat.rest.reshape(-1, 2)
+    left, right = (int(np.abs(corners - points[n]).sum(1).argmin()) for n in (0, 1))
+    np.testing.assert_allclose(move[left], -move[right], atol=1e-9)
+    assert abs(move[left, 0]) == pytest.approx(1.0)
+
+
+def test_fabric_moves_by_logarithms(garment, cloth):
+    """A fabric parameter that may turn negative, or a derivative by the value itself, breaks this."""
+    parameters = Parameters(csr_matrix((6 * len(garment.faces), 0)), ("k", "H22"))
+    energy = Energy(Topology.from_garment(garment), cloth)
+    moved = parameters.move(energy, np.array([np.log(2.0), -50.0]))
+    assert moved.fabric.k == pytest.approx(2 * cloth.k)
+    assert moved.fabric.H22 > 0
+    assert moved.topology is energy.topology
+    assert parameters.rates(energy)[1][FABRIC.index("k"), 0] == cloth.k
+
+
+@pytest.mark.parametrize(("panel", "edge"), [("front", 1), ("back", 0)])
+def test_stretched_edge_lengthens_by_its_ratio(garment, panel, edge):
+    """The step is the logarithm of a gather ratio only if length' = length, curved edges included."""
+    ref = EdgeRef(panel, edge)
+    motion = stretch_edge(garment.pattern, ref)
+    lengths = []
+    for step in (1e-6, -1e-6):
+        of_panel = [p.name for p in garment.pattern.panels].index(panel)
+        first = garment.pattern.point_starts[of_panel]
+        drawn = garment.pattern.panels[of_panel]
+        moved = replace(drawn, points=drawn.points + step * motion[first : first + len(drawn.points)])
+        lengths.append(edge_length(moved, edge))
+    mean = 0.5 * sum(lengths)
+    assert (lengths[0] - lengths[1]) / 2e-6 == pytest.approx(mean, rel=1e-6)
+
+
+@pytest.mark.parametrize("derivative", [Implicit(tolerance=0.0), Unrolled(steps=3, tolerance=0.0)])
+def test_torch_passes_gradcheck(sheet, cloth, derivative):
+    """A gradient that lands on the wrong input, or an output cut off from the graph, breaks this."""
+    flat, faces = sheet(5, 4, 0.08, 0.06)
+    topology = Topology.from_mesh(faces, flat[faces])
+    nodes = np.column_stack([flat[:, 0], flat[:, 1], 0.002 * np.sin(40 * flat[:, 0])])
+    top = np.flatnonzero(flat[:, 1] > 0.059)
+    energy = Energy(topology, replace(cloth, k=2e-4), hold=Hold(top, nodes[top]))
+    start = torch.from_numpy(derivative.solve(energy, nodes).nodes)
+    uv = torch.from_numpy(flat).requires_grad_()
+    logs = torch.zeros(6, dtype=torch.float64, requires_grad=True)
+    hold = torch.from_numpy(nodes[top]).requires_grad_()
+    values = torch.tensor([getattr(energy.fabric, name) for name in FABRIC], dtype=torch.float64)
+    index = torch.from_numpy(faces)
+
+    def loss(uv: torch.Tensor, logs: torch.Tensor, hold: torch.Tensor) -> torch.Tensor:
+        x = drape_tensor(energy, derivative, start, rest=uv[index], fabric=values * torch.exp(logs), hold=hold)
+        return torch.sin(20 * x + torch.arange(3, dtype=torch.float64)).sum()
+
+    assert torch.autograd.gradcheck(loss, (uv, logs, hold), eps=1e-6, atol=1e-4, rtol=1e-4)
