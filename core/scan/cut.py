@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 
 from . import refusal
-from .repair import Surface, clean_cut, half_edges
+from .repair import Surface, boundary_edges, clean_cut, half_edges
 from .scan import Scan
 
 SOFTNESS = 0.008
@@ -38,6 +38,8 @@ def cut_garment(scan: Scan, cloth: np.ndarray) -> Scan:
     first, second = ends[surface.origin].T
     t = share[surface.origin][:, None]
     colours = scan.colours
+    border = np.zeros(len(scan.vertices), bool)
+    border[boundary_edges(scan.faces).ravel()] = True
     return Scan(
         vertices=surface.vertices,
         faces=surface.faces,
@@ -48,6 +50,7 @@ def cut_garment(scan: Scan, cloth: np.ndarray) -> Scan:
         colours=None if colours is None else (1.0 - t) * colours[first] + t * colours[second],
         labels=None if scan.labels is None else scan.labels[first],
         repairs=(*scan.repairs, *surface.repairs),
+        unseen=border[first] & border[second],
     )
 
 

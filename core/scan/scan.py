@@ -20,6 +20,8 @@ class Scan:
         up_axis: Axis of the file that became y, `y` or `z`.
         colours: RGB in 0..1, shape [vertex_count, 3], or None.
         labels: Integer label of each vertex, shape [vertex_count], or None.
+        unseen: True at vertices where the scanner saw nothing beyond, of a garment cut out of a dressed person's scan,
+            shape [vertex_count]; None: unknown.
         repairs: What was mended, one short sentence each.
     """
 
@@ -32,3 +34,4 @@ class Scan:
     colours: np.ndarray | None = None
     labels: np.ndarray | None = None
     repairs: tuple[str, ...] = ()
+    unseen: np.ndarray | None = None

@@ -15,6 +15,68 @@ FINEST = 1000
 TRIED = 500
 """Stretches looked at, narrowest first; the folds of a gathered hem are many, and all of them are turned down."""
 
+BAY = 0.3
+"""A bay where the scanner saw nothing has at least so many times the area of the square over its mouth: a half disk has
+0.39."""
+IN_SURFACE = 0.85
+"""Smallest cosine between a bay's area vector and the surface's normal: true holes had 0.99, gaps below sleeves 0.7."""
+BAY_AREA = 4e-4
+"""Smallest area of a bay [m2]: less is a tooth of the triangles."""
+SEEN = 0.01
+"""Something seen over a shorter stretch within an unseen one is noise [m]."""
+
+
+def bridge_bays(
+    points: np.ndarray, normals: np.ndarray, unseen: np.ndarray
+) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
+    """Cut off the bays of a contour beyond which nothing was seen: holes of the scan that broke through the contour.
+
+    A stretch of unseen points and its chord enclose the area vector A; with the garment on the left, A runs against the
+    surface's normal n where the stretch goes around missing surface. It is a bay where A and -n agree and A is large.
+
+    Args:
+        points: The contour [m], garment on the left, shape [n, 3].
+        normals: The surface's normals around there, averaged over some centimetres, shape [n, 3].
+        unseen: True where nothing was seen beyond, shape [n].
+
+    Returns:
+        As `bridge_bites`.
+    """
+    stretches = _unseen_stretches(points, unseen)
+    if not stretches:
+        return np.arange(len(points)), ()
+    kept = np.ones(len(points), bool)
+    bays = []
+    for stretch in stretches:
+        run = points[stretch] - points[stretch[0]]
+        area = 0.5 * np.cross(run, np.roll(run, -1, axis=0)).sum(axis=0)
+        normal = normals[stretch].sum(axis=0)
+        missing = -float(area @ normal) / max(float(np.linalg.norm(normal)), 1e-12)
+        lies_in_surface = missing >= IN_SURFACE * float(np.linalg.norm(area))
+        if lies_in_surface and missing >= max(BAY_AREA, BAY * float(run[-1] @ run[-1])):
+            kept[stretch[1:-1]] = False
+            bays.append(stretch)
+    return np.flatnonzero(kept), tuple(bays)
+
+
+def _unseen_stretches(points: np.ndarray, unseen: np.ndarray) -> list[np.ndarray]:
+    """Give the indices of each stretch of unseen points with the seen point on either side, in order."""
+    seen = np.flatnonzero(~unseen)
+    if len(seen) < 3 or len(seen) == len(points):
+        return []
+    step = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
+    arc = np.concatenate([[0.0], np.cumsum(np.concatenate([step, step]))])
+    # Each gap between two seen points that are not neighbours; gaps with little seen between them are one.
+    gaps = [[a, b if b > a else b + len(points)] for a, b in zip(seen, np.roll(seen, -1), strict=True)]
+    gaps = [gap for gap in gaps if gap[1] > gap[0] + 1]
+    merged = [gaps[0]]
+    for gap in gaps[1:]:
+        if arc[gap[0]] - arc[merged[-1][1]] < SEEN:
+            merged[-1][1] = gap[1]
+        else:
+            merged.append(gap)
+    return [np.arange(a, b + 1) % len(points) for a, b in merged if b - a < len(points)]
+
 
 def bridge_bites(points: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
     """Cut bites off a contour along the chord of their mouth.

@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ..body import Body
-from .bite import bridge_bites
+from ..scan import vertex_normals
+from .bite import bridge_bays, bridge_bites
 from .encirclement import Crossing, find_crossings
-from .loop import find_loops, smoothed_length
+from .loop import SMOOTHING, find_loops, smoothed_length
 from .target import Contour
 
 TRUNK = ("spine1", "spine2", "spine3", "neck", "head")
@@ -26,6 +28,8 @@ WAIST_END = 0.6
 0.53, below the bust; the upper edge of a strapless top lies at 0.65 to 0.75, at the armpits."""
 SMALLEST = 0.12
 """Nothing passes through a loop shorter than this [m]: a child's wrist has 13 cm."""
+BRIDGED = 0.3
+"""Largest share of a trusted contour that was bridged; beyond it the chords shape it more than the cloth does."""
 
 
 @dataclass(frozen=True)
@@ -34,10 +38,12 @@ class _Candidate:
     length: float
     crossings: tuple[Crossing, ...]
     name: str | None
+    bridged: float = 0.0
+    """Share of the contour's length that was bridged."""
 
 
 def name_contours(
-    vertices: np.ndarray, faces: np.ndarray, body: Body
+    vertices: np.ndarray, faces: np.ndarray, body: Body, unseen: np.ndarray | None = None
 ) -> tuple[tuple[Contour, ...], tuple[np.ndarray, ...]]:
     """Name the open contours of a worn garment and tell them from holes.
 
@@ -60,38 +66,61 @@ def name_contours(
         vertices: Positions [m], shape [vertex_count, 3].
         faces: Outward faces, shape [face_count, 3].
         body: The wearer.
+        unseen: True at vertices beyond which the scanner saw nothing, shape [vertex_count], or None. Skin beyond a
+            contour proves design; a bay in the surface without anything beyond is damage, however wide its mouth.
 
     Returns:
-        The contours in the order of their names, and the vertex loops of the holes, longest first.
+        The contours in the order of their names, not trusted where much of one is bridged, and the vertex loops of the
+        holes, longest first.
     """
     candidates = []
     for loop in find_loops(faces, vertices):
         length = smoothed_length(vertices[loop])
         crossings = find_crossings(vertices[loop], body) if length >= SMALLEST else ()
         candidates.append(_Candidate(loop, length, crossings, name_crossings(crossings, body)))
-    candidates = [part for candidate in candidates for part in _bridge(candidate, vertices)]
+    if unseen is not None:
+        candidates = [part for candidate in candidates for part in _bridge_bays(candidate, vertices, faces, unseen)]
+    candidates = [part for candidate in candidates for part in _bridge_bites(candidate, vertices)]
     chosen = _choose(candidates)
     contours = tuple(
-        Contour(name, c.vertices, c.length, tuple(crossing.bone for crossing in c.crossings))
+        Contour(name, c.vertices, c.length, tuple(crossing.bone for crossing in c.crossings), c.bridged <= BRIDGED)
         for name, c in sorted(chosen.items())
     )
     holes = [c for c in candidates if chosen.get(c.name or "") is not c]
     return contours, tuple(c.vertices for c in sorted(holes, key=lambda c: -c.length))
 
 
-def _bridge(candidate: _Candidate, vertices: np.ndarray) -> list[_Candidate]:
+def _bridge_bites(candidate: _Candidate, vertices: np.ndarray) -> list[_Candidate]:
     """Cut the holes that broke through a contour off it, and give it and them."""
     if candidate.name is None:
         return [candidate]
-    kept, bites = bridge_bites(vertices[candidate.vertices])
+    return _cut_off(candidate, vertices, *bridge_bites(vertices[candidate.vertices]))
+
+
+def _bridge_bays(
+    candidate: _Candidate, vertices: np.ndarray, faces: np.ndarray, unseen: np.ndarray
+) -> list[_Candidate]:
+    """Cut the bays beyond which the scanner saw nothing off a contour, and give it and them."""
+    if candidate.name is None:
+        return [candidate]
+    points = vertices[candidate.vertices]
+    normals = vertex_normals(vertices, faces)
+    around = cKDTree(vertices).query_ball_point(points, SMOOTHING)
+    wide = np.array([normals[near].mean(axis=0) for near in around])
+    return _cut_off(candidate, vertices, *bridge_bays(points, wide, unseen[candidate.vertices]))
+
+
+def _cut_off(
+    candidate: _Candidate, vertices: np.ndarray, kept: np.ndarray, bites: tuple[np.ndarray, ...]
+) -> list[_Candidate]:
+    """Give a contour without its bites, and the bites as holes."""
     if not bites:
         return [candidate]
-    loop = candidate.vertices[kept]
-    parts = [replace(candidate, vertices=loop, length=smoothed_length(vertices[loop]))]
-    for bite in bites:
-        rim = candidate.vertices[bite]
-        parts.append(_Candidate(rim, smoothed_length(vertices[rim]), (), None))
-    return parts
+    loop, rims = candidate.vertices[kept], [candidate.vertices[bite] for bite in bites]
+    mouths = sum(float(np.linalg.norm(vertices[rim[-1]] - vertices[rim[0]])) for rim in rims)
+    length = smoothed_length(vertices[loop])
+    parts = [replace(candidate, vertices=loop, length=length, bridged=candidate.bridged + mouths / length)]
+    return parts + [_Candidate(rim, smoothed_length(vertices[rim]), (), None) for rim in rims]
 
 
 def name_crossings(crossings: tuple[Crossing, ...], body: Body) -> str | None:
