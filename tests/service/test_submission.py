@@ -89,3 +89,19 @@ def test_no_body_is_refused(database, store, order):
 def test_names_are_made_harmless(name, clean):
     """Broken where a file's name could leave its folder or reach a terminal raw."""
     assert clean_name(name) == clean
+
+
+def test_labels_and_what_is_kept_are_part_of_the_order(database, store, tmp_path):
+    """Broken where two garments of one scan are one job, or a dressed person is refused for want of a body."""
+    scan, labels, others = (put_file(tmp_path, name) for name in ("person.ply", "labels.npz", "others.npz"))
+    orders = [
+        Order(scan, None, settings=RecoverySettings(keep="upper"), labels=labels),
+        Order(scan, None, settings=RecoverySettings(keep="lower"), labels=labels),
+        Order(scan, None, settings=RecoverySettings(keep="upper"), labels=others),
+        Order(scan, None, settings=RecoverySettings(keep_colour="#465faa")),
+    ]
+    jobs = [submit(database, store, order).job for order in orders]
+    assert len(set(jobs)) == 4
+    assert not submit(database, store, orders[0]).is_new
+    request = find_job(database, jobs[0]).request
+    assert request["body"] is None and request["labels"]["name"] == "labels.npz"
