@@ -31,7 +31,9 @@ class Refused(BadInput):
     code = "scan.truncated"
 
 
-def check(path: Path, body: Path | None, units: str | None = None, up: str | None = None) -> None:
+def check(
+    path: Path, body: Path | None, units: str | None = None, up: str | None = None, selection: object = None
+) -> None:
     """Refuse a file that is not a PLY."""
     if not path.read_bytes().startswith(b"ply"):
         raise Refused()

@@ -1,0 +1,43 @@
+"""A dressed person's scan on the command line: one job for each garment that is kept."""
+
+from __future__ import annotations
+
+from garmentq.service.jobs import claim, find_job
+from garmentq.workers.recovery import unpack_request
+from garmentq_home import put_file
+
+
+def test_each_keep_is_a_job(cli, database, store, tmp_path):
+    """Broken where the second garment of a scan is lost, or labels and colour do not reach the job that runs."""
+    person, labels = put_file(tmp_path, "person.ply"), put_file(tmp_path, "labels.npz")
+    done = cli("submit", person, "--labels", labels, "--labels-key", "part", "--keep", "upper", "--keep", "lower")
+    assert done.returncode == 0, done.stderr
+    jobs = done.stdout.split()
+    assert len(set(jobs)) == 2
+    for job, keep in zip(jobs, ("upper", "lower"), strict=True):
+        assert find_job(database, job).request["settings"]["keep"] == keep
+        held = claim(database, job, "me", 60.0)
+        request = unpack_request(held, store, tmp_path / job)
+        assert request.body is None and request.labels is not None
+        assert request.labels.read_bytes() == labels.read_bytes()
+        selection = request.selection
+        assert selection is not None
+        assert (selection.labels, selection.key, selection.keep) == (request.labels, "part", (keep,))
+
+
+def test_colour_reaches_the_job(cli, database, store, tmp_path):
+    """Broken where a colour is dropped, or its tolerance."""
+    person = put_file(tmp_path, "person.ply")
+    done = cli("submit", person, "--keep-colour", "#465faa", "--colour-tolerance", "30")
+    held = claim(database, done.stdout.strip(), "me", 60.0)
+    selection = unpack_request(held, store, tmp_path / "job").selection
+    assert selection is not None
+    assert (selection.colour, selection.tolerance, selection.labels) == ("#465faa", 30.0, None)
+
+
+def test_what_cannot_be_meant_is_refused(cli, tmp_path):
+    """Broken where `run` takes one of several garments silently, or contradicting options pass."""
+    person = put_file(tmp_path, "person.ply")
+    assert cli("run", person, "--keep", "a", "--keep", "b").returncode == 2
+    both = cli("submit", person, "--keep", "a", "--keep-colour", "#465faa")
+    assert both.returncode == 2 and both.stderr.startswith("error settings.bad")
