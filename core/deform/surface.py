@@ -58,7 +58,7 @@ def barycentric(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True)
-def closest_on_curve(points, start, end):  # pragma: no cover - compiled
+def closest_on_curve(points, start, end):
     """Find the segment (start[i], end[i]) nearest to each point and the parameter in 0..1 along it."""
     count = points.shape[0]
     segment = np.zeros(count, np.int64)

@@ -130,7 +130,7 @@ def _paint(surface: Surface, camera: Camera, depth: np.ndarray, colour: np.ndarr
 
 
 @njit(cache=True)
-def _rasterise(screen, faces, attributes, depth, colour, normal):  # pragma: no cover - compiled
+def _rasterise(screen, faces, attributes, depth, colour, normal):
     """Fill each face's pixels where it is nearest, with colour and normal interpolated between its corners."""
     height, width = depth.shape
     for f in range(faces.shape[0]):
@@ -165,7 +165,7 @@ def _rasterise(screen, faces, attributes, depth, colour, normal):  # pragma: no 
 
 
 @njit(cache=True)
-def _resolve(depth, colour, normal, lights, ambient, rim, n):  # pragma: no cover - compiled
+def _resolve(depth, colour, normal, lights, ambient, rim, n):
     """Light every fine pixel and average n x n of them; gives RGB, cover and nearest depth of each pixel shown."""
     height, width = depth.shape[0] // n, depth.shape[1] // n
     rgb = np.zeros((height, width, 3))

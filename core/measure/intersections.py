@@ -36,7 +36,7 @@ def intersecting_pairs(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
 
 
 @njit(cache=True)
-def _sweep(corners, faces, low, high, order, axis):  # pragma: no cover - compiled
+def _sweep(corners, faces, low, high, order, axis):
     """Test every pair of overlapping boxes; boxes come in ascending order of their lower end along the axis."""
     pairs = np.zeros((64, 2), np.int64)
     count = 0
@@ -64,7 +64,7 @@ def _sweep(corners, faces, low, high, order, axis):  # pragma: no cover - compil
 
 
 @njit(cache=True)
-def _adjacent(first, second):  # pragma: no cover - compiled
+def _adjacent(first, second):
     """Tell whether two faces share a vertex."""
     for p in first:
         for q in second:
@@ -74,7 +74,7 @@ def _adjacent(first, second):  # pragma: no cover - compiled
 
 
 @njit(cache=True)
-def _crosses(first, second):  # pragma: no cover - compiled
+def _crosses(first, second):
     """Tell whether an edge of the first triangle passes through the inside of the second."""
     for k in range(3):
         start = first[k]
@@ -92,7 +92,7 @@ def _crosses(first, second):  # pragma: no cover - compiled
 
 
 @njit(cache=True)
-def _volume(a, b, c, d):  # pragma: no cover - compiled
+def _volume(a, b, c, d):
     """Give six times the signed volume of a tetrahedron."""
     ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
     vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]

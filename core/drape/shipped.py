@@ -1,4 +1,4 @@
-"""Drape the shipped templates on the built-in female body: `python -m garmentq.core.drape.library`."""
+"""Drape the shipped templates on the built-in female body: `python -m garmentq.core.drape.shipped`."""
 
 from __future__ import annotations
 
