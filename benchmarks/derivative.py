@@ -1,0 +1,136 @@
+"""Time the simulator's derivatives and hold them against central differences, beside the thesis' table 3.1.
+
+Run with one thread: OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 python benchmarks/derivative.py
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from dataclasses import replace
+
+import numpy as np
+from garmentq.core.body import DistanceGrid
+from garmentq.core.simulate import (
+    FABRIC,
+    Energy,
+    Implicit,
+    Parameters,
+    SimulateSettings,
+    Topology,
+    Unrolled,
+    equilibrium,
+    get_fabric,
+    make_solver,
+    settle,
+    with_friction_frozen,
+)
+from scipy.sparse import csr_matrix
+
+SIDES = {"1K": 32, "3K": 55, "8K": 90}
+"""Nodes along each side of a sheet of 60 cm."""
+
+GOALS = {"1K": (20.0, 2.2), "3K": (90.0, 6.5), "8K": (350.0, 30.0)}
+"""To stay under: gradient after the factor [CPU ms]; thesis mode, 20 steps forward and reverse [CPU s]."""
+
+THESIS = {"1K": (59.4, 60.0), "3K": (228.6, 186.3)}
+"""Thesis table 3.1: seconds for assembly and linear solve of 20 steps, forward and reverse, on an RTX 3090."""
+
+
+def drape(count: int) -> tuple[Energy, np.ndarray, Parameters]:
+    """Lay a sheet off-centre over a ball of 15 cm and bring it to rest; shape parameters in metres at its corners."""
+    u, v = np.meshgrid(np.linspace(-0.28, 0.32, count), np.linspace(-0.31, 0.29, count), indexing="ij")
+    flat = np.stack([u.ravel(), v.ravel()], axis=1)
+    i = np.arange(count * count).reshape(count, count)
+    a, b, c, d = i[:-1, :-1].ravel(), i[1:, :-1].ravel(), i[1:, 1:].ravel(), i[:-1, 1:].ravel()
+    faces = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    cells = np.arange(-0.35, 0.355, 0.01)
+    points = np.stack(np.meshgrid(cells, cells, cells, indexing="ij"), axis=-1)
+    grid = DistanceGrid.from_values(np.full(3, -0.35), 0.01, np.linalg.norm(points, axis=-1) - 0.15)
+    topology, fabric = Topology.from_mesh(faces, flat[faces]), get_fabric("cotton_poplin")
+    nodes = np.column_stack([flat[:, 0], np.full(len(flat), 0.153), -flat[:, 1]])
+    moving = settle(topology, fabric, nodes, grid=grid, steps=25)
+    settings = SimulateSettings(max_iterations=400)
+    rest = equilibrium(topology, fabric, moving.nodes, grid=grid, anchors=moving.anchors, settings=settings)
+    energy = with_friction_frozen(Energy(topology, fabric, grid), rest.nodes, rest.anchors)
+    u, v = flat.T / 0.3
+    fields = [(u, 0 * u), (0 * u, v), (v, 0 * u), (0 * u, u), (u * v, 0 * u), (0 * u, u * v)]
+    shape = np.stack([np.stack(field, axis=1)[faces].ravel() for field in fields], axis=1)
+    return energy, rest.nodes, Parameters(csr_matrix(shape), FABRIC)
+
+
+def cpu(work) -> tuple[float, object]:  # type: ignore[no-untyped-def]
+    """Give the CPU time of one run [s] and its result."""
+    start = time.process_time()
+    result = work()
+    return time.process_time() - start, result
+
+
+def quickest(work, repeats: int = 5) -> float:  # type: ignore[no-untyped-def]
+    """Give the smallest CPU time of a few runs [ms], after one that warms up."""
+    work()
+    return 1e3 * min(cpu(work)[0] for _ in range(repeats))
+
+
+def worst_error(energy: Energy, nodes: np.ndarray, parameters: Parameters, found: np.ndarray, up: np.ndarray) -> float:
+    """Give the largest relative error of a gradient against central differences of converged equilibria.
+
+    Steps of 1e-7 m and 1e-5 of the fabric: the error of the quotient falls with the square of the step down to there.
+    """
+    solver, implicit, worst = make_solver(energy.topology), Implicit(tolerance=0.0), 0.0
+    for n in range(parameters.count):
+        step = np.zeros(parameters.count)
+        step[n] = 1e-7 if n < parameters.shape.shape[1] else 1e-5
+        ends = [implicit.solve(parameters.move(energy, s * step), nodes, solver).nodes for s in (1, -1)]
+        expected = float((up * (ends[0] - ends[1])).sum()) / (2 * step[n])
+        worst = max(worst, abs(found[n] - expected) / abs(expected))
+    return worst
+
+
+def measure(name: str) -> dict[str, float]:
+    """Measure one size."""
+    energy, start, parameters = drape(SIDES[name])
+    solver = make_solver(energy.topology)
+    rest = Implicit(tolerance=0.0).solve(energy, start, solver)
+    up = np.sin(9 * rest.nodes[:, [1, 2, 0]] + [0.3, 0.5, 0.7])
+    rates = parameters.rates(energy)
+    one = parameters.pull(energy, rest.pull(up))
+    found = {
+        "gradient [ms]": quickest(lambda: parameters.pull(energy, rest.pull(up))),
+        "12 columns [ms]": quickest(lambda: rest.push(*rates)),
+        "Hessian+factor [ms]": quickest(lambda: Implicit(tolerance=1.0).solve(energy, rest.nodes, solver)),
+        "error": worst_error(energy, rest.nodes, parameters, one, up),
+    }
+    thesis = Unrolled(steps=20)
+    for dt in (thesis.dt, 0.2):
+        two = parameters.pull(energy, replace(thesis, dt=dt).solve(energy, rest.nodes, solver).pull(up))
+        found[f"1 - cosine, {dt} s"] = 1.0 - float(one @ two / np.linalg.norm(one) / np.linalg.norm(two))
+    for share in (1.0, 0.1):
+        step = share * np.array([0.01, -0.01, 0.005, 0.005, 0.01, -0.005])
+        changed = replace(parameters, fabric=()).move(energy, step)
+        change = f", {10 * share:.0f} mm [s]"
+        found["forward" + change], moved = cpu(lambda e=changed: thesis.solve(e, rest.nodes, solver))
+        found["reverse" + change], _ = cpu(lambda m=moved: m.pull(up))
+    found["gradient / goal"] = found["gradient [ms]"] / GOALS[name][0]
+    for change in (", 10 mm", ", 1 mm"):
+        ours = (found[f"forward{change} [s]"], found[f"reverse{change} [s]"])
+        found[f"steps / goal{change}"] = sum(ours) / GOALS[name][1]
+        for n, way in enumerate(("fwd", "rev")):
+            found[f"thesis/{way}{change}"] = THESIS[name][n] / ours[n] if name in THESIS else float("nan")
+    return found
+
+
+def main(names: list[str]) -> None:
+    """Print the table."""
+    found = {}
+    for name in names:
+        found[name] = measure(name)
+        print(name, {key: float(f"{value:.3g}") for key, value in found[name].items()}, flush=True)
+    print(f"{'CPU, one thread':20}" + "".join(f"{name:>12}" for name in found))
+    for key in next(iter(found.values())):
+        print(f"{key:20}" + "".join(f"{found[name][key]:12.3g}" for name in found))
+    print("thesis: assembly and solve alone on an RTX 3090 (table 3.1); ours: everything on one CPU core.")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:] or list(SIDES))
