@@ -51,7 +51,7 @@ def drape_tensor(
 
     What is not given is taken from the energy. `rest`: flat triangles [m], shape [face_count, 3, 2], as `map_rest`
     makes them from uv. `fabric`: the values of `FABRIC`, shape [6]. `hold`: held points [m], shape [held_count, 3].
-    Each call factors anew on the way back if another call has used its solver: each has its own.
+    Each call has a solver of its own, so that several may be in one graph; a graph can be walked back once or often.
     """
     points = np.zeros((0, 3)) if energy.hold is None else np.asarray(energy.hold.points, dtype=np.float64)
     values = np.array([getattr(energy.fabric, name) for name in FABRIC])
