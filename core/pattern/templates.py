@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -96,8 +97,8 @@ def load_draped_template(name: str) -> Garment | None:
 
 def save_draped_template(garment: Garment, path: Path) -> None:
     """Keep the nodes [m], to 32 bits, and the named contours of a drape that `load_draped_template` reads."""
-    loops = {f"loop.{contour.name}": contour.vertices.astype(np.int32) for contour in garment.contours}
-    np.savez_compressed(path, nodes=garment.nodes.astype(np.float32), **loops)
+    arrays: dict[str, Any] = {f"loop.{contour.name}": contour.vertices.astype(np.int32) for contour in garment.contours}
+    np.savez_compressed(path, nodes=garment.nodes.astype(np.float32), **arrays)
 
 
 def _closed_length(loop: np.ndarray) -> float:
