@@ -2,8 +2,8 @@
 
 from .choice import TEMPLATE_OF, TemplateMissing, choose_template
 from .distances import ContourMeasure, compare_contours, position_along
-from .flattening import FlatteningSettings
-from .grading import GradeSettings, Grading, grade_pattern
+from .flattening import FlatteningSettings, fit_control_points, stretch_between
+from .grading import GradeSettings, Grading, grade_pattern, step_without_folds
 from .registration import RegistrationSettings, register_coarsely
 
 __all__ = [
@@ -16,7 +16,10 @@ __all__ = [
     "TemplateMissing",
     "choose_template",
     "compare_contours",
+    "fit_control_points",
     "grade_pattern",
     "position_along",
     "register_coarsely",
+    "step_without_folds",
+    "stretch_between",
 ]

@@ -84,7 +84,7 @@ def grade_pattern(
     hooks.progress("grade", 0.8, "flattening")
     stretch = stretch_between(garment, moved, settings.flattening)
     points = fit_control_points(garment, stretch, settings.flattening)
-    pattern, share = _step_without_folds(garment.pattern, points, settings)
+    pattern, share = step_without_folds(garment.pattern, points, settings)
     uv = garment.uv + map_controls(garment).apply(pattern.points - garment.pattern.points)
     placed = garment.nodes + share * (moved - garment.nodes)
     graded = Garment(**{**vars(garment), "pattern": pattern, "uv": uv, "nodes": placed})
@@ -92,7 +92,7 @@ def grade_pattern(
     return Grading(pattern, graded, contours, share, _warnings(garment, target, share))
 
 
-def _step_without_folds(pattern: Pattern, points: np.ndarray, settings: GradeSettings) -> tuple[Pattern, float]:
+def step_without_folds(pattern: Pattern, points: np.ndarray, settings: GradeSettings) -> tuple[Pattern, float]:
     """Go towards the wanted points as far as every panel stays simple and counter-clockwise, with equal seams."""
     share = 1.0
     for _ in range(settings.back_offs):

@@ -8,7 +8,7 @@ from .garmentcode import load_pattern, read_pattern, save_pattern, write_pattern
 from .meshing import choose_edge_length, contains
 from .pattern import EDGE_KINDS, Edge, EdgeRef, Panel, Pattern, Seam
 from .resampling import resample
-from .seams import equalise_seams, seam_lengths, seam_mismatch
+from .seams import equalise_seams, seam_lengths, seam_mismatch, seam_slopes
 from .sewing import mesh_pattern
 from .symmetry import Mirror, Symmetry, find_symmetry
 from .templates import TemplateInfo, TemplateUnknown, list_templates, load_draped_template, load_template
@@ -50,6 +50,7 @@ __all__ = [
     "save_pattern",
     "seam_lengths",
     "seam_mismatch",
+    "seam_slopes",
     "split_edge",
     "write_pattern",
 ]

@@ -95,6 +95,17 @@ def equalise_seams(
     return pattern.with_points(points)
 
 
+def seam_slopes(pattern: Pattern, like: Pattern | None = None) -> np.ndarray:
+    """Give the derivative of every seam's mismatch by all coordinates x0, y0, x1, ..., shape [seam_count, 2 points].
+
+    A gathered seam keeps its ratio in `like`, as in `equalise_seams`.
+    """
+    lengths = seam_lengths(like or pattern)
+    gathered = np.array([seam.gathered for seam in pattern.seams], bool)
+    ratio = np.where(gathered, lengths[:, 0] / lengths[:, 1], 1.0)
+    return _mismatch(pattern.points, _seam_sides(pattern), ratio)[1]
+
+
 def _mismatch(points: np.ndarray, sides: Sides, ratio: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Give the mismatch of every seam [m], shape [n], and its derivative by all coordinates, shape [n, 2 points]."""
     starts, ends, factors = sides

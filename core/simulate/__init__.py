@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from .energy import Energy, Inertia
     from .friction import Friction
     from .hold import Hold, HoldBad
+    from .newton import factor_blend
     from .parameters import Parameters, map_rest, stretch_edge
     from .penetration import push_out
     from .sensitivity import FABRIC, Sensitivity, fabric_forces, pull_forces, push_forces
@@ -48,6 +49,7 @@ _LAZY = {
     "Unrolled": "unrolled",
     "equilibrium": "statics",
     "fabric_forces": "sensitivity",
+    "factor_blend": "newton",
     "make_solver": "solver",
     "map_rest": "parameters",
     "pull_forces": "sensitivity",
@@ -89,6 +91,7 @@ __all__ = [
     "Unrolled",
     "equilibrium",
     "fabric_forces",
+    "factor_blend",
     "get_fabric",
     "load_fabrics",
     "make_solver",

@@ -1,0 +1,85 @@
+"""The hybrid method: pattern from the registered mesh's metric, then through the simulator, then one last drape."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..body import Body, DistanceGrid
+from ..drape import waist_loop
+from ..hooks import SILENT, Hooks
+from ..pattern import Garment, Pattern, mesh_pattern, resample
+from ..segment import name_contours
+from ..simulate import Fabric
+from .metric import move_pattern, refit_pattern
+from .settings import ShapeSettings
+from .shape import ShapeFit, ShapeProblem, fit_shape
+
+
+@dataclass(frozen=True)
+class PatternFit:
+    """Hold what the inverse fit found.
+
+    Attributes:
+        garment: The recovered pattern on the detail mesh: its faces, its flat mesh moved along; nodes registered.
+        simulation: The recovered pattern's equilibrium on the same mesh [m], shape [node_count, 3].
+        shape: The fit through the simulator.
+        warnings: What the user should know, one sentence each.
+    """
+
+    garment: Garment
+    simulation: np.ndarray
+    shape: ShapeFit
+    warnings: tuple[str, ...]
+
+
+def fit_pattern(
+    garment: Garment,
+    registered: np.ndarray,
+    like: Pattern,
+    fabric: Fabric,
+    body: Body,
+    *,
+    settings: ShapeSettings | None = None,
+    hooks: Hooks = SILENT,
+) -> PatternFit:
+    """Recover the pattern of a registered garment and drape it.
+
+    Args:
+        garment: The graded pattern's mesh, nodes at its drape, contours named.
+        registered: The same nodes on the target [m], shape [node_count, 3].
+        like: The template: tells symmetry and gathered seams.
+        fabric: The cloth.
+        body: The wearer.
+        settings: How.
+        hooks: Progress and cancellation.
+    """
+    from ..simulate import Hold, Topology, equilibrium, push_out
+
+    settings = settings or ShapeSettings()
+    warnings = []
+    refitted, share = refit_pattern(garment, registered)
+    if share < 1.0:
+        warnings.append(f"only {100 * share:.0f} % of the pattern's refit was done, or panels would fold over.")
+    hooks.progress("fit", 0.05, "distances to the body")
+    grid = DistanceGrid.from_mesh(body.vertices, body.faces)
+
+    def hold_waist(worn: Garment) -> Hold | None:
+        waist = waist_loop(worn)
+        return None if waist is None else Hold(waist, worn.nodes[waist])
+
+    coarse = mesh_pattern(refitted.pattern, min(settings.vertices, len(registered)))
+    nodes = resample(refitted, registered, coarse)
+    coarse = coarse.at(nodes, name_contours(nodes, coarse.faces, body)[0])
+    problem = ShapeProblem.of(coarse, like, fabric, grid, hold_waist(coarse), settings)
+    shape = fit_shape(problem, hooks)
+    recovered = move_pattern(refitted, shape.pattern)
+    hooks.progress("fit", 0.9, "draping the recovered pattern")
+    drape = equilibrium(
+        Topology.from_garment(recovered), fabric, registered, grid=grid, hold=hold_waist(recovered), hooks=hooks
+    )
+    if not drape.converged:
+        warnings.append(f"the simulation mesh is {drape.message}")
+    simulation = push_out(drape.nodes, body, recovered.faces)
+    return PatternFit(recovered, simulation, shape, tuple(warnings))
