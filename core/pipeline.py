@@ -18,6 +18,7 @@ from .body import Body, BodyMissing, builtin_body, register_body
 from .checkpoints import keep_body, keep_drape, kept_body, kept_drape
 from .deform import Deformation, DeformSettings, deform
 from .drape import Stand, drape_graded, drape_template
+from .fit import fit_pattern
 from .grade import choose_template, grade_pattern
 from .hooks import SILENT, Hooks
 from .measure import judge, measure_fit, measure_seams
@@ -89,8 +90,14 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         preset = DeformSettings.thesis() if settings.preset == "thesis" else DeformSettings()
         detail = deform(garment, target, body, settings=preset, hooks=inner)
         warnings += detail.warnings
+    simulation = None
+    if settings.method == "hybrid":
+        with clock.stage("fit", "fitting the pattern through the simulator") as inner:
+            fitted = fit_pattern(garment, detail.nodes, base, fabric, body, hooks=inner)
+        garment, simulation = fitted.garment.at(garment.nodes), fitted.simulation
+        warnings += fitted.warnings
     with clock.stage("measure", "measuring the result"):
-        metrics = measure(scan, target, garment, detail, drape, body, settings)
+        metrics = measure(scan, target, garment, detail, simulation, drape, body, settings)
     return Recovery(
         scan=scan,
         body=body,
@@ -101,7 +108,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         garment=garment.at(detail.nodes),
         graded=garment.nodes,
         detail=detail.nodes,
-        simulation=None,
+        simulation=simulation,
         metrics=metrics,
         gates=judge(metrics),
         warnings=tuple(dict.fromkeys(warnings)),
@@ -201,16 +208,17 @@ def measure(
     target: Target,
     garment: Garment,
     detail: Deformation,
+    simulation: np.ndarray | None,
     drape: Drape,
     body: Body,
     settings: RecoverySettings,
 ) -> dict[str, float | None]:
-    """Measure the detail mesh and the graded drape against the scan; the truth here is what the user gave."""
+    """Measure the detail mesh, simulation mesh and graded drape against the scan; the truth is what the user gave."""
     metrics = measure_fit(
         garment,
         garment.nodes,
         detail.nodes,
-        None,
+        simulation,
         scan.vertices,
         scan.faces,
         target.contours,

@@ -15,8 +15,8 @@ from .segment import Target
 from .settings import RecoverySettings
 from .simulate import Fabric
 
-STAGES = ("scan", "body", "segment", "template", "grade", "drape", "deform", "measure")
-"""The stages of a recovery in order; progress and seconds are reported by these names."""
+STAGES = ("scan", "body", "segment", "template", "grade", "drape", "deform", "fit", "measure")
+"""The stages of a recovery in order; progress and seconds are reported by these names. Only `hybrid` has a `fit`."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class Recovery:
         body: The wearer.
         target: The garment's surface with its contours.
         template: Name of the template that was used.
-        pattern: The recovered (graded) pattern.
+        pattern: The recovered pattern: graded, and with the method `hybrid` fitted.
         fabric: The fabric.
         garment: The recovered pattern meshed and sewn; its nodes are the detail mesh.
         graded: Nodes of the graded drape, before deforming [m], shape [node_count, 3].

@@ -7,7 +7,7 @@ from typing import Any
 
 from .errors import BadInput
 
-METHODS = ("deform",)
+METHODS = ("deform", "hybrid")
 PRESETS = ("default", "thesis")
 
 
@@ -22,7 +22,8 @@ class RecoverySettings:
     """Choose how one garment is recovered.
 
     Attributes:
-        method: `deform`: grade, drape, then deform onto the scan.
+        method: `deform`: grade, drape, then deform onto the scan. `hybrid`: then refit the pattern to the deformed mesh
+            and through the simulator, and drape it again as the simulation mesh.
         preset: Deformer preset; `default`, or `thesis` for the published weights in the reading that works.
         garment: Category that overrides the one chosen from the contours, or None.
         template: Name of a shipped or imported template that overrides the chosen one, or None.
