@@ -1,6 +1,6 @@
 """Metrics, quality gates and the report."""
 
-from .contours import boundary_loops, carry_contours
+from .contours import carry_contours
 from .fit import measure_distance, measure_fit
 from .gates import judge, overall
 from .intersections import self_intersections
@@ -14,7 +14,7 @@ from .patterns import (
     measure_seams,
     unmatched_panels,
 )
-from .surface import closest_points, penetration_depth, vertex_normals
+from .surface import closest_points, penetration_depth
 from .truth import measure_recovery
 from .turning import turning_distance
 
@@ -24,7 +24,6 @@ __all__ = [
     "TruePanel",
     "TruePattern",
     "TrueSeam",
-    "boundary_loops",
     "carry_contours",
     "closest_points",
     "judge",
@@ -41,5 +40,4 @@ __all__ = [
     "self_intersections",
     "turning_distance",
     "unmatched_panels",
-    "vertex_normals",
 ]

@@ -7,18 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..segment import Contour
+from ..segment import Contour, find_loops, resample_loop
 
 CONTOUR_SAMPLES = 500
 """Points along each loop: 2 mm apart on a wide hem, far below what a contour error is judged by."""
-
-
-def resample_loop(loop: np.ndarray, count: int) -> np.ndarray:
-    """Give points at equal arc length along a closed polyline [m], shape [count, dimension]."""
-    closed = np.concatenate([loop, loop[:1]])
-    arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
-    wanted = np.arange(count) / count * arc[-1]
-    return np.stack([np.interp(wanted, arc, closed[:, k]) for k in range(loop.shape[1])], axis=1)
 
 
 def closest_on_loop(points: np.ndarray, loop: np.ndarray) -> np.ndarray:
@@ -56,27 +48,6 @@ def contour_rms(
     }
 
 
-def boundary_loops(faces: np.ndarray) -> list[np.ndarray]:
-    """Trace the open boundary of a mesh into closed loops of vertex indices, the surface on the left."""
-    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    count = int(faces.max()) + 1 if len(faces) else 0
-    forward = edges[:, 0] * count + edges[:, 1]
-    open_edges = edges[~np.isin(forward, edges[:, 1] * count + edges[:, 0])]
-    following: dict[int, list[int]] = {}
-    for a, b in open_edges.tolist():
-        following.setdefault(a, []).append(b)
-    loops = []
-    for start in sorted(following):
-        while following[start]:
-            loop, at = [start], following[start].pop()
-            while at != start and following.get(at):
-                loop.append(at)
-                at = following[at].pop()
-            if at == start and len(loop) > 2:
-                loops.append(np.asarray(loop, dtype=np.int64))
-    return loops
-
-
 def carry_contours(
     contours: Sequence[Contour], positions: np.ndarray, vertices: np.ndarray, faces: np.ndarray
 ) -> tuple[Contour, ...]:
@@ -91,7 +62,7 @@ def carry_contours(
     Returns:
         The contours with indices into `vertices`; untrusted ones too.
     """
-    loops = boundary_loops(faces)
+    loops = find_loops(faces)
     carried = []
     for contour in contours:
         curve = positions[contour.vertices]

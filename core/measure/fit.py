@@ -8,6 +8,7 @@ import numpy as np
 
 from ..body import Body
 from ..pattern import Garment
+from ..scan import vertex_normals
 from ..segment import Contour
 from .chamfer import chamfer_and_normals, meshing_floor, orientation
 from .contours import contour_rms
@@ -19,7 +20,6 @@ from .surface import (
     penetration_depth,
     sample_surface,
     stretches,
-    vertex_normals,
 )
 
 SURFACE_SAMPLES = 50_000

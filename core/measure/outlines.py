@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from .contours import closest_on_loop, distance_to_loop, resample_loop
+from ..segment import resample_loop
+from .contours import closest_on_loop, distance_to_loop
 
 EDGE_SAMPLES = 50
 """Points on each edge: 2 cm apart on the longest side of trousers."""

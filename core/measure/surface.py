@@ -18,16 +18,6 @@ def face_normals(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, n
     return normals, 0.5 * twice
 
 
-def vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Give area-weighted unit vertex normals, shape [vertex_count, 3]; zero where no face touches the vertex."""
-    normals, areas = face_normals(vertices, faces)
-    weighted = np.repeat(normals * areas[:, None], 3, axis=0)
-    corner = faces.reshape(-1)
-    total = np.stack([np.bincount(corner, weighted[:, k], len(vertices)) for k in range(3)], axis=1)
-    length = np.linalg.norm(total, axis=1, keepdims=True)
-    return np.divide(total, length, out=np.zeros_like(total), where=length > 0.0)
-
-
 def sample_surface(
     vertices: np.ndarray, faces: np.ndarray, count: int, generator: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:

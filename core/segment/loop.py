@@ -88,11 +88,11 @@ def _split_at_repeats(path: list[int], key: np.ndarray) -> list[list[int]]:
 
 
 def resample_loop(points: np.ndarray, count: int) -> np.ndarray:
-    """Give `count` points at equal arc length along a closed polygon, shape [count, 3], starting at its first point."""
+    """Give `count` points at equal arc length along a closed polygon, shape [count, dimension], from its first."""
     closed = np.concatenate([points, points[:1]])
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
     where = np.arange(count) * (arc[-1] / count)
-    return np.stack([np.interp(where, arc, closed[:, axis]) for axis in range(3)], axis=1)
+    return np.stack([np.interp(where, arc, closed[:, axis]) for axis in range(points.shape[1])], axis=1)
 
 
 def loop_length(points: np.ndarray) -> float:

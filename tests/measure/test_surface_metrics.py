@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.measure import boundary_loops, carry_contours, measure_distance, measure_fit, penetration_depth
+from garmentq.core.measure import carry_contours, measure_distance, measure_fit, penetration_depth
 from garmentq.core.measure.chamfer import chamfer_and_normals, meshing_floor
 from garmentq.core.measure.contours import contour_rms, loop_rms
 from garmentq.core.measure.fit import count_flipped
-from garmentq.core.measure.surface import face_angles, sample_surface, stretches, vertex_normals
-from garmentq.core.segment import Contour
+from garmentq.core.measure.surface import face_angles, sample_surface, stretches
+from garmentq.core.scan import vertex_normals
+from garmentq.core.segment import Contour, find_loops
 
 
 def grid(count: int = 20, width: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
@@ -124,7 +125,7 @@ def test_untrusted_and_missing_contours_are_left_out() -> None:
 def test_boundary_loops_and_names_carried_over(tube, tube_pattern) -> None:
     """Fails if a rim were cut in two, or a name went to the other rim of a finer mesh."""
     coarse, fine = tube(tube_pattern(), 0.04), tube(tube_pattern(), 0.015)
-    loops = boundary_loops(fine.faces)
+    loops = find_loops(fine.faces)
     assert sorted(len(loop) for loop in loops) == sorted(len(contour.vertices) for contour in fine.contours)
     carried = carry_contours(coarse.contours, coarse.nodes, fine.nodes, fine.faces)
     heights = {contour.name: set(np.round(fine.nodes[contour.vertices, 1], 9)) for contour in carried}
