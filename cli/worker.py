@@ -14,9 +14,10 @@ from .options import home_option
 @click.command("worker")
 @click.option("--workers", type=click.IntRange(1, 256), help="Jobs at a time.  [default: cores]")
 @click.option("--embedded", is_flag=True, help="Be the one embedded worker of the home, which stops when idle.")
+@click.option("--queues", default="cpu,gpu", show_default=True, help="Which queues it serves.")
 @home_option
 @click.pass_context
-def command(context: click.Context, workers: int | None, embedded: bool, home: Path | None) -> None:
+def command(context: click.Context, workers: int | None, embedded: bool, queues: str, home: Path | None) -> None:
     """Run a worker until it is told to stop.
 
     SIGTERM puts its jobs back into the queue, where they go on from their last checkpoint. Any number of workers on
@@ -29,6 +30,7 @@ def command(context: click.Context, workers: int | None, embedded: bool, home: P
     from ..service.database import open_database
     from ..service.reaper import is_idle
     from ..service.settings import read_settings
+    from ..service.submission import QUEUES
     from ..workers.broker import start_broker, stop_broker
     from ..workers.embedded import hold_worker_lock
     from ..workers.threads import count_cores
@@ -36,6 +38,9 @@ def command(context: click.Context, workers: int | None, embedded: bool, home: P
     from .terminal import note
 
     settings = read_settings(home=home)
+    served = tuple(dict.fromkeys(queues.split(",")))
+    if set(served) - set(QUEUES):
+        raise click.BadParameter(f"'{queues}'; give a list of {', '.join(QUEUES)}.", param_hint="--queues")
     start_broker(settings)
     lock = hold_worker_lock(settings) if embedded else None
     if embedded and lock is None:
@@ -43,7 +48,7 @@ def command(context: click.Context, workers: int | None, embedded: bool, home: P
         context.exit(exits.OK)
     if lock is not None:
         os.chdir(settings.home)  # a process in the background must not hold the folder it was started in
-    status = run_worker(settings, workers or count_cores(), lock)
+    status = run_worker(settings, workers or count_cores(), lock, served)
     if lock is not None and settings.idle_seconds and is_idle(open_database(settings), settings.idle_seconds):
         stop_broker(settings)
     context.exit(status)

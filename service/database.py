@@ -9,7 +9,7 @@ from typing import Any
 
 from sqlalchemy import Connection, Engine, Float, create_engine, event, inspect, text
 from sqlalchemy.engine import make_url
-from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import ArgumentError, OperationalError
 from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.orm import Session
 from sqlalchemy.pool import NullPool
@@ -17,10 +17,13 @@ from sqlalchemy.sql.functions import FunctionElement
 
 from ..core.errors import GarmentqError
 from .lock import hold_lock
-from .settings import ServiceSettings, hide_password
+from .settings import ServiceSettingBad, ServiceSettings, hide_password
 
 WRITE = "garmentq_write"
 """Name of the execution option that marks a transaction as one that writes."""
+
+CONNECT_SECONDS = 10
+"""How long PostgreSQL may take to accept a connection [s]; one in another town takes a fraction of a second."""
 
 BUSY_SECONDS = 30
 """How long SQLite waits for another writer [s]; a write here takes milliseconds, so this outlasts any queue of them."""
@@ -36,6 +39,12 @@ class DatabaseTooNew(GarmentqError):
     """The database was made by a newer garmentq; upgrade this one, or use another --home."""
 
     code = "service.database_too_new"
+
+
+class DriverMissing(GarmentqError):
+    """The package that speaks to this database is missing; pip install 'garmentq[postgres]'."""
+
+    code = "service.driver_missing"
 
 
 class clock(FunctionElement[float]):
@@ -82,6 +91,11 @@ class Database:
         with _reachable(self.url), Session(self._writer, expire_on_commit=False) as session, session.begin():
             yield session
 
+    @property
+    def is_sqlite(self) -> bool:
+        """Tell whether this is the embedded kind of database."""
+        return self.engine.dialect.name == "sqlite"
+
     def dispose(self) -> None:
         """Close every connection."""
         self.engine.dispose()
@@ -109,6 +123,16 @@ def open_database(settings: ServiceSettings, pooled: bool = True) -> Database:
     return database
 
 
+def serialise(session: Session, key: str) -> None:
+    """Let no other transaction past this point with the same key until this one ends.
+
+    For "insert it unless it is there": PostgreSQL lets two transactions look at the same time, and the second insert
+    then fails. SQLite has one writer at a time, so there is nothing to do.
+    """
+    if session.connection().dialect.name == "postgresql":
+        session.execute(text("select pg_advisory_xact_lock(hashtextextended(:key, 0))"), {"key": key})
+
+
 def read_revision(connection: Connection) -> str | None:
     """Give the migration that the database stands at, or None for an empty one."""
     if not inspect(connection).has_table("alembic_version"):
@@ -127,6 +151,7 @@ def upgrade(database: Database, revision: str = "head") -> None:
     config = Config()
     config.set_main_option("script_location", str(Path(migrations.__file__).parent).replace("%", "%%"))
     with database.write() as session:
+        serialise(session, "garmentq upgrade")  # two hosts may open a new database at the same time
         config.attributes["connection"] = session.connection()
         try:
             command.upgrade(config, revision)
@@ -135,10 +160,25 @@ def upgrade(database: Database, revision: str = "head") -> None:
 
 
 def _make_engine(url: str, pooled: bool) -> Engine:
-    parsed = make_url(url)
+    try:
+        parsed = make_url(url)
+    except ArgumentError:
+        raise ServiceSettingBad(
+            "GARMENTQ_DATABASE_URL is no address; write postgresql://USER:PASSWORD@HOST/DB."
+        ) from None
     options: dict[str, Any] = {} if pooled else {"poolclass": NullPool}
+    if parsed.drivername in ("postgres", "postgresql", "postgresql+psycopg"):
+        try:
+            return create_engine(
+                parsed.set(drivername="postgresql+psycopg"),
+                pool_pre_ping=pooled,
+                connect_args={"connect_timeout": CONNECT_SECONDS},
+                **options,
+            )
+        except ImportError as error:
+            raise DriverMissing() from error
     if parsed.get_backend_name() != "sqlite":
-        return create_engine(parsed, pool_pre_ping=pooled, **options)
+        raise ServiceSettingBad(f"GARMENTQ_DATABASE_URL names '{parsed.drivername}'; use sqlite or postgresql.")
     engine = create_engine(parsed, connect_args={"timeout": BUSY_SECONDS, "check_same_thread": False}, **options)
     event.listen(engine, "connect", _prepare_sqlite)
     event.listen(engine, "begin", _begin_sqlite)

@@ -85,25 +85,24 @@ def record(session: Session, job: str, kind: str, **data: Any) -> None:
 def claim(database: Database, job: str, owner: str, lease_seconds: float) -> Claim | None:
     """Take a queued job, or None where it is not to be had: one statement writes owner, lease, attempt and fence."""
     with database.write() as session:
-        row = session.execute(
-            update(JobRow)
-            .where(JobRow.id == job, JobRow.state == "queued", JobRow.cancel.is_(False))
-            .values(
-                state="running",
-                owner=owner,
-                lease_until=clock() + lease_seconds,
-                attempts=JobRow.attempts + 1,
-                fence=JobRow.fence + 1,
-                started=clock(),
-                touched=clock(),
-            )
-            .returning(JobRow.fence, JobRow.attempts, JobRow.request, JobRow.name)
-            .execution_options(synchronize_session=False)
+        return _claim(session, job, owner, lease_seconds)
+
+
+def claim_next(database: Database, wakeup: str, owner: str, lease_seconds: float) -> Claim | None:
+    """Take the most urgent queued job of the queue that the woken job is in, or None where that queue is empty.
+
+    A wake-up is the right to one job, not to a certain one: so priorities hold whatever order the broker keeps.
+    """
+    queue = select(JobRow.queue).where(JobRow.id == wakeup).scalar_subquery()
+    with database.write() as session:
+        best = session.scalars(
+            select(JobRow.id)
+            .where(JobRow.state == "queued", JobRow.cancel.is_(False), JobRow.queue == queue)
+            .order_by(JobRow.priority.desc(), JobRow.created, JobRow.id)
+            .limit(1)
+            .with_for_update(skip_locked=True)
         ).one_or_none()
-        if row is None:
-            return None
-        record(session, job, "started", owner=owner, attempt=row.attempts)
-        return Claim(job, row.fence, owner, row.attempts, row.request, row.name)
+        return None if best is None else _claim(session, best, owner, lease_seconds)
 
 
 def renew(database: Database, claim: Claim, lease_seconds: float) -> Pulse:
@@ -266,6 +265,28 @@ def read_events(database: Database, job: str, after: int = 0) -> list[EventRow]:
         return list(
             session.scalars(select(EventRow).where(EventRow.job == job, EventRow.id > after).order_by(EventRow.id))
         )
+
+
+def _claim(session: Session, job: str, owner: str, lease_seconds: float) -> Claim | None:
+    row = session.execute(
+        update(JobRow)
+        .where(JobRow.id == job, JobRow.state == "queued", JobRow.cancel.is_(False))
+        .values(
+            state="running",
+            owner=owner,
+            lease_until=clock() + lease_seconds,
+            attempts=JobRow.attempts + 1,
+            fence=JobRow.fence + 1,
+            started=clock(),
+            touched=clock(),
+        )
+        .returning(JobRow.fence, JobRow.attempts, JobRow.request, JobRow.name)
+        .execution_options(synchronize_session=False)
+    ).one_or_none()
+    if row is None:
+        return None
+    record(session, job, "started", owner=owner, attempt=row.attempts)
+    return Claim(job, row.fence, owner, row.attempts, row.request, row.name)
 
 
 def _row(session: Session, job: str) -> JobRow:

@@ -42,8 +42,9 @@ class JobRow(Base):
 
     __tablename__ = "jobs"
     __table_args__ = (
-        Index("ix_jobs_state_priority_created", "state", "priority", "created"),
+        Index("ix_jobs_state_queue_priority_created", "state", "queue", "priority", "created"),
         Index("ix_jobs_lease_until", "lease_until"),
+        Index("ix_jobs_created", "created"),
     )
     id: Mapped[str] = mapped_column(String(16), primary_key=True)
     dedup: Mapped[str] = mapped_column(String(64), unique=True)
@@ -52,6 +53,7 @@ class JobRow(Base):
     request: Mapped[dict[str, Any]]
     version: Mapped[str] = mapped_column(String(32))
     priority: Mapped[int] = mapped_column(default=0)
+    queue: Mapped[str] = mapped_column(String(16), default="cpu", server_default="cpu")
     state: Mapped[str] = mapped_column(String(16))
     cancel: Mapped[bool] = mapped_column(default=False)
     attempts: Mapped[int] = mapped_column(default=0)
@@ -97,6 +99,17 @@ class LockRow(Base):
     name: Mapped[str] = mapped_column(String(32), primary_key=True)
     owner: Mapped[str] = mapped_column(String(255))
     until: Mapped[float]
+
+
+class WorkerRow(Base):
+    """Tell of one living worker, by its parent process; `seen` is renewed in each of its rounds."""
+
+    __tablename__ = "workers"
+    name: Mapped[str] = mapped_column(String(255), primary_key=True)
+    queues: Mapped[str] = mapped_column(String(64))
+    concurrency: Mapped[int]
+    started: Mapped[float]
+    seen: Mapped[float]
 
 
 class TemplateRow(Base):
@@ -183,3 +196,46 @@ class MetricRow(Base):
     job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
     name: Mapped[str] = mapped_column(String(128), primary_key=True)
     value: Mapped[float | None]
+
+
+class ApiKeyRow(Base):
+    """Keep one API key by the hash of its token; the token itself is shown once and never kept."""
+
+    __tablename__ = "api_keys"
+    id: Mapped[str] = mapped_column(String(16), primary_key=True)
+    name: Mapped[str] = mapped_column(String(255))
+    hash: Mapped[str] = mapped_column(String(64), unique=True)
+    scopes: Mapped[list[Any]]
+    quota: Mapped[int]
+    created: Mapped[float]
+    revoked: Mapped[float | None]
+
+
+class OwnerRow(Base):
+    """Let a key see a job that it submitted; a job that several keys submitted is one job, seen by each."""
+
+    __tablename__ = "owners"
+    key: Mapped[str] = mapped_column(ForeignKey("api_keys.id", ondelete="CASCADE"), primary_key=True)
+    job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+
+
+class UploadRow(Base):
+    """Let a key (empty: no key) use a file that it uploaded, under the name that it gave."""
+
+    __tablename__ = "uploads"
+    key: Mapped[str] = mapped_column(String(16), primary_key=True)
+    sha256: Mapped[str] = mapped_column(String(64), primary_key=True)
+    name: Mapped[str] = mapped_column(String(255))
+    size: Mapped[int] = mapped_column(BigInteger)
+    created: Mapped[float]
+
+
+class IdempotencyRow(Base):
+    """Remember what a client's Idempotency-Key was used for."""
+
+    __tablename__ = "idempotency"
+    key: Mapped[str] = mapped_column(String(16), primary_key=True)
+    token: Mapped[str] = mapped_column(String(128), primary_key=True)
+    fingerprint: Mapped[str] = mapped_column(String(64))
+    job: Mapped[str | None] = mapped_column(String(16))
+    created: Mapped[float]

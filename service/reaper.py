@@ -14,10 +14,13 @@ from sqlalchemy.orm import Session
 
 from .database import Database, clock
 from .jobs import record
-from .models import JobRow, LockRow, OutboxRow
+from .models import EventRow, JobRow, LockRow, OutboxRow, WorkerRow
 
 BATCH = 200
 """Wake-ups published in one go; keeps one round of the loop short."""
+
+LOSS = "worker_lost"
+"""Event of a process that died under a job."""
 
 LOST = "job.worker_lost"
 """Code of a job whose workers died too often."""
@@ -87,22 +90,64 @@ def remind(database: Database, seconds: float, is_broker_empty: Callable[[], boo
         return len(forgotten)
 
 
-def dispatch(database: Database, publish: Callable[[str], None]) -> int:
+def show_life(database: Database, name: str, queues: str, concurrency: int, forget_seconds: float) -> None:
+    """Say that a worker lives, and forget those that have not said so for some seconds."""
+    with database.write() as session:
+        session.execute(delete(WorkerRow).where(WorkerRow.seen < clock() - forget_seconds))
+        seen = update(WorkerRow).where(WorkerRow.name == name).values(seen=clock())
+        if session.execute(seen).rowcount == 0:  # type: ignore[attr-defined]
+            row = {"name": name, "queues": queues, "concurrency": concurrency}
+            session.execute(insert(WorkerRow).values(**row, started=clock(), seen=clock()))
+
+
+def end_life(database: Database, name: str) -> None:
+    """Take a worker that stops off the list."""
+    with database.write() as session:
+        session.execute(delete(WorkerRow).where(WorkerRow.name == name))
+
+
+def list_workers(database: Database) -> list[WorkerRow]:
+    """Give the living workers by name."""
+    with database.read() as session:
+        return list(session.scalars(select(WorkerRow).order_by(WorkerRow.name)))
+
+
+def report_loss(database: Database, mark: str, reason: str) -> None:
+    """Give up the lease of a process that is known to be dead, so that its job need not wait for the end of it.
+
+    Args:
+        database: Where the job is.
+        mark: End of the dead owner's name, unique to it.
+        reason: What ended it: the signal or the exit status.
+    """
+    with database.write() as session:
+        held = (JobRow.state == "running") & JobRow.owner.endswith(mark, autoescape=True)
+        for row in session.scalars(select(JobRow).where(held).with_for_update()):
+            row.lease_until = clock() - 1.0  # type: ignore[assignment]
+            record(session, row.id, LOSS, attempt=row.attempts, reason=reason[:200])
+
+
+def dispatch(database: Database, publish: Callable[[str, str], None]) -> int:
     """Publish what the outbox owes; a row goes only after its message was taken, so a crash between repeats it.
 
     Args:
         database: Where the outbox is.
-        publish: Sends one job id to the broker; its exceptions pass through and leave the row for later.
+        publish: Sends one job id to a queue of the broker; its exceptions pass through and leave the row for later.
 
     Returns:
         How many messages went out.
     """
     with database.read() as session:
-        owed = session.execute(select(OutboxRow.id, OutboxRow.job).order_by(OutboxRow.id).limit(BATCH)).all()
+        owed = session.execute(
+            select(OutboxRow.id, OutboxRow.job, JobRow.queue)
+            .join(JobRow, JobRow.id == OutboxRow.job)
+            .order_by(OutboxRow.id)
+            .limit(BATCH)
+        ).all()
     sent: list[int] = []
     try:
         for row in owed:
-            publish(row.job)
+            publish(row.job, row.queue)
             sent.append(row.id)
     finally:
         if sent:
@@ -128,7 +173,8 @@ def _take_back(session: Session, row: JobRow, max_attempts: int) -> None:
         row.state, row.finished = "dead", clock()  # type: ignore[assignment]
         row.error_code = LOST
         row.error_message = (
-            f"the worker died in each of {row.attempts} attempts, last in stage '{row.stage or 'start'}'; "
+            f"the worker died in each of {row.attempts} attempts, last in stage "
+            f"'{row.stage or 'start'}'{_tell_loss(session, row)}; "
             "see the worker's log, then `garmentq retry`."
         )
         record(session, row.id, "dead", owner=owner, attempt=row.attempts)
@@ -136,6 +182,13 @@ def _take_back(session: Session, row: JobRow, max_attempts: int) -> None:
         row.state = "queued"
         record(session, row.id, "lease_expired", owner=owner, attempt=row.attempts)
         session.add(OutboxRow(job=row.id, created=clock()))
+
+
+def _tell_loss(session: Session, row: JobRow) -> str:
+    """Give what ended the last attempt, where it is known."""
+    wanted = (EventRow.job == row.id) & (EventRow.kind == LOSS)
+    last = session.scalars(select(EventRow).where(wanted).order_by(EventRow.id.desc()).limit(1)).one_or_none()
+    return f" ({last.data['reason']})" if last and last.data["attempt"] == row.attempts else ""
 
 
 def _is_expired():  # type: ignore[no-untyped-def]

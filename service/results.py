@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from sqlalchemy import delete, select
+from sqlalchemy import delete, select, update
 from sqlalchemy.orm import Session
 
 from ..core.errors import NotFound
-from .database import Database, clock
+from .database import Database, clock, serialise
 from .jobs import Claim, succeed, write_fenced
 from .models import (
     ArtifactRow,
@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 
 RESULT = "result"
 CHECKPOINT = "checkpoint"
+PREVIOUS = "checkpoint.1"
+"""The checkpoint before the newest of a name: kept for the case that the newest is damaged, no older one is."""
 
 
 class ResultMissing(NotFound):
@@ -79,7 +81,7 @@ def store_recovery(database: Database, store: Store, claim: Claim, recovery: Rec
 
 
 def save_checkpoint(database: Database, store: Store, claim: Claim, name: str, content: bytes) -> None:
-    """Keep a stage's state; the newest of a name replaces the one before.
+    """Keep a stage's state; of each name the newest and the one before are kept.
 
     Raises:
         FenceLost: where another worker has taken the job over.
@@ -87,14 +89,15 @@ def save_checkpoint(database: Database, store: Store, claim: Claim, name: str, c
     kept = store.put_bytes(content)
     with database.write() as session:
         write_fenced(session, claim, touched=clock())
-        session.execute(delete(ArtifactRow).where(_named(claim.job, CHECKPOINT, name)))
+        session.execute(delete(ArtifactRow).where(_named(claim.job, PREVIOUS, name)))
+        session.execute(update(ArtifactRow).where(_named(claim.job, CHECKPOINT, name)).values(kind=PREVIOUS))
         _add_artifact(session, claim.job, CHECKPOINT, name, kept.sha256, kept.size)
 
 
-def load_checkpoint(database: Database, store: Store, job: str, name: str) -> bytes | None:
+def load_checkpoint(database: Database, store: Store, job: str, name: str, kind: str = CHECKPOINT) -> bytes | None:
     """Give a stage's state, or None where none was kept."""
     with database.read() as session:
-        key = session.scalars(select(ArtifactRow.sha256).where(_named(job, CHECKPOINT, name))).one_or_none()
+        key = session.scalars(select(ArtifactRow.sha256).where(_named(job, kind, name))).one_or_none()
     return None if key is None else store.get_bytes(key)
 
 
@@ -196,6 +199,7 @@ def _add_material(session: Session, fabric: Fabric) -> str:
     values = asdict(fabric)
     values["sources"] = [list(pair) for pair in fabric.sources]
     key = hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
+    serialise(session, key)  # two workers may be the first to use a fabric
     if session.get(MaterialRow, key) is None:
         session.add(MaterialRow(id=key, **values))
     return key

@@ -44,7 +44,10 @@ class ServiceSettings:
         poll_seconds: Period of the dispatcher and of the cancel check [s]; half a second is not noticed by a person.
         republish_seconds: A queued job that saw no event for so long is published again [s] if the broker holds no
             message: it must have lost it. A needless message does no harm.
+        grace_seconds: How long a job that was told to stop may take to do so [s]; then its process ends under it. A
+            stage asks several times a second, and containers are killed after 10 to 30 s.
         idle_seconds: The embedded worker and broker stop after so long without a job [s]; 0: never.
+        log_json: 1: the worker writes its log as one JSON object a line.
         threads: Threads of each pool child; one, since two children with two threads each took 8 times as long.
         pipeline: Dotted path of the function that runs a job.
         writer: Dotted path of the function that writes a recovery's files.
@@ -60,7 +63,9 @@ class ServiceSettings:
     max_seconds: float = 3600.0
     poll_seconds: float = 0.5
     republish_seconds: float = 20.0
+    grace_seconds: float = 10.0
     idle_seconds: float = 900.0
+    log_json: int = 0
     threads: int = 1
     pipeline: str = PIPELINE
     writer: str = WRITER
@@ -119,7 +124,7 @@ def _parse(name: str, text: str, default: object) -> Any:
         value = kind(text)
     except ValueError:
         raise ServiceSettingBad(f"GARMENTQ_{name.upper()} is '{text}', which is no number.") from None
-    if not 0 <= value < float("inf") or (value == 0 and name != "idle_seconds"):
+    if not 0 <= value < float("inf") or (value == 0 and name not in ("idle_seconds", "log_json")):
         raise ServiceSettingBad(f"GARMENTQ_{name.upper()} is '{text}'; it must be a positive number.")
     return value
 

@@ -15,13 +15,18 @@ from sqlalchemy import select
 from .. import __version__
 from ..core.errors import BadInput
 from ..core.settings import RecoverySettings
-from .database import Database, clock
+from .database import Database, clock, serialise
 from .jobs import record, requeue
+from .keys import check_quota, own
 from .models import JobRow, OutboxRow, ScanRow
 from .store import Store, Stored
 
 BUILTIN = "builtin:"
 """How a body begins that is a text and no file."""
+
+
+QUEUES = ("cpu", "gpu")
+"""Kinds of workers; a worker serves one or both."""
 
 
 class BodyUnreadable(BadInput):
@@ -42,6 +47,10 @@ class Order:
         priority: Larger goes first.
         force: Make a new job even where an equal one exists.
         labels: A file with one label per vertex of a dressed person's scan, or None.
+        queue: One of `QUEUES`: which kind of worker takes it.
+        nonce: What makes a forced job the same when it is asked for again; empty: a random one.
+        key: Id of the API key that asks, or empty; the job is then that key's too.
+        quota: Jobs that the key may have queued at a time.
     """
 
     scan: Path
@@ -51,6 +60,10 @@ class Order:
     priority: int = 0
     force: bool = False
     labels: Path | None = None
+    queue: str = "cpu"
+    nonce: str = ""
+    key: str = ""
+    quota: int = 0
 
 
 @dataclass(frozen=True)
@@ -79,15 +92,19 @@ def submit(database: Database, store: Store, order: Order) -> Submitted:
         _check_dressed(order)
     scan = store.put(order.scan)
     request = _describe(order, scan, store)
-    nonce = uuid.uuid4().hex if order.force else ""
+    nonce = (order.nonce or uuid.uuid4().hex) if order.force else ""
     dedup = _hash({"request": request, "version": __version__, "nonce": nonce})
     with database.write() as session:
+        serialise(session, scan.sha256)  # equal orders at the same time are one job
         row = session.scalars(select(JobRow).where(JobRow.dedup == dedup).with_for_update()).one_or_none()
         if row is not None:
+            own(session, order.key, row.id)
             if row.state in ("failed", "dead", "cancelled"):
+                check_quota(session, order.key, order.quota)
                 requeue(session, row)
                 record(session, row.id, "resubmitted")
             return Submitted(row.id, False, row.state)
+        check_quota(session, order.key, order.quota)
         if session.get(ScanRow, scan.sha256) is None:
             session.add(ScanRow(sha256=scan.sha256, name=request["scan"]["name"], size=scan.size, created=clock()))
             session.flush()
@@ -101,12 +118,14 @@ def submit(database: Database, store: Store, order: Order) -> Submitted:
                 request=request,
                 version=__version__,
                 priority=order.priority,
+                queue=order.queue,
                 state="queued",
                 touched=clock(),
                 created=clock(),
             )
         )
         session.flush()
+        own(session, order.key, job)
         record(session, job, "queued")
         session.add(OutboxRow(job=job, created=clock()))
     return Submitted(job, True, "queued")

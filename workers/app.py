@@ -11,7 +11,9 @@ from .broker import broker_url
 if TYPE_CHECKING:
     from celery import Celery
 
-QUEUE = "garmentq"
+CHANNELS = {"cpu": "garmentq", "gpu": "garmentq.gpu"}
+"""The broker's list for each queue of jobs."""
+
 TASK = "garmentq.recover"
 
 HARD_EXTRA_SECONDS = 60.0
@@ -27,7 +29,7 @@ def make_app(settings: ServiceSettings) -> Celery:
 
     app = Celery("garmentq", broker=broker_url(settings), set_as_current=False)
     app.conf.update(
-        task_default_queue=QUEUE,
+        task_default_queue=CHANNELS["cpu"],
         task_serializer="json",
         accept_content=["json"],
         task_acks_late=False,
@@ -52,12 +54,13 @@ def make_app(settings: ServiceSettings) -> Celery:
     return app
 
 
-def publish(app: Celery, job: str) -> None:
+def publish(app: Celery, job: str, queue: str = "cpu") -> None:
     """Send one wake-up for a job; raises at once where the broker is away."""
-    app.send_task(TASK, args=(job,), queue=QUEUE, task_id=uuid.uuid4().hex, retry=False, ignore_result=True)
+    app.send_task(TASK, args=(job,), queue=CHANNELS[queue], task_id=uuid.uuid4().hex, retry=False, ignore_result=True)
 
 
 def count_messages(app: Celery) -> int:
     """Count the wake-ups that wait in the broker."""
     with app.pool.acquire(block=True, timeout=BROKER_SECONDS) as connection:
-        return int(connection.default_channel.client.llen(QUEUE))
+        client = connection.default_channel.client
+        return sum(int(client.llen(channel)) for channel in CHANNELS.values())

@@ -13,6 +13,7 @@ import traceback
 import uuid
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,9 +23,9 @@ from ..core.errors import BadInput, GarmentqError
 from ..core.hooks import Arrays, Hooks
 from ..core.recovery import Request
 from ..core.settings import RecoverySettings
-from ..service.database import Database
-from ..service.jobs import Claim, FenceLost, claim, end_cancelled, fail, release, report
-from ..service.results import load_checkpoint, save_checkpoint, store_recovery
+from ..service.database import Database, DatabaseUnreachable
+from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, release, report
+from ..service.results import CHECKPOINT, PREVIOUS, load_checkpoint, save_checkpoint, store_recovery
 from ..service.settings import ServiceSettings
 from ..service.store import ArtifactDamaged, ArtifactMissing, Store
 from .threads import limit_threads
@@ -36,27 +37,80 @@ REPORT_SECONDS = 0.5
 """Shortest time between two progress events of one stage [s]; more often is not seen, and each is a row."""
 
 
-def run_job(settings: ServiceSettings, database: Database, job: str, is_draining: Callable[[], bool]) -> str:
-    """Work on one job if it can be claimed.
+AWAY_SECONDS = 0.2
+"""Pause between two tries to reach a database that is away [s]."""
+
+FORCED = 75
+"""Exit status of a child that ended under its job; the conventional one for `try again later`."""
+
+
+def run_job(
+    settings: ServiceSettings, database: Database, wakeup: str, is_draining: Callable[[], bool], mark: str = ""
+) -> str:
+    """Work on the most urgent job of the woken job's queue, if there is one to claim.
+
+    Args:
+        settings: Where everything is.
+        database: Where the job is.
+        wakeup: The job id that the broker's message carries.
+        is_draining: Tells whether this worker was told to stop.
+        mark: Ends the owner's name, so that the parent finds what a dead child held.
 
     Returns:
         What became of it: `unclaimed`, `succeeded`, `failed`, `cancelled`, `released` or `lost`.
     """
     if is_draining():
         return "unclaimed"  # the job stays queued, and another worker's reaper publishes it again
-    owner = f"{socket.gethostname()}:{os.getpid()}:{uuid.uuid4().hex[:6]}"
-    held = claim(database, job, owner, settings.lease_seconds)
+    owner = f"{socket.gethostname()}:{os.getpid()}:{mark or uuid.uuid4().hex}"
+    held = claim_next(database, wakeup, owner, settings.lease_seconds)
     if held is None:
         return "unclaimed"
-    log.info("job %s attempt %d starts", job, held.attempt)
-    watch = Watch(database, held, settings.lease_seconds, settings.poll_seconds, settings.max_seconds, is_draining)
+    note = make_note(held)
+    log.info("job %s attempt %d starts", held.job, held.attempt, extra=note)
+
+    def force(reason: str) -> None:
+        """End this process under a job that does not stop; what it did since its last checkpoint is lost."""
+        log.warning("job %s does not stop (%s): its process ends", held.job, reason, extra=note)
+        try:
+            _stop(database, held, reason, settings.max_seconds)
+        except GarmentqError as error:
+            log.warning("%s", error, extra=note)
+        finally:
+            os._exit(FORCED)
+
+    times = (settings.lease_seconds, settings.poll_seconds, settings.max_seconds)
+    watch = Watch(database, held, *times, is_draining, settings.grace_seconds, force)
     try:
         with watch:
             outcome = _work(settings, database, held, watch)
     except FenceLost:
         outcome = "lost"
-    log.info("job %s: %s", job, outcome)
+    except DatabaseUnreachable as error:
+        outcome = "lost"
+        log.warning("job %s: %s", held.job, error, extra=note)
+    log.info("job %s: %s", held.job, outcome, extra=note)
     return outcome
+
+
+def make_note(held: Claim, stage: str = "") -> dict[str, Any]:
+    """Give the fields of a structured log line."""
+    return {"job": held.job, "attempt": held.attempt, "stage": stage}
+
+
+def persist(write: Callable[[], None], watch: Watch) -> None:
+    """Repeat a write while the database is away, for as long as the lease holds.
+
+    Raises:
+        DatabaseUnreachable: where it stayed away for longer.
+        FenceLost: where another worker has taken the job over.
+    """
+    while True:
+        try:
+            return write()
+        except DatabaseUnreachable:
+            if watch.reason == "lost":
+                raise
+            time.sleep(AWAY_SECONDS)
 
 
 def _work(settings: ServiceSettings, database: Database, held: Claim, watch: Watch) -> str:
@@ -71,16 +125,17 @@ def _work(settings: ServiceSettings, database: Database, held: Claim, watch: Wat
             settings.find("writer")(recovery, files)
             if watch.reason in ("lost", "cancelled"):
                 return _stop(database, held, watch.reason, settings.max_seconds)
-            store_recovery(database, store, held, recovery, files)
+            persist(lambda: store_recovery(database, store, held, recovery, files), watch)
         return "succeeded"
     except FenceLost:
         raise
     except BaseException as error:
         if watch.reason:
             return _stop(database, held, watch.reason, settings.max_seconds)
-        if not isinstance(error, Exception):
+        if not isinstance(error, Exception) or isinstance(error, DatabaseUnreachable):
             raise
-        return _fail(database, held, error)
+        persist(partial(_fail, database, held, error), watch)
+        return "failed"
 
 
 def _stop(database: Database, held: Claim, reason: str, seconds: float) -> str:
@@ -96,7 +151,7 @@ def _stop(database: Database, held: Claim, reason: str, seconds: float) -> str:
     return reason
 
 
-def _fail(database: Database, held: Claim, error: Exception) -> str:
+def _fail(database: Database, held: Claim, error: BaseException) -> None:
     if isinstance(error, GarmentqError):
         code, message = error.code, error.message
     else:
@@ -105,9 +160,8 @@ def _fail(database: Database, held: Claim, error: Exception) -> str:
             f"{type(error).__name__}: {error}; this is a fault of garmentq, please report it.",
         )
     if not isinstance(error, BadInput):
-        log.error("job %s failed:\n%s", held.job, "".join(traceback.format_exception(error)))
+        log.error("job %s failed:\n%s", held.job, "".join(traceback.format_exception(error)), extra=make_note(held))
     fail(database, held, code, message.replace("\n", " ")[:2000], isinstance(error, BadInput))
-    return "failed"
 
 
 @contextmanager
@@ -137,6 +191,15 @@ def unpack_request(held: Claim, store: Store, folder: Path) -> Request:
     )
 
 
+@contextmanager
+def _outage(held: Claim, stage: str) -> Iterator[None]:
+    """Go on without a report or checkpoint while the database is away; the watch tells when that lasts too long."""
+    try:
+        yield
+    except DatabaseUnreachable as error:
+        log.warning("job %s goes on: %s", held.job, error, extra=make_note(held, stage))
+
+
 def make_hooks(database: Database, store: Store, held: Claim, watch: Watch) -> Hooks:
     """Connect a pipeline's four calls to the job's row."""
     last: dict[str, Any] = {"stage": "", "at": 0.0}
@@ -146,22 +209,26 @@ def make_hooks(database: Database, store: Store, held: Claim, watch: Watch) -> H
         if stage == last["stage"] and fraction < 1.0 and now - last["at"] < REPORT_SECONDS:
             return
         last.update(stage=stage, at=now)
-        report(database, held, stage, fraction, message)
+        log.debug("job %s: %s %.2f", held.job, stage, fraction, extra=make_note(held, stage))
+        with _outage(held, stage):
+            report(database, held, stage, fraction, message)
 
     def save(name: str, arrays: Arrays) -> None:
         buffer = io.BytesIO()
         np.savez(buffer, **{key: np.asarray(value) for key, value in arrays.items()})  # type: ignore[arg-type]
-        save_checkpoint(database, store, held, name, buffer.getvalue())
+        with _outage(held, last["stage"]):
+            save_checkpoint(database, store, held, name, buffer.getvalue())
 
     def load(name: str) -> Arrays | None:
-        try:
-            content = load_checkpoint(database, store, held.job, name)
-        except (ArtifactDamaged, ArtifactMissing):
-            log.warning("job %s: checkpoint '%s' is damaged; its stage starts anew", held.job, name)
-            return None
-        if content is None:
-            return None
-        with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
-            return {key: arrays[key] for key in arrays.files}
+        for kind in (CHECKPOINT, PREVIOUS):
+            try:
+                content = load_checkpoint(database, store, held.job, name, kind)
+            except (ArtifactDamaged, ArtifactMissing):
+                log.warning("job %s: %s '%s' is damaged", held.job, kind, name, extra=make_note(held, last["stage"]))
+                continue
+            if content is not None:
+                with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
+                    return {key: arrays[key] for key in arrays.files}
+        return None
 
     return Hooks(on_progress, watch.must_stop, save, load)

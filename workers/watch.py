@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 
 from ..core.errors import GarmentqError
 from ..service.database import Database
@@ -18,6 +19,10 @@ class JobTooLong(GarmentqError):
     """The job took longer than GARMENTQ_MAX_SECONDS; use fewer --vertices, or raise the limit."""
 
     code = "job.too_long"
+
+
+def _go_on(reason: str) -> None:
+    """Do not force anything."""
 
 
 class Watch:
@@ -35,8 +40,13 @@ class Watch:
         poll_seconds: float,
         max_seconds: float,
         is_draining: Callable[[], bool],
+        grace_seconds: float = 10.0,
+        force: Callable[[str], None] = _go_on,
     ) -> None:
-        """Prepare the thread; `with` runs it."""
+        """Prepare the thread; `with` runs it.
+
+        `force` is called with the reason where the job has not stopped `grace_seconds` after it was told to.
+        """
         self.reason = ""
         self._database = database
         self._claim = claim
@@ -44,6 +54,8 @@ class Watch:
         self._poll = min(poll_seconds, lease_seconds / BEATS_PER_LEASE)
         self._max = max_seconds
         self._is_draining = is_draining
+        self._grace = grace_seconds
+        self._force = force
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name=f"watch-{claim.job}", daemon=True)
 
@@ -89,12 +101,12 @@ class Watch:
         return "too_long" if seconds > self._max else ""
 
     def _keep_alive(self, renewed: float) -> None:
-        """Go on renewing for one lease at most, while the stage finds its way out."""
-        if self.reason == "lost":
-            return
-        deadline = time.monotonic() + self._lease
-        while time.monotonic() < deadline and not self._ended.wait(self._lease / BEATS_PER_LEASE):
-            try:
-                renew(self._database, self._claim, self._lease)
-            except GarmentqError:
+        """Go on renewing while the stage finds its way out, and force it where it does not."""
+        deadline = time.monotonic() + self._grace
+        while time.monotonic() < deadline:
+            if self._ended.wait(min(self._grace, self._lease / BEATS_PER_LEASE)):
                 return
+            if self.reason != "lost":
+                with suppress(GarmentqError):
+                    renew(self._database, self._claim, self._lease)
+        self._force(self.reason)

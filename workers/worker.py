@@ -10,19 +10,23 @@ import multiprocessing
 import os
 import signal
 import socket
-import sys
+import time
 import uuid
 import warnings
+from collections.abc import Sequence
 from typing import Any
 
+from billiard.exceptions import TimeLimitExceeded, WorkerLostError
 from celery import Celery, bootsteps, signals
 from celery.platforms import SecurityWarning
 
 from ..core.errors import GarmentqError
 from ..service.database import Database, open_database
-from ..service.reaper import dispatch, drop_duty, hold_duty, is_idle, reap, remind
+from ..service.logs import set_up_logs
+from ..service.reaper import dispatch, drop_duty, end_life, hold_duty, is_idle, reap, remind, report_loss, show_life
 from ..service.settings import ServiceSettings
-from .app import TASK, count_messages, make_app, publish
+from ..service.submission import QUEUES
+from .app import CHANNELS, TASK, count_messages, make_app, publish
 from .recovery import run_job
 from .threads import limit_threads
 
@@ -31,6 +35,12 @@ log = logging.getLogger(__name__)
 DUTY = "dispatcher"
 DUTY_SECONDS = 5.0
 """How long the duty outlives its holder [s]: what a dead dispatcher delays the queue at most."""
+
+LIFE_SECONDS = 5.0
+"""How often a worker says that it lives [s]."""
+
+FORGET_SECONDS = 30.0
+"""A worker that has not said so for so long is off the list [s]: six times in a row."""
 
 IDLE_CHECK_SECONDS = 5.0
 """Longest period of the look whether an embedded worker may go home [s]."""
@@ -48,6 +58,7 @@ class Duties(bootsteps.StartStopStep):
         self.name = f"{socket.gethostname()}:{os.getpid()}:{uuid.uuid4().hex[:6]}"
         self.app = parent.app
         self.rounds = parent.timer.call_repeatedly(self.settings.poll_seconds, self._round)
+        self.showed = 0.0
         if parent.app.garmentq_goes_home and self.settings.idle_seconds:
             period = min(IDLE_CHECK_SECONDS, self.settings.idle_seconds)
             parent.timer.call_repeatedly(period, self._go_home_if_idle)
@@ -56,16 +67,20 @@ class Duties(bootsteps.StartStopStep):
         """Let another worker take over at once; the parent's timers go on while its children finish."""
         self.rounds.cancel()
         try:
+            end_life(self.database, self.name)
             drop_duty(self.database, DUTY, self.name)
         except GarmentqError as error:
             log.warning("the duty could not be dropped: %s", error)
 
     def _round(self) -> None:
         try:
+            if time.monotonic() - self.showed > LIFE_SECONDS:
+                show_life(self.database, self.name, *self.app.garmentq_strength, forget_seconds=FORGET_SECONDS)
+                self.showed = time.monotonic()
             if hold_duty(self.database, DUTY, self.name, DUTY_SECONDS):
                 reap(self.database, self.settings.max_attempts)
                 remind(self.database, self.settings.republish_seconds, lambda: count_messages(self.app) == 0)
-                dispatch(self.database, lambda job: publish(self.app, job))
+                dispatch(self.database, lambda job, queue: publish(self.app, job, queue))
         except Exception as error:  # the next round tries again; the loop must never end
             log.warning("a round of the dispatcher failed: %s: %s", type(error).__name__, error)
 
@@ -78,7 +93,9 @@ class Duties(bootsteps.StartStopStep):
             log.warning("%s", error)
 
 
-def run_worker(settings: ServiceSettings, concurrency: int, lock: int | None = None) -> int:
+def run_worker(
+    settings: ServiceSettings, concurrency: int, lock: int | None = None, queues: Sequence[str] = QUEUES
+) -> int:
     """Run a worker in this process until SIGTERM or SIGINT.
 
     Args:
@@ -86,19 +103,19 @@ def run_worker(settings: ServiceSettings, concurrency: int, lock: int | None = N
         concurrency: Pool children, each with one job at a time.
         lock: Descriptor of the embedded worker's lock; such a worker stops after `idle_seconds` without a job.
 
+        queues: Which queues of jobs it serves.
+
     Returns:
         Exit status.
     """
-    logging.basicConfig(
-        stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(levelname)s %(processName)s %(message)s"
-    )
-    logging.getLogger("alembic").setLevel(logging.WARNING)
+    set_up_logs(bool(settings.log_json))
     # Root is safe here: nothing but JSON is accepted, so a message can start nothing but a job.
     warnings.simplefilter("ignore", SecurityWarning)
     limit_threads(settings.threads)
     open_database(settings, pooled=False).dispose()
     app = make_app(settings)
     app.garmentq_settings = settings
+    app.garmentq_strength = (",".join(queues), concurrency)
     app.garmentq_goes_home = lock is not None
     draining = multiprocessing.RawValue("b", 0)
     _register(app, settings, draining, lock)
@@ -108,6 +125,7 @@ def run_worker(settings: ServiceSettings, concurrency: int, lock: int | None = N
         pool_cls="prefork",
         concurrency=concurrency,
         loglevel="INFO",
+        queues=[CHANNELS[name] for name in queues],
         quiet=True,
         without_gossip=True,
         without_mingle=True,
@@ -120,9 +138,21 @@ def _register(app: Celery, settings: ServiceSettings, draining: Any, lock: int |
     """Add the task, and what a child does first; `draining` is memory that parent and children share."""
     held: dict[str, Database] = {}
 
-    @app.task(name=TASK, ignore_result=True)
-    def recover(job: str) -> str:
-        return run_job(settings, held["database"], job, lambda: bool(draining.value))
+    @app.task(name=TASK, ignore_result=True, bind=True)
+    def recover(task: Any, job: str) -> str:
+        return run_job(settings, held["database"], job, lambda: bool(draining.value), task.request.id)
+
+    @signals.task_failure.connect(weak=False)
+    def mourn(task_id: str = "", exception: Any = None, **_: Any) -> None:
+        if not isinstance(exception, WorkerLostError | TimeLimitExceeded):
+            return
+        database = Database(settings.database, pooled=False)
+        try:
+            report_loss(database, task_id, str(exception))
+        except GarmentqError as error:
+            log.warning("%s; the lease must run out", error)
+        finally:
+            database.dispose()
 
     @signals.worker_process_init.connect(weak=False)
     def begin(**_: Any) -> None:

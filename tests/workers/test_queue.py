@@ -114,7 +114,7 @@ def test_a_lost_message_is_sent_again(settings, database, queue_job, environment
     from garmentq.workers.app import make_app, publish
 
     app = make_app(settings)
-    assert dispatch(database, lambda key: publish(app, key)) == 1
+    assert dispatch(database, lambda key, queue: publish(app, key, queue)) == 1
     assert client.llen("garmentq") == 1
     client.flushall()
     client.close()

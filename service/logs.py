@@ -1,0 +1,40 @@
+"""The log of a process: a readable line, or one JSON object a line with job, attempt and stage."""
+
+from __future__ import annotations
+
+import json
+import logging
+import sys
+import time
+
+FIELDS = ("job", "attempt", "stage")
+"""What a record may carry beside its message; null where a line is about no job."""
+
+
+class JsonLines(logging.Formatter):
+    """Write a record as one JSON object on one line; whatever a name holds, it cannot begin a line of its own."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """Give the line: time in UTC, level, process, message, job, attempt, stage, and the traceback if any."""
+        seconds = time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime(record.created))
+        line = {
+            "time": f"{seconds}.{int(record.msecs):03d}Z",
+            "level": record.levelname.lower(),
+            "logger": record.name,
+            "process": record.processName,
+            "pid": record.process,
+            "message": record.getMessage(),
+            **{name: getattr(record, name, None) or None for name in FIELDS},
+        }
+        if record.exc_info:
+            line["traceback"] = self.formatException(record.exc_info)
+        return json.dumps(line)
+
+
+def set_up_logs(as_json: bool) -> None:
+    """Send this process's log to standard error."""
+    handler = logging.StreamHandler(sys.stderr)
+    readable = logging.Formatter("%(asctime)s %(levelname)s %(processName)s %(message)s")
+    handler.setFormatter(JsonLines() if as_json else readable)
+    logging.basicConfig(handlers=[handler], level=logging.INFO)
+    logging.getLogger("alembic").setLevel(logging.WARNING)
