@@ -115,11 +115,15 @@ def open_database(settings: ServiceSettings, pooled: bool = True) -> Database:
     database = Database(settings.database, pooled)
     from ..migrations import HEAD
 
-    with database.read() as session:
-        current = read_revision(session.connection())
-    if current != HEAD:
-        with hold_lock(settings.home / "upgrade.lock"):
-            upgrade(database)
+    try:
+        with database.read() as session:
+            current = read_revision(session.connection())
+        if current != HEAD:
+            with hold_lock(settings.home / "upgrade.lock"):
+                upgrade(database)
+    except BaseException:
+        database.dispose()
+        raise
     return database
 
 

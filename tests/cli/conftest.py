@@ -7,4 +7,14 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "standin"))
 
-from garmentq_home import blank_database, cli, database, queue_job, settings, store  # noqa: F401
+from garmentq_home import (  # noqa: F401
+    blank_database,
+    cli,
+    database,
+    database_kind,
+    database_url,
+    postgres,
+    queue_job,
+    settings,
+    store,
+)
