@@ -33,6 +33,7 @@ TIMEOUT = 1800.0
 )
 @click.option("--only", multiple=True, metavar="NAME", help="Take only this pack; may be given several times.")
 @click.option("--library", is_flag=True, help="Use the shipped templates, not the packs' own.")
+@click.option("--damage", is_flag=True, help="Damage each target in ten ways and compare with the clean truth.")
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="Keep each result in OUT/TARGET/.")
 @click.option("--timeout", type=click.FloatRange(min=1.0), default=TIMEOUT, show_default=True, help="Seconds a target.")
 @json_option
@@ -44,6 +45,7 @@ def command(
     preset: str,
     only: tuple[str, ...],
     library: bool,
+    damage: bool,
     out: Path | None,
     timeout: float,
     as_json: bool,
@@ -51,18 +53,22 @@ def command(
     """Recover every target pack in a folder and compare with the truth.
 
     A pack is a folder with meta.json, garment.ply, body.ply and perhaps template.json and pattern.json (docs/bench.md).
-    Each target runs in a process of its own. The exit status is 5 when any target failed.
+    Each target runs in a process of its own. The exit status is 5 when any target failed. With --damage each target is
+    recovered under noise, holes, outliers, turned faces, a cut hem, other units and axes, with both presets.
 
     \b
     Example:
       garmentq bench targets
       garmentq bench targets --only gc_skirt2 --out results --json
+      garmentq bench targets --only gc_skirt2 --damage
     """
     from ..core.measure import read_packs
     from .bench_table import print_tables
     from .terminal import note, print_json
 
     packs = read_packs(directory, only)
+    if damage:
+        context.exit(_study_damage(packs, timeout, as_json))
     lines: list[dict[str, Any]] = []
     for index, pack in enumerate(packs, start=1):
         order = {
@@ -108,6 +114,50 @@ def run_target(pack: Pack, order: dict[str, Any], timeout: float) -> dict[str, A
             line["error"] = {"code": "bench.crashed", "message": message}
     line["cpu_seconds"] = _children_seconds() - before
     return line
+
+
+def _study_damage(packs: tuple[Pack, ...], timeout: float, as_json: bool) -> int:
+    """Run the damage study on the packs that are a garment with a body, and print it."""
+    from .bench_damage import empty_line as no_line
+    from .bench_damage import print_study
+    from .terminal import note, print_json
+
+    lines: list[dict[str, Any]] = []
+    for pack in packs:
+        if pack.body is None:
+            note(f"{pack.name}: passed over, it is a dressed person's scan")
+            continue
+        found, error = _run_study(pack, timeout)
+        if error is not None:
+            found.append(no_line(pack.name, "study", "default") | {"error": error})
+        lines += found
+        for line in found:
+            if as_json:
+                print_json(line)
+    if not as_json and lines:
+        print_study(lines)
+    return exits.OK if lines and all(line["ok"] for line in lines) else exits.FAILED
+
+
+def _run_study(pack: Pack, timeout: float) -> tuple[list[dict[str, Any]], dict[str, str] | None]:
+    """Study one pack in a process of its own; give its lines, and an error where it did not come to its end."""
+    runs = 22  # eleven states of the target with two presets
+    with tempfile.TemporaryDirectory(prefix="garmentq-damage-") as folder:
+        order, lines, log = (Path(folder) / name for name in ("order.json", "lines.jsonl", "log.txt"))
+        order.write_text(json.dumps({"pack": str(pack.folder.resolve())}), encoding="utf-8")
+        process = [sys.executable, "-m", "garmentq.cli.bench_damage", str(order), str(lines)]
+        error = None
+        try:
+            with log.open("wb") as out:
+                ended = subprocess.run(process, stdout=out, stderr=out, timeout=runs * timeout, env=_environment())
+            if ended.returncode != 0:
+                words = log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
+                message = ": ".join([f"the process ended with status {ended.returncode}", *words[-1:]])
+                error = {"code": "bench.crashed", "message": message}
+        except subprocess.TimeoutExpired:
+            error = {"code": "bench.timed_out", "message": f"stopped after {runs * timeout:.0f} s; raise --timeout."}
+        written = lines.read_text(encoding="utf-8").splitlines() if lines.exists() else []
+        return [json.loads(line) for line in written], error
 
 
 def _environment() -> dict[str, str]:

@@ -1,6 +1,7 @@
 """Metrics, quality gates and the report."""
 
 from .contours import carry_contours
+from .damage import DAMAGES, Damage
 from .fit import measure_distance, measure_fit
 from .gates import judge, overall
 from .intersections import self_intersections
@@ -19,7 +20,9 @@ from .truth import measure_recovery
 from .turning import turning_distance
 
 __all__ = [
+    "DAMAGES",
     "PATTERN_METRICS",
+    "Damage",
     "Pack",
     "TruePanel",
     "TruePattern",

@@ -1,0 +1,179 @@
+"""Recover one target pack under every damage, in a process of its own; print what became of it beside the clean run.
+
+python -m garmentq.cli.bench_damage ORDER.json LINES.jsonl
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import tempfile
+import time
+import traceback
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..core.errors import GarmentqError
+from .bench_table import mean
+from .terminal import print_table
+
+Line = dict[str, Any]
+
+SHOWN = ("surface_rms_mm.s2t", "surface_rms_mm.t2s", "normal_cosine", "flipped_faces", "self_intersecting_faces")
+"""What a line tells of a result, all against the clean truth."""
+
+SAME = 1e-6
+"""Positions closer than this [m] are the same target: float32 in another unit or axis rounds to a tenth of it."""
+
+
+def study_pack(order: dict[str, Any], write: Any) -> None:
+    """Recover a pack under every damage and preset; hand each line to `write` as soon as it is known.
+
+    The body is registered once where its file is the same. A damage whose target comes out of the repair as the clean
+    one, vertex by vertex and face by face, has the clean run's figures. The graded drape does not depend on the preset
+    and is shared between presets. All else is run again.
+
+    Args:
+        order: `pack` (its folder), `damages` (names), `presets`, `seed`.
+        write: Called with each line.
+    """
+    from ..core.measure import DAMAGES, read_packs
+
+    pack = read_packs(Path(order["pack"]))[0]
+    known: dict[str, Any] = {}
+    with tempfile.TemporaryDirectory(prefix="garmentq-damage-") as folder:
+        for damage in DAMAGES:
+            if damage.name not in order["damages"]:
+                continue
+            for preset in order["presets"]:
+                write(_study(pack, damage, preset, order["seed"], Path(folder), known))
+
+
+def empty_line(target: str, damage: str, preset: str) -> Line:
+    """Give the line of a run of which nothing is known yet."""
+    return {
+        "target": target,
+        "damage": damage,
+        "preset": preset,
+        "ok": False,
+        "error": None,
+        "same_as_clean": False,
+        "metrics": {},
+        "untrusted": [],
+        "cpu_seconds": None,
+    }
+
+
+def _study(pack: Any, damage: Any, preset: str, seed: int, folder: Path, known: dict[str, Any]) -> Line:
+    started = time.process_time()
+    line = empty_line(pack.name, damage.name, preset)
+    try:
+        line |= _recover(pack, damage, preset, seed, folder, known)
+    except GarmentqError as error:
+        line["error"] = {"code": error.code, "message": error.message}
+    except Exception as error:  # a bug under one damage must not hide the others; the traceback goes to the log
+        traceback.print_exc()
+        line["error"] = {"code": "bench.exception", "message": f"{type(error).__name__}: {error}"}
+    line["cpu_seconds"] = time.process_time() - started
+    return line
+
+
+def _recover(pack: Any, damage: Any, preset: str, seed: int, folder: Path, known: dict[str, Any]) -> Line:
+    from ..core.export import plain
+    from ..core.hooks import Hooks
+    from ..core.measure import measure_recovery
+    from ..core.pipeline import read_files, recover
+    from ..core.recovery import Request
+    from ..core.settings import RecoverySettings
+
+    garment, body = _damaged_files(pack, damage, seed, folder)
+    settings = RecoverySettings(preset=preset, seed=seed)
+    request = Request(scan=garment, body=body, template=pack.template, settings=settings)
+    scan = read_files(request).garment
+    if damage.name == "clean":
+        known["clean"] = scan
+    elif "clean" in known and _same(scan, known["clean"]) and ("clean", preset) in known:
+        return {**known["clean", preset], "same_as_clean": True}
+
+    def keep(name: str, arrays: Any) -> None:
+        known[name if name == "body" else f"{name} {damage.name}"] = dict(arrays)
+
+    def find(name: str) -> Any:
+        return known.get(name if name == "body" else f"{name} {damage.name}")
+
+    recovery = recover(request, Hooks(save_checkpoint=keep, load_checkpoint=find))
+    metrics, _ = measure_recovery(recovery, pack, own_template=pack.template is not None, seed=seed)
+    untrusted = [contour.name for contour in recovery.target.contours if not contour.trusted]
+    found = plain({"ok": True, "metrics": {name: metrics[name] for name in SHOWN}, "untrusted": untrusted})
+    known[damage.name, preset] = found
+    return dict(found)
+
+
+def _damaged_files(pack: Any, damage: Any, seed: int, folder: Path) -> tuple[Path, Path]:
+    """Write the damaged garment, and where it moves with it the body; give both paths."""
+    from ..core.export import write_ply
+    from ..core.measure import read_true_mesh
+
+    garment = folder / f"{damage.name}_garment.ply"
+    write_ply(*damage.apply(*read_true_mesh(pack), np.random.default_rng(seed)), garment)
+    if not damage.moves_body:
+        return garment, pack.body
+    body = folder / f"{damage.name}_body.ply"
+    write_ply(*damage.apply(*read_true_mesh(pack, pack.body), np.random.default_rng(seed)), body)
+    return garment, body
+
+
+def _same(scan: Any, clean: Any) -> bool:
+    """Tell whether two scans are one: the same faces on the same places."""
+    return (
+        scan.vertices.shape == clean.vertices.shape
+        and np.array_equal(scan.faces, clean.faces)
+        and float(np.abs(scan.vertices - clean.vertices).max()) < SAME
+    )
+
+
+def print_study(lines: Sequence[Line]) -> None:
+    """Print the table: each damage's distances to the clean truth in mm, both presets beside each other."""
+    presets = list(dict.fromkeys(line["preset"] for line in lines))
+    found = {(line["target"], line["damage"], line["preset"]): line for line in lines}
+    rows: list[list[object]] = []
+    for target, damage in dict.fromkeys((line["target"], line["damage"]) for line in lines):
+        row: list[object] = [target, damage]
+        for preset in presets:
+            line = found.get((target, damage, preset), empty_line(target, damage, preset))
+            values = [line["metrics"].get(name) for name in SHOWN[:3]]
+            row += [None if value is None else float(f"{value:.3g}") for value in values]
+        own = found[target, damage, presets[0]]
+        note = own["error"]["code"] if own["error"] else "as clean" if own["same_as_clean"] else ""
+        rows.append([*row, ", ".join([note, *own["untrusted"]]).strip(", ")])
+    columns = ["target", "damage", *(f"{preset} {name}" for preset in presets for name in ("s2t", "t2s", "normal"))]
+    print_table([*columns, "note"], rows, title="Damage (mm to the clean truth; contours named are not trusted)")
+    for preset in presets:
+        worst = mean([line["cpu_seconds"] for line in lines if line["preset"] == preset and not line["same_as_clean"]])
+        print_table(["preset", "mean CPU s of a run"], [[preset, worst and round(worst, 1)]])
+
+
+def study_settings(order: dict[str, Any]) -> dict[str, Any]:
+    """Fill an order's gaps: every damage, both presets, seed 0."""
+    from ..core.measure import DAMAGES
+
+    return {"damages": [d.name for d in DAMAGES], "presets": ["default", "thesis"], "seed": 0} | order
+
+
+def main(arguments: list[str]) -> None:
+    """Read an order, append its lines."""
+    order = json.loads(Path(arguments[0]).read_text(encoding="utf-8"))
+    with Path(arguments[1]).open("a", encoding="utf-8") as out:
+
+        def write(line: Line) -> None:
+            out.write(json.dumps(line, allow_nan=False) + "\n")
+            out.flush()
+
+        study_pack(study_settings(order), write)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
