@@ -16,6 +16,7 @@ from .options import home_option, json_option
 @click.option("--where", "wheres", multiple=True, help="NAME OPERATOR VALUE, joined by 'and'; may be given repeatedly.")
 @click.option("--sort", default="-created", show_default=True, help="Field or metric; '-' before it: largest first.")
 @click.option("--limit", type=click.IntRange(1, 10000), default=50, show_default=True, help="Jobs shown at most.")
+@click.option("--csv", "as_csv", is_flag=True, help="Print a table for a spreadsheet, with every metric.")
 @home_option
 @json_option
 def command(
@@ -25,6 +26,7 @@ def command(
     wheres: tuple[str, ...],
     sort: str,
     limit: int,
+    as_csv: bool,
     home: Path | None,
     as_json: bool,
 ) -> None:
@@ -41,7 +43,8 @@ def command(
     from ..service.query import Condition, find_jobs, parse_conditions
     from ..service.results import describe_job
     from ..service.settings import read_settings
-    from .terminal import print_json, print_table, show_time
+    from .summary import flatten
+    from .terminal import print_csv, print_json, print_table, show_time
 
     database = open_database(read_settings(home=home))
     given = {"garment": garment, "state": state, "fabric": fabric}
@@ -52,6 +55,9 @@ def command(
     if as_json:
         for item in found:
             print_json(item)
+        return
+    if as_csv:
+        print_csv(*flatten(found))
         return
     shown = ["surface_rms_mm.s2t", "surface_rms_mm.t2s"]
     shown += [c.name for c in conditions if any(c.name in item["metrics"] for item in found) and c.name not in shown]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -11,10 +12,15 @@ import click
 from . import exits
 from .options import home_option, json_option, order_options, timeout_option
 
+QUEUES = ("cpu", "gpu")
+"""As `service.submission` has them; named here so that the help needs no database."""
+
 
 @click.command("submit")
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 @order_options
+@click.option("--priority", type=click.IntRange(-100, 100), default=0, show_default=True, help="Larger goes first.")
+@click.option("--queue", type=click.Choice(QUEUES), default="cpu", show_default=True, help="Kind of worker.")
 @click.option("--wait", is_flag=True, help="Wait until every job has ended.")
 @timeout_option
 @home_option
@@ -23,6 +29,8 @@ from .options import home_option, json_option, order_options, timeout_option
 def command(
     context: click.Context,
     files: tuple[Path, ...],
+    priority: int,
+    queue: str,
     wait: bool,
     timeout: float | None,
     home: Path | None,
@@ -54,6 +62,7 @@ def command(
     for file, chosen in product(files, split_garments(options)):
         try:
             order = make_order(settings, database, file, chosen)
+            order = replace(order, priority=priority, queue=queue)
             submitted = submit(database, Store(settings.store_path), order)
         except GarmentqError as error:
             print_error(error.code, error.message)
@@ -68,23 +77,27 @@ def command(
         else:
             click.echo(submitted.job)
     if wait:
-        status = max([status, *(_wait(database, job, timeout) for job in jobs)])
+        status = max(status, _wait(database, list(dict.fromkeys(jobs)), timeout))
     context.exit(status)
 
 
-def _wait(database: Any, job: str, timeout: float | None) -> int:
-    from .follow import WaitTimedOut, follow
+def _wait(database: Any, jobs: list[str], timeout: float | None) -> int:
+    """Follow the whole batch in one view, and give the worst exit status."""
+    from .follow import WaitTimedOut
+    from .live import follow_batch
     from .terminal import note, print_error
 
     try:
-        row = follow(database, job, timeout, is_quiet=True)
+        rows = follow_batch(database, jobs, timeout)
     except WaitTimedOut:
-        note(f"job {job} goes on; `garmentq logs -f {job}` follows it.")
+        for job in jobs:
+            note(f"job {job} goes on; `garmentq logs -f {job}` follows it.")
         return exits.TIMED_OUT
     except KeyboardInterrupt:
-        note(f"the jobs go on; `garmentq status {job}` tells how far one is.")
+        note("the jobs go on; `garmentq status` tells how far they are.")
         return exits.DETACHED
-    note(f"job {job} {row.state}")
-    if row.error_code:
-        print_error(row.error_code, row.error_message or "")
-    return exits.job_status(row.state, row.bad_input)
+    for row in rows:
+        note(f"job {row.id} {row.state}")
+        if row.error_code:
+            print_error(row.error_code, row.error_message or "")
+    return max([exits.OK, *(exits.job_status(row.state, row.bad_input) for row in rows)])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -37,3 +38,11 @@ def print_result(found: dict[str, Any], files: list[Path]) -> None:
         print_table(["warning"], [[text] for text in found["warnings"]])
     if files:
         print_table(["file", "path"], [[path.name, str(path)] for path in files])
+
+
+def flatten(found: Sequence[dict[str, Any]]) -> tuple[list[str], list[list[object]]]:
+    """Give described jobs as columns and rows: one column for each metric that any of them has."""
+    plain = ("job", "name", "state", "garment", "template", "fabric", "body", "attempts", "created", "finished")
+    metrics = sorted({name for item in found for name in item["metrics"]})
+    rows = [[*(item[name] for name in plain), *(item["metrics"].get(name) for name in metrics)] for item in found]
+    return [*plain, *metrics], rows

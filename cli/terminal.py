@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import time
 from collections.abc import Iterable, Sequence
@@ -40,6 +42,23 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[object]], title:
     for row in rows:
         table.add_row(*(Text(show(cell)) for cell in row))
     Console(width=None if Console().is_terminal else 160).print(table)
+
+
+def print_csv(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Print a table as CSV (RFC 4180); a text that a spreadsheet would run as a formula gets an apostrophe."""
+    out = io.StringIO()
+    writer = csv.writer(out)
+    writer.writerow([_escape_formula(name) for name in columns])
+    writer.writerows([_escape_formula(cell) for cell in row] for row in rows)
+    click.echo(out.getvalue(), nl=False)
+
+
+def _escape_formula(cell: object) -> object:
+    """Give a cell that no spreadsheet takes for a formula; numbers stay as they are."""
+    if not isinstance(cell, str):
+        return cell
+    text = "".join(letter if letter.isprintable() else "?" for letter in cell)
+    return f"'{text}" if text.lstrip().startswith(("=", "+", "-", "@", "|")) else text
 
 
 def show(cell: object) -> str:

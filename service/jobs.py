@@ -11,6 +11,7 @@ carries that fence, so a worker that lost its lease (a zombie) changes nothing. 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,7 +20,11 @@ from sqlalchemy.orm import Session
 
 from ..core.errors import BadInput, GarmentqError, NotFound
 from .database import Database, clock
+from .keys import check_quota
 from .models import EventRow, JobRow, OutboxRow
+
+IDS_AT_ONCE = 500
+"""Values bound in one question; SQLite takes 32 766."""
 
 ENDED = ("succeeded", "failed", "dead", "cancelled")
 """States that a job does not leave by itself."""
@@ -214,17 +219,19 @@ def cancel(database: Database, job: str) -> str:
         return row.state
 
 
-def retry(database: Database, job: str) -> None:
+def retry(database: Database, job: str, key: str = "", quota: int = 0) -> None:
     """Queue an ended job once more, with all its attempts; what it had checkpointed is used again.
 
     Raises:
         JobUnknown: where there is none of that id.
         JobNotEnded: where it is queued or running.
+        QueueFull: where the API key that asks has as many jobs queued as it may.
     """
     with database.write() as session:
         row = _row(session, job)
         if row.state not in ENDED:
             raise JobNotEnded(f"job {job} is {row.state}; cancel it first, or wait.")
+        check_quota(session, key, quota)
         requeue(session, row)
         record(session, job, "retried")
 
@@ -251,6 +258,16 @@ def find_job(database: Database, job: str) -> JobRow:
     if len(rows) == 1 and len(job) >= 4:
         return rows[0]
     raise JobUnknown(f"there is no job '{job}'; `garmentq status` lists them all.")
+
+
+def find_jobs_by_id(database: Database, jobs: Sequence[str]) -> list[JobRow]:
+    """Give the jobs of some ids, in the order of the ids."""
+    found: dict[str, JobRow] = {}
+    with database.read() as session:
+        for start in range(0, len(jobs), IDS_AT_ONCE):
+            chunk = jobs[start : start + IDS_AT_ONCE]
+            found |= {row.id: row for row in session.scalars(select(JobRow).where(JobRow.id.in_(chunk)))}
+    return [found[job] for job in jobs if job in found]
 
 
 def list_jobs(database: Database, limit: int = 50) -> list[JobRow]:

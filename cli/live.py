@@ -1,0 +1,128 @@
+"""Tables on the terminal that follow the queue: jobs and workers, or the progress of a batch."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import Counter
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from ..service.database import Database
+from ..service.jobs import ENDED, find_job, find_jobs_by_id, list_jobs
+from ..service.models import JobRow
+from ..service.query import count_states
+from ..service.reaper import list_workers
+from .follow import WaitTimedOut
+from .terminal import show, show_time
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+PERIOD_SECONDS = 0.5
+"""How often the tables are drawn anew [s]."""
+
+BATCH_ROWS = 12
+"""Jobs of a batch that are shown one by one: the running ones."""
+
+
+def watch_queue(database: Database, job: str | None, limit: int) -> None:
+    """Show jobs and workers until Ctrl-C, or once where the output is no terminal."""
+    from rich.console import Console
+    from rich.live import Live
+
+    def draw() -> RenderableType:
+        return draw_queue(database, [find_job(database, job)] if job else list_jobs(database, limit))
+
+    console = Console()
+    if not console.is_terminal:
+        Console(width=160).print(draw())
+        return
+    try:
+        with Live(draw(), console=console, auto_refresh=False) as live:
+            while True:
+                time.sleep(PERIOD_SECONDS)
+                live.update(draw(), refresh=True)
+    except KeyboardInterrupt:
+        return
+
+
+def draw_queue(database: Database, rows: Sequence[JobRow]) -> RenderableType:
+    """Draw the counts by state, the workers, and some jobs."""
+    from rich.console import Group
+    from rich.text import Text
+
+    counts = count_states(database)
+    title = "  ".join(f"{state} {counts[state]}" for state in sorted(counts)) or "no jobs"
+    workers = [
+        [row.name, row.queues, row.concurrency, show_time(row.started), show_time(row.seen)]
+        for row in list_workers(database)
+    ]
+    jobs = [
+        [row.id, row.name, row.queue, row.priority, row.state, row.stage, round(100 * row.progress), row.attempts]
+        for row in rows
+    ]
+    return Group(
+        Text(title),
+        _table(["worker", "queues", "slots", "since", "seen"], workers),
+        _table(["job", "scan", "queue", "priority", "state", "stage", "%", "attempt"], jobs),
+    )
+
+
+def follow_batch(database: Database, jobs: Sequence[str], timeout: float | None) -> list[JobRow]:
+    """Wait until every job of a batch has ended, with one view over all of them.
+
+    On a terminal one bar and the running jobs; elsewhere a line whenever another job has ended.
+
+    Raises:
+        WaitTimedOut: where `timeout` seconds went by first.
+    """
+    from rich.console import Console
+    from rich.live import Live
+
+    deadline = None if timeout is None else time.monotonic() + timeout
+    console = Console(stderr=True)
+    ended = -1
+    with Live(console=console, auto_refresh=False, transient=not sys.stderr.isatty()) as live:
+        while True:
+            rows = find_jobs_by_id(database, jobs)
+            done = sum(row.state in ENDED for row in rows)
+            if console.is_terminal:
+                live.update(draw_batch(rows), refresh=True)
+            elif done != ended:
+                click.echo(f"{done} of {len(rows)} ended", err=True)
+            ended = done
+            if done == len(rows):
+                return rows
+            if deadline is not None and time.monotonic() > deadline:
+                raise WaitTimedOut()
+            time.sleep(PERIOD_SECONDS)
+
+
+def draw_batch(rows: Sequence[JobRow]) -> RenderableType:
+    """Draw one bar over a batch, the counts by state, and the running jobs."""
+    from rich.console import Group
+    from rich.progress_bar import ProgressBar
+    from rich.text import Text
+
+    total = sum(1.0 if row.state in ENDED else row.progress for row in rows)
+    counts = Counter(row.state for row in rows)
+    text = "  ".join(f"{state} {count}" for state, count in sorted(counts.items()))
+    running = [[row.id, row.name, row.stage, round(100 * row.progress)] for row in rows if row.state == "running"]
+    bar = ProgressBar(total=max(1, len(rows)), completed=total, width=60)
+    return Group(bar, Text(text), _table(["job", "scan", "stage", "%"], running[:BATCH_ROWS]))
+
+
+def _table(columns: Sequence[str], rows: Sequence[Sequence[object]]) -> RenderableType:
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=box.SIMPLE_HEAD)
+    for name in columns:
+        table.add_column(name, overflow="fold")
+    for row in rows:
+        table.add_row(*(Text(show(cell)) for cell in row))
+    return table
