@@ -1,0 +1,95 @@
+"""The state of the queue in the Prometheus exposition format, read from the database."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+
+from sqlalchemy import func, select
+
+from .database import Database, clock
+from .models import EventRow, JobRow, OutboxRow, WorkerRow
+from .submission import QUEUES
+
+STATES = ("queued", "running", "succeeded", "failed", "dead", "cancelled")
+
+LATEST = 1000
+"""Ended jobs whose stage times are summed up: enough for a rate, and a bounded read however long the table is."""
+
+Labelled = tuple[Mapping[str, str], float]
+
+
+def prometheus_text(database: Database) -> str:
+    """Give every metric as text: jobs, ages [s], stage times [CPU s], attempts, workers, and what was lost."""
+    with database.read() as session:
+        rows = session.execute(select(JobRow.state, JobRow.queue, func.count()).group_by(JobRow.state, JobRow.queue))
+        jobs: dict[tuple[str, str], int] = {(state, queue): count for state, queue, count in rows}
+        ages = dict(
+            session.execute(
+                select(JobRow.queue, clock() - func.min(JobRow.created))
+                .where(JobRow.state == "queued")
+                .group_by(JobRow.queue)
+            ).all()
+        )
+        expired = session.scalar(
+            select(func.count()).select_from(JobRow).where(JobRow.state == "running", JobRow.lease_until < clock())
+        )
+        kinds = dict(session.execute(select(EventRow.kind, func.count()).group_by(EventRow.kind)).all())
+        workers = session.execute(select(func.count(), func.sum(WorkerRow.concurrency)).select_from(WorkerRow)).one()
+        owed = session.scalar(select(func.count()).select_from(OutboxRow))
+        latest = select(JobRow.result).where(JobRow.state == "succeeded").order_by(JobRow.finished.desc()).limit(LATEST)
+        results = session.scalars(latest).all()
+    queues = sorted({*QUEUES, *(queue for _, queue in jobs)})
+    parts = [
+        _family(
+            "jobs",
+            "gauge",
+            "Jobs by state and queue.",
+            [({"state": s, "queue": q}, jobs.get((s, q), 0)) for s in STATES for q in queues],
+        ),
+        _family(
+            "queue_age_seconds",
+            "gauge",
+            "Age of the oldest queued job.",
+            [({"queue": q}, max(0.0, float(ages.get(q, 0.0)))) for q in queues],
+        ),
+        _family("workers", "gauge", "Workers alive.", [({}, workers[0])]),
+        _family("worker_slots", "gauge", "Jobs that the living workers take at a time.", [({}, workers[1] or 0)]),
+        _family("outbox", "gauge", "Wake-ups that the broker is owed.", [({}, owed or 0)]),
+        _family("leases_overdue", "gauge", "Running jobs whose lease has run out.", [({}, expired or 0)]),
+        _family("attempts_total", "counter", "Attempts begun.", [({}, kinds.get("started", 0))]),
+        _family(
+            "leases_expired_total",
+            "counter",
+            "Attempts that ended with their worker.",
+            [({}, kinds.get("lease_expired", 0) + kinds.get("dead", 0))],
+        ),
+        _family("releases_total", "counter", "Jobs given back by stopping workers.", [({}, kinds.get("released", 0))]),
+        _family(
+            "stage_seconds",
+            "gauge",
+            f"Mean CPU time by stage of the latest {LATEST} succeeded jobs.",
+            [({"stage": name}, value) for name, value in sorted(_mean_stages(results).items())],
+        ),
+    ]
+    return "".join(parts)
+
+
+def _mean_stages(results: Iterable[Mapping[str, Mapping[str, float]] | None]) -> dict[str, float]:
+    seconds: dict[str, list[float]] = defaultdict(list)
+    for result in results:
+        for stage, value in ((result or {}).get("stage_seconds") or {}).items():
+            seconds[stage].append(float(value))
+    return {stage: sum(values) / len(values) for stage, values in seconds.items()}
+
+
+def _family(name: str, kind: str, help_text: str, values: Iterable[Labelled]) -> str:
+    lines = [f"# HELP garmentq_{name} {help_text}", f"# TYPE garmentq_{name} {kind}"]
+    for labels, value in values:
+        inside = ",".join(f'{key}="{_escape(text)}"' for key, text in labels.items())
+        lines.append(f"garmentq_{name}{{{inside}}} {float(value)!r}" if inside else f"garmentq_{name} {float(value)!r}")
+    return "\n".join(lines) + "\n"
+
+
+def _escape(text: str) -> str:
+    return text.replace("\\", r"\\").replace("\n", r"\n").replace('"', r"\"")
