@@ -1,13 +1,12 @@
 """Grading of a base pattern: contours along the bones, and the stretch between them (thesis 3.2.3)."""
 
-from .choice import TEMPLATE_OF, TemplateMissing, choose_template
+from .choice import TemplateMissing, choose_template
 from .distances import ContourMeasure, compare_contours, position_along
 from .flattening import FlatteningSettings, fit_control_points, stretch_between
 from .grading import GradeSettings, Grading, grade_pattern, step_without_folds
 from .registration import RegistrationSettings, register_coarsely
 
 __all__ = [
-    "TEMPLATE_OF",
     "ContourMeasure",
     "FlatteningSettings",
     "GradeSettings",

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
-from .curves import relative_to_chord, unit_length
+from .curves import edge_length, relative_to_chord, unit_length
 from .pattern import Edge, EdgeRef, Panel, Pattern, Seam
 
 PLACEMENT_DEPTH = 0.25
@@ -142,12 +142,25 @@ def length(outline: Outline, label: str) -> float:
     return total
 
 
+LONG_SEAM = 0.12
+"""A seam longer than this [m] gets a notch at half its length where the draft sets none: what a hand holds at once."""
+
+
 def sew_by_label(name: str, category: str, panels: list[Panel]) -> Pattern:
-    """Sew every two edges that share a label."""
+    """Sew every two edges that share a label, and notch both sides of long seams at half their length."""
     sides: dict[str, list[EdgeRef]] = {}
     for panel in panels:
         for i, edge in enumerate(panel.edges):
             if edge.label:
                 sides.setdefault(edge.label, []).append(EdgeRef(panel.name, i))
     seams = tuple(Seam(a, b) for a, b in sides.values())
-    return Pattern(name, tuple(panels), seams, category)
+    return Pattern(name, tuple(_notched(panel) for panel in panels), seams, category)
+
+
+def _notched(panel: Panel) -> Panel:
+    marked = {edge for edge, _ in panel.notches}
+    lengths = [edge_length(panel, i) for i in range(len(panel.edges))]
+    more = tuple(
+        (i, 0.5) for i, edge in enumerate(panel.edges) if edge.label and i not in marked and lengths[i] > LONG_SEAM
+    )
+    return replace(panel, notches=tuple(sorted((*panel.notches, *more))))

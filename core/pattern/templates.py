@@ -39,10 +39,16 @@ class TemplateInfo:
 
 TEMPLATES = (
     TemplateInfo("tshirt", "tshirt", "T-shirt with short sleeves: front, back, four half sleeves"),
+    TemplateInfo("long_sleeve_tshirt", "long_sleeve_tshirt", "T-shirt with sleeves to the wrist"),
     TemplateInfo("tank", "tank", "tank top: front, back"),
     TemplateInfo("dress", "dress", "sleeveless dress in one piece: front, back"),
+    TemplateInfo("sleeved_dress", "dress", "dress with sleeves to the elbow: front, back, four half sleeves"),
     TemplateInfo("trousers", "trousers", "straight trousers: front and back of each leg"),
+    TemplateInfo("shorts", "shorts", "shorts to mid-thigh: front and back of each leg"),
     TemplateInfo("skirt", "skirt", "A-line skirt: front, back"),
+    TemplateInfo("four_panel_skirt", "skirt", "A-line skirt of four panels, to the knee"),
+    TemplateInfo("pencil_skirt", "skirt", "pencil skirt with a waistband: front, back, two halves of the band"),
+    TemplateInfo("jumpsuit", "jumpsuit", "sleeveless jumpsuit in one piece: front and back of each half"),
 )
 """Every shipped template."""
 

@@ -17,6 +17,7 @@ from garmentq.core.pattern import (
     Pattern,
     Seam,
     check_outline,
+    list_templates,
     mesh_pattern,
     panel_area,
     seam_mismatch,
@@ -176,18 +177,47 @@ def test_cancelling_stops_the_registration(source, body):
         grade_pattern(source, aim(source), body, hooks=Hooks(is_cancelled=lambda: True))
 
 
+def opened(source, category, lengths):
+    """Give a target with contours of some lengths [m], and nothing else that the choice may look at."""
+    contour = source.contours[0]
+    contours = tuple(replace(contour, name=name, length=length, trusted=True) for name, length in lengths.items())
+    return replace(aim(source), category=category, contours=contours)
+
+
+ARMS = {"neck": 0.6, "cuff.left": 0.3, "cuff.right": 0.3}
+BARE = {"neck": 0.6, "armhole.left": 0.45, "armhole.right": 0.45}
+LEGS = {"leg.left": 0.5, "leg.right": 0.5}
+
+
 @pytest.mark.parametrize(
-    ("category", "name"),
+    ("category", "lengths", "name"),
     [
-        ("shorts", "trousers"),
-        ("long_sleeve_tshirt", "tshirt"),
-        ("dress", "dress"),
-        ("tank", "tank"),
-        ("skirt", "skirt"),
+        ("tshirt", ARMS | {"hem": 1.0}, "tshirt"),
+        ("long_sleeve_tshirt", ARMS | {"hem": 1.0}, "long_sleeve_tshirt"),
+        ("tank", BARE | {"hem": 0.9}, "tank"),
+        ("dress", BARE | {"hem": 1.4}, "dress"),
+        ("dress", ARMS | {"hem": 1.4}, "sleeved_dress"),
+        ("dress", {"neck": 0.6, "cuff.left": 0.3, "hem": 1.4}, "sleeved_dress"),
+        ("trousers", {"waist": 0.8} | LEGS, "trousers"),
+        ("shorts", {"waist": 0.8} | LEGS, "shorts"),
+        ("jumpsuit", BARE | LEGS, "jumpsuit"),
+        ("jumpsuit", ARMS | LEGS, "jumpsuit"),
+        ("skirt", {"waist": 0.75, "hem": 1.3}, "skirt"),
+        ("skirt", {"waist": 0.9, "hem": 1.56}, "skirt"),
+        ("skirt", {"waist": 0.75, "hem": 3.0}, "four_panel_skirt"),
+        ("skirt", {"waist": 0.7, "hem": 0.95}, "pencil_skirt"),
+        ("skirt", {"hem": 0.95}, "skirt"),
     ],
 )
-def test_each_category_has_its_template(source, category, name):
-    """Breaks where a category is graded from a template of another topology."""
+def test_each_garment_has_its_template(source, category, lengths, name):
+    """Breaks where a garment is graded from a template of another topology or of a shape further off."""
+    names = tuple(info.name for info in list_templates())
+    assert choose_template(opened(source, category, lengths), names) == name
+
+
+@pytest.mark.parametrize(("category", "name"), [("shorts", "trousers"), ("long_sleeve_tshirt", "tshirt")])
+def test_sleeves_and_legs_of_any_length_are_graded_from_one(source, category, name):
+    """Breaks where a caller's shorter list of templates leaves a garment without one that can be graded to it."""
     target = replace(aim(source), category=category)
     assert choose_template(target, ("tshirt", "tank", "dress", "trousers", "skirt")) == name
 
