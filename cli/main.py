@@ -25,6 +25,8 @@ COMMANDS = {
     "templates": "List, show, import and export template patterns.",
     "materials": "List the fabrics of the library.",
     "worker": "Run a worker until it is told to stop.",
+    "serve": "Serve the HTTP API until told to stop.",
+    "keys": "Make, list and revoke API keys.",
     "up": "Start the embedded broker and worker.",
     "down": "Stop the embedded worker and broker; the jobs stay.",
     "doctor": "Check that everything garmentq needs is there.",

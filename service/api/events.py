@@ -1,0 +1,90 @@
+"""`/v1/jobs/{job}/events`: what happened to a job, as a list or as a stream that resumes after `Last-Event-ID`."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import time
+from collections.abc import AsyncIterator
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Header, Query, Request
+from fastapi.responses import StreamingResponse
+from starlette.concurrency import run_in_threadpool
+
+from ...core.errors import GarmentqError
+from ..jobs import ENDED, find_job, read_events
+from ..models import EventRow
+from .access import Reader, Rooms, RoomsOf, find_own
+from .problems import show_answer
+
+router = APIRouter(prefix="/jobs", tags=["jobs"])
+
+PERIOD_SECONDS = 0.5
+"""How often a stream asks the database [s]; progress is written twice a second."""
+
+ALIVE_SECONDS = 15.0
+"""A silent stream sends a comment so often [s]; proxies close what is silent for 30 s and more."""
+
+LARGEST_ID = 2**63 - 1
+EXAMPLE = {"id": 17, "at": 1795250000.5, "kind": "progress", "data": {"stage": "drape", "fraction": 0.4, "message": ""}}
+
+
+class StreamsFull(GarmentqError):
+    """The key has as many event streams open as it may; close one."""
+
+    code = "request.streams_full"
+
+
+@router.get("/{job}/events", summary="Follow a job.", responses=show_answer({"events": [EXAMPLE], "state": "running"}))
+async def follow_job(
+    job: str,
+    request: Request,
+    rooms: RoomsOf,
+    caller: Reader,
+    after: Annotated[int, Query(ge=0, le=LARGEST_ID)] = 0,
+    last_event_id: Annotated[str | None, Header(max_length=20)] = None,
+) -> Any:
+    """Give the events after one; as Server-Sent Events where `Accept: text/event-stream` asks for them."""
+    row = await run_in_threadpool(find_own, rooms, caller, job)
+    if last_event_id is not None and last_event_id.isascii() and last_event_id.isdigit():
+        after = min(int(last_event_id), LARGEST_ID)
+    if "text/event-stream" not in request.headers.get("accept", ""):
+        state, events = await run_in_threadpool(_look, rooms, row.id, after)
+        return {"events": [_show(event) for event in events], "state": state}
+    if rooms.streams.get(caller.key, 0) >= rooms.limits.streams:
+        raise StreamsFull()
+    return StreamingResponse(_stream(rooms, caller.key, row.id, after), media_type="text/event-stream")
+
+
+async def _stream(rooms: Rooms, key: str, job: str, after: int) -> AsyncIterator[str]:
+    rooms.streams[key] = rooms.streams.get(key, 0) + 1
+    spoke = time.monotonic()
+    try:
+        while True:
+            try:
+                state, events = await run_in_threadpool(_look, rooms, job, after)
+            except GarmentqError:
+                return  # the database is away; the client comes back with Last-Event-ID
+            for event in events:
+                after, spoke = event.id, time.monotonic()
+                yield f"id: {event.id}\nevent: {event.kind}\ndata: {json.dumps(_show(event))}\n\n"
+            if state in ENDED:
+                yield f"event: end\ndata: {json.dumps({'state': state})}\n\n"
+                return
+            if time.monotonic() - spoke > ALIVE_SECONDS:
+                spoke = time.monotonic()
+                yield ": alive\n\n"
+            await asyncio.sleep(PERIOD_SECONDS)
+    finally:
+        rooms.streams[key] -= 1
+
+
+def _look(rooms: Rooms, job: str, after: int) -> tuple[str, list[EventRow]]:
+    """Read the state first, so that the event that ended the job is among those read after it."""
+    state = find_job(rooms.database, job).state
+    return state, read_events(rooms.database, job, after)
+
+
+def _show(event: EventRow) -> dict[str, Any]:
+    return {"id": event.id, "at": event.at, "kind": event.kind, "data": event.data}

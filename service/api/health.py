@@ -1,0 +1,65 @@
+"""`/healthz`, `/readyz` and `/metrics`: for those who watch the service."""
+
+from __future__ import annotations
+
+import importlib
+import logging
+from typing import Any
+
+from fastapi import APIRouter
+from fastapi.responses import JSONResponse, PlainTextResponse, Response
+
+from ...core.errors import GarmentqError
+from ..query import count_states
+from .access import Reader, RoomsOf
+from .problems import make_problem, show_answer
+
+log = logging.getLogger(__name__)
+
+router = APIRouter(tags=["health"])
+
+METRICS = "garmentq.service.metrics"
+"""Module that gives the Prometheus text, by its function `prometheus_text(database)`."""
+
+PROBE = b"garmentq is ready\n"
+
+
+@router.get("/healthz", summary="Tell that the process lives.", responses=show_answer({"status": "ok"}))
+async def tell_health() -> Any:
+    """Answer without touching anything."""
+    return {"status": "ok"}
+
+
+@router.get(
+    "/readyz", summary="Tell whether database and store can be used.",
+    responses=show_answer({"database": "ok", "store": "ok"}),
+)  # fmt: skip
+def tell_readiness(rooms: RoomsOf) -> Response:
+    """Answer 503 where database or store is away. Submitting needs no broker, so that is not asked."""
+    found = {"database": "ok", "store": "ok"}
+    for name, check in {
+        "database": lambda: count_states(rooms.database),
+        "store": lambda: rooms.store.put_bytes(PROBE),
+    }.items():
+        try:
+            check()
+        except GarmentqError as error:
+            log.warning("not ready: %s", error.code)
+            found[name] = error.code
+    return JSONResponse(found, 200 if set(found.values()) == {"ok"} else 503)
+
+
+@router.get(
+    "/metrics", summary="Give the Prometheus metrics.", response_class=PlainTextResponse,
+    responses={
+        200: {"description": "Metrics.", "content": {"text/plain": {"example": 'garmentq_jobs{state="queued"} 3'}}},
+        "default": show_answer(None)["default"],
+    },
+)  # fmt: skip
+def give_metrics(rooms: RoomsOf, caller: Reader) -> Response:
+    """Give numbers from the database."""
+    try:
+        text = importlib.import_module(METRICS).prometheus_text(rooms.database)
+    except ModuleNotFoundError:
+        return make_problem(404, "service.no_metrics", "this version has no metrics.")
+    return PlainTextResponse(text, media_type="text/plain; version=0.0.4")

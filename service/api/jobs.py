@@ -1,0 +1,139 @@
+"""`/v1/jobs`: ask for a recovery, look at it, stop it, queue it again."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any
+
+from anyio import CapacityLimiter, to_thread
+from fastapi import APIRouter, Header, Query, Response
+from sqlalchemy import select
+
+from ...core.settings import RecoverySettings
+from ..jobs import cancel, find_job, retry
+from ..keys import Caller
+from ..models import JobRow, OwnerRow
+from ..ordering import check_order
+from ..results import describe_job
+from ..submission import Order, Submitted, submit
+from ..uploads import begin_once, end_once, find_upload
+from .access import Reader, Rooms, RoomsOf, Submitter, find_own
+from .problems import RequestBad, show_answer
+from .schemas import JobIn
+
+router = APIRouter(prefix="/jobs", tags=["jobs"])
+
+EXAMPLE = {
+    "job": "3685ecfd4f81", "name": "skirt", "state": "succeeded", "stage": "measure", "progress": 1.0, "attempts": 1,
+    "created": 1795250000.1, "started": 1795250000.4, "finished": 1795250071.9, "error": None, "garment": "skirt",
+    "template": "skirt", "fabric": "cotton_poplin", "body": "builtin:female,height=1.70", "bad_input": False,
+    "metrics": {"surface_rms_mm.t2s": 0.41}, "gates": [], "warnings": [],
+}  # fmt: skip
+ASKED = {"job": "3685ecfd4f81", "state": "queued", "is_new": True}
+
+Token = Annotated[str | None, Header(max_length=128, pattern=r"^[!-~]+$", description="Makes a repeated request safe.")]
+
+
+@router.post("", status_code=202, summary="Ask for a recovery.", responses=show_answer(ASKED, 202))
+async def create_job(
+    wanted: JobIn, response: Response, rooms: RoomsOf, caller: Submitter, idempotency_key: Token = None
+) -> Any:
+    """Check the files, then queue the job. The same files with the same settings are the same job: 200, not 202."""
+    if not rooms.checks:
+        rooms.checks.append(CapacityLimiter(rooms.limits.checks))
+    done = await to_thread.run_sync(_create, rooms, caller, wanted, idempotency_key, limiter=rooms.checks[0])
+    response.headers["location"] = f"/v1/jobs/{done.job}"
+    response.status_code = 202 if done.is_new else 200
+    return {"job": done.job, "state": done.state, "is_new": done.is_new}
+
+
+@router.get("", summary="List the newest jobs.", responses=show_answer({"jobs": [EXAMPLE]}))
+def list_jobs(rooms: RoomsOf, caller: Reader, limit: Annotated[int, Query(ge=1, le=1000)] = 50) -> Any:
+    """Give the caller's jobs, newest first."""
+    statement = select(JobRow).order_by(JobRow.created.desc(), JobRow.id).limit(limit)
+    if not caller.sees_all:
+        statement = statement.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == caller.key)
+    with rooms.database.read() as session:
+        rows = list(session.scalars(statement))
+    return {"jobs": [show_job(rooms, row) for row in rows]}
+
+
+@router.get("/{job}", summary="Show a job and what it found.", responses=show_answer(EXAMPLE))
+def show_one(job: str, rooms: RoomsOf, caller: Reader) -> Any:
+    """Give one job; a local user may name it by its first letters."""
+    return show_job(rooms, find_own(rooms, caller, job))
+
+
+@router.post("/{job}/cancel", summary="Stop a job.", responses=show_answer({"job": "3685ecfd4f81", "state": "running"}))
+def cancel_job(job: str, rooms: RoomsOf, caller: Submitter) -> Any:
+    """Stop a queued job at once, a running one within a second or two; one that has ended stays as it is."""
+    row = find_own(rooms, caller, job)
+    return {"job": row.id, "state": cancel(rooms.database, row.id)}
+
+
+@router.post(
+    "/{job}/retry", status_code=202, summary="Queue an ended job again.",
+    responses=show_answer({"job": "3685ecfd4f81", "state": "queued"}, 202),
+)  # fmt: skip
+def retry_job(job: str, rooms: RoomsOf, caller: Submitter) -> Any:
+    """Give an ended job all its attempts once more."""
+    row = find_own(rooms, caller, job)
+    retry(rooms.database, row.id, caller.key, caller.quota)
+    return {"job": row.id, "state": "queued"}
+
+
+def show_job(rooms: Rooms, row: JobRow) -> dict[str, Any]:
+    """Give a job as JSON values."""
+    return describe_job(rooms.database, row) | {"bad_input": row.bad_input}
+
+
+def _create(rooms: Rooms, caller: Caller, wanted: JobIn, token: str | None) -> Submitted:
+    known = None
+    if token is not None:
+        known = begin_once(rooms.database, caller.key, token, json.dumps(wanted.model_dump(), sort_keys=True))
+    if known is not None:
+        return Submitted(known, False, find_job(rooms.database, known).state)
+    with tempfile.TemporaryDirectory(prefix="order-", dir=_incoming(rooms)) as folder:
+        order = _unpack(rooms, caller, wanted, Path(folder))
+        order = check_order(rooms.settings, rooms.database, rooms.store, order, wanted.template)
+        if token is not None:
+            order = replace(order, nonce=hashlib.sha256(f"{caller.key} {token}".encode()).hexdigest())
+        done = submit(rooms.database, rooms.store, order)
+    if token is not None:
+        end_once(rooms.database, caller.key, token, done.job)
+    return done
+
+
+def _incoming(rooms: Rooms) -> Path:
+    rooms.incoming.mkdir(parents=True, exist_ok=True, mode=0o700)
+    return rooms.incoming
+
+
+def _unpack(rooms: Rooms, caller: Caller, wanted: JobIn, folder: Path) -> Order:
+    """Put the uploads into a folder, each alone in a folder of its own and under its cleaned name."""
+    if wanted.pattern is not None and wanted.template is not None:
+        raise RequestBad("give a pattern or a template's name, not both.")
+
+    def unpack(part: str, sha256: str) -> Path:
+        row = find_upload(rooms.database, caller.key, sha256)
+        return rooms.store.copy(sha256, folder / part / row.name)
+
+    body: Path | str | None = wanted.body
+    if isinstance(body, str) and not body.startswith("builtin:"):
+        body = unpack("body", body)
+    return Order(
+        scan=unpack("scan", wanted.scan),
+        body=body,
+        template=unpack("pattern", wanted.pattern) if wanted.pattern else None,
+        settings=RecoverySettings(**wanted.settings.model_dump()),
+        priority=wanted.priority,
+        force=wanted.force,
+        labels=unpack("labels", wanted.labels) if wanted.labels else None,
+        queue=wanted.queue,
+        key=caller.key,
+        quota=caller.quota,
+    )

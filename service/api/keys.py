@@ -1,0 +1,47 @@
+"""`/v1/keys`: make, list and revoke keys."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Path
+
+from ..keys import create_key, list_keys, revoke_key
+from ..models import ApiKeyRow
+from .access import Admin, RoomsOf
+from .problems import show_answer
+from .schemas import KeyIn
+
+router = APIRouter(prefix="/keys", tags=["keys"])
+
+EXAMPLE = {
+    "key": "5f1d0c9b7a3e", "name": "atelier", "scopes": ["read", "submit"], "quota": 100, "created": 1795250000.1,
+    "revoked": None,
+}  # fmt: skip
+
+KeyId = Annotated[str, Path(pattern="^[0-9a-f]{12}$")]
+
+
+@router.post("", status_code=201, summary="Make a key.", responses=show_answer(EXAMPLE | {"token": "gq_..."}, 201))
+def create(wanted: KeyIn, rooms: RoomsOf, caller: Admin) -> Any:
+    """Make a key; the token is in this answer and never again."""
+    row, token = create_key(rooms.database, wanted.name, tuple(wanted.scopes), wanted.quota)
+    return show_key(row) | {"token": token}
+
+
+@router.get("", summary="List the keys.", responses=show_answer({"keys": [EXAMPLE]}))
+def list_all(rooms: RoomsOf, caller: Admin) -> Any:
+    """Give every key, without its token."""
+    return {"keys": [show_key(row) for row in list_keys(rooms.database)]}
+
+
+@router.delete("/{key}", summary="Revoke a key.", responses=show_answer(EXAMPLE | {"revoked": 1795250900.0}))
+def revoke(key: KeyId, rooms: RoomsOf, caller: Admin) -> Any:
+    """Take a key back; its jobs stay."""
+    return show_key(revoke_key(rooms.database, key))
+
+
+def show_key(row: ApiKeyRow) -> dict[str, Any]:
+    """Give a key as JSON values."""
+    shown = {"scopes": row.scopes, "quota": row.quota, "created": row.created, "revoked": row.revoked}
+    return {"key": row.id, "name": row.name, **shown}

@@ -1,0 +1,36 @@
+"""`/v1/materials`: the fabric library."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from fastapi import APIRouter
+
+from .access import Reader
+from .problems import show_answer
+from .schemas import Text
+
+router = APIRouter(prefix="/materials", tags=["libraries"])
+
+EXAMPLE = {"name": "denim", "title": "Denim", "density": 0.4, "thickness": 0.0008, "friction": 0.5}
+
+
+@router.get("", summary="List the fabrics.", responses=show_answer({"materials": [EXAMPLE]}))
+def list_all(caller: Reader) -> Any:
+    """Give every fabric in SI units."""
+    from ...core.simulate import load_fabrics
+
+    return {"materials": [_show(fabric) for fabric in load_fabrics()]}
+
+
+@router.get("/{name}", summary="Show a fabric.", responses=show_answer(EXAMPLE))
+def show(name: Text, caller: Reader) -> Any:
+    """Give one fabric, with the source of every number."""
+    from ...core.simulate import get_fabric
+
+    return _show(get_fabric(name))
+
+
+def _show(fabric: Any) -> dict[str, Any]:
+    return {**asdict(fabric), "sources": dict(fabric.sources)}

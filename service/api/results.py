@@ -1,0 +1,108 @@
+"""`/v1/jobs/{job}/result` and `/v1/jobs/{job}/artifacts`: what a job found, and its files."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from fastapi import APIRouter, Request, Response
+from fastapi.responses import FileResponse
+from starlette.types import Receive, Scope, Send
+
+from ..jobs import ENDED
+from ..models import ArtifactRow, BodyRow
+from ..results import ResultMissing, list_files
+from .access import Reader, Rooms, RoomsOf, find_own
+from .jobs import EXAMPLE as JOB
+from .jobs import show_job
+from .problems import show_answer
+
+router = APIRouter(tags=["results"])
+
+FILE = {"name": "pattern.svg", "sha256": "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08", "size": 90}
+
+
+@router.get("/jobs/{job}/result", summary="Show what a job found.", responses=show_answer(JOB | {"files": [FILE]}))
+def show_result(job: str, rooms: RoomsOf, caller: Reader) -> Any:
+    """Give an ended job with its files."""
+    row = find_own(rooms, caller, job)
+    if row.state not in ENDED:
+        raise ResultMissing(f"job {row.id} is {row.state}; `garmentq logs -f {row.id}` follows it.")
+    return show_job(rooms, row) | {"files": _files(rooms, row.id)}
+
+
+@router.get("/jobs/{job}/artifacts", summary="List a job's files.", responses=show_answer({"files": [FILE]}))
+def list_artifacts(job: str, rooms: RoomsOf, caller: Reader) -> Any:
+    """Give the names, hashes and sizes of a job's files."""
+    return {"files": _files(rooms, find_own(rooms, caller, job).id)}
+
+
+@router.get(
+    "/jobs/{job}/artifacts/{name:path}",
+    summary="Download a file of a job.",
+    response_class=FileResponse,
+    responses={
+        200: {"description": "The file.", "content": {"application/octet-stream": {"example": "(bytes)"}}},
+        206: {"description": "The bytes that `Range` asked for."},
+        304: {"description": "`If-None-Match` names the file's hash."},
+        "default": show_answer(None)["default"],
+    },
+)
+def download(job: str, name: str, request: Request, rooms: RoomsOf, caller: Reader) -> Response:
+    """Give a file, checked against its hash. The name is looked up in the job's list and is never a path."""
+    row = find_own(rooms, caller, job)
+    found = [file for file in list_files(rooms.database, row.id) if file.name == name]
+    if not found:
+        raise ResultMissing(f"job {row.id} has no file '{name[:80]}'; /v1/jobs/{row.id}/artifacts lists them.")
+    return _send(rooms, found[0], request)
+
+
+@router.get(
+    "/bodies/of/{job}", summary="Show the wearer as a job saw it.",
+    responses=show_answer({"job": "3685ecfd4f81", "source": "mesh:body", "fit_rms": 0.003, "joints": {}}),
+)  # fmt: skip
+def show_body(job: str, rooms: RoomsOf, caller: Reader) -> Any:
+    """Give joints [m] by name and the fitted model's parameters."""
+    row = find_own(rooms, caller, job)
+    with rooms.database.read() as session:
+        body = session.get(BodyRow, row.id)
+    if body is None:
+        raise ResultMissing(f"job {row.id} has no result; `garmentq status {row.id}` tells why.")
+    shown = {"source": body.source, "fit_rms": body.fit_rms, "joints": body.joints, "parameters": body.parameters}
+    return {"job": row.id, **shown}
+
+
+def _files(rooms: Rooms, job: str) -> list[dict[str, Any]]:
+    return [{"name": f.name, "sha256": f.sha256, "size": f.size} for f in list_files(rooms.database, job)]
+
+
+def _send(rooms: Rooms, file: ArtifactRow, request: Request) -> Response:
+    etag = f'"{file.sha256}"'
+    if etag in request.headers.get("if-none-match", ""):
+        return Response(status_code=304, headers={"etag": etag})
+    rooms.incoming.mkdir(parents=True, exist_ok=True, mode=0o700)
+    descriptor, temporary = tempfile.mkstemp(dir=rooms.incoming)
+    os.close(descriptor)
+    try:
+        rooms.store.copy(file.sha256, Path(temporary))
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+    return _Passing(
+        temporary,
+        headers={"etag": etag},
+        media_type="application/octet-stream",  # never a type that a browser would run
+        filename=Path(file.name).name,
+    )
+
+
+class _Passing(FileResponse):
+    """Send a temporary file and remove it, whatever becomes of the sending."""
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        try:
+            await super().__call__(scope, receive, send)
+        finally:
+            Path(self.path).unlink(missing_ok=True)

@@ -1,0 +1,71 @@
+"""What a client may send, checked before anything looks at it."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Annotated, Any, get_type_hints
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, create_model
+
+from ...core.settings import RecoverySettings
+
+Text = Annotated[str, StringConstraints(max_length=255, pattern=r"^[^\x00-\x1f\x7f]*$")]
+Sha256 = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
+BodySource = Annotated[str, StringConstraints(max_length=255, pattern=r"^([0-9a-f]{64}|builtin:[A-Za-z0-9_=.,-]*)$")]
+TemplateName = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_.-]{0,63}$")]
+LARGEST_SEED = 2**31 - 1
+
+
+def _field(name: str, hint: Any) -> Any:
+    if name == "seed":
+        return Annotated[int, Field(ge=0, le=LARGEST_SEED)]
+    if hint is str:
+        return Text
+    return Text | None if hint == (str | None) else hint
+
+
+_HINTS = get_type_hints(RecoverySettings)
+SettingsIn: Any = create_model(
+    "Settings",
+    __config__=ConfigDict(extra="forbid"),
+    **{f.name: (_field(f.name, _HINTS[f.name]), f.default) for f in fields(RecoverySettings) if f.name != "template"},  # type: ignore[call-overload]
+)
+"""The fields of `RecoverySettings` but the template, which a job names beside its files."""
+
+
+class JobIn(BaseModel):
+    """Ask for one recovery, of files that were uploaded before."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={
+            "example": {
+                "scan": "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08",
+                "body": "builtin:female,height=1.70",
+                "template": "skirt",
+                "settings": {"vertex_count": 2000, "fabric": "denim"},
+            }
+        },
+    )
+    scan: Sha256 = Field(description="Hash of an upload to /v1/scans.")
+    body: BodySource | None = Field(None, description="Hash of an upload to /v1/bodies, or builtin:female,height=1.70.")
+    labels: Sha256 | None = Field(None, description="Hash of an upload to /v1/labels.")
+    pattern: Sha256 | None = Field(None, description="Hash of an upload to /v1/patterns: the base pattern.")
+    template: TemplateName | None = Field(None, description="Name of a template, instead of a pattern.")
+    settings: SettingsIn = Field(default_factory=SettingsIn)
+    priority: int = Field(0, ge=-100, le=100)
+    queue: str = Field("cpu", pattern="^(cpu|gpu)$")
+    force: bool = False
+
+
+class KeyIn(BaseModel):
+    """Ask for a new key."""
+
+    model_config = ConfigDict(
+        extra="forbid", json_schema_extra={"example": {"name": "atelier", "scopes": ["read", "submit"], "quota": 100}}
+    )
+    name: Annotated[str, StringConstraints(min_length=1, max_length=255, pattern=r"^[^\x00-\x1f\x7f]+$")]
+    scopes: list[Annotated[str, StringConstraints(pattern="^(read|submit|admin)$")]] = Field(
+        default=["read", "submit"], min_length=1, max_length=3
+    )
+    quota: int = Field(100, ge=1, le=1_000_000)

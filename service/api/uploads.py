@@ -1,0 +1,122 @@
+"""`/v1/scans`, `/v1/bodies`, `/v1/labels`, `/v1/patterns`: raw bodies, capped while they stream to disk."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, suppress
+from pathlib import Path
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Request, Response
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import ClientDisconnect
+
+from ...core.errors import BadInput, NotFound
+from ..store import StorageFull
+from ..submission import clean_name
+from ..uploads import find_upload, keep_upload
+from .access import Reader, Rooms, RoomsOf, Submitter
+from .problems import refuse, show_answer
+from .schemas import Sha256
+
+router = APIRouter(tags=["files"])
+
+KINDS = {"scans": "a scan", "bodies": "a wearer's mesh", "labels": "a label file", "patterns": "a pattern file"}
+EXTENSIONS = {"labels": (".npz", ".npy", ".json", ".txt"), "patterns": (".json",)}
+DIGEST = "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"
+EXAMPLE = {"sha256": DIGEST, "name": "skirt.ply", "size": 512034}
+
+Name = Annotated[str, Query(max_length=255, description="The file's name; only its extension means something.")]
+
+
+class FileRefused(BadInput):
+    """A file of this kind ends in one of the extensions of its page; see docs/api.md."""
+
+    code = "upload.extension"
+
+
+def _add(kind: str) -> None:
+    """Add the two routes of one kind of file."""
+
+    async def upload(request: Request, response: Response, rooms: RoomsOf, caller: Submitter, name: Name) -> Any:
+        cleaned = clean_name(name)
+        _refuse_length(request, rooms)
+        async with _received(request, rooms, Path(cleaned).suffix.lower()) as path:
+            await run_in_threadpool(_check, kind, path, cleaned, rooms)
+            kept = await run_in_threadpool(keep_upload, rooms.database, rooms.store, caller.key, path, cleaned)
+        response.headers["location"] = f"/v1/{kind}/{kept.sha256}"
+        response.headers["etag"] = f'"{kept.sha256}"'
+        return {"sha256": kept.sha256, "name": cleaned, "size": kept.size}
+
+    def show(sha256: Sha256, rooms: RoomsOf, caller: Reader) -> Any:
+        row = find_upload(rooms.database, caller.key, sha256)
+        return {"sha256": row.sha256, "name": row.name, "size": row.size}
+
+    what = KINDS[kind]
+    body = {"content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}}}
+    router.post(
+        f"/{kind}",
+        status_code=201,
+        summary=f"Upload {what} as the raw body of the request.",
+        responses=show_answer(EXAMPLE, 201),
+        openapi_extra={"requestBody": {"required": True, **body}},
+        name=f"upload_{kind}",
+    )(upload)
+    router.get(f"/{kind}/{{sha256}}", summary=f"Tell of {what} that this key uploaded.", name=f"show_{kind}",
+               responses=show_answer(EXAMPLE))(show)  # fmt: skip
+
+
+for _kind in KINDS:
+    _add(_kind)
+
+
+def _refuse_length(request: Request, rooms: Rooms) -> None:
+    length = request.headers.get("content-length", "0")
+    if length.isascii() and length.isdigit() and int(length[:20]) > rooms.limits.upload_bytes:
+        most = rooms.limits.upload_bytes
+        raise refuse(413, "request.too_large", f"the body is larger than {most} bytes; send a smaller file.")
+
+
+@asynccontextmanager
+async def _received(request: Request, rooms: Rooms, suffix: str) -> AsyncIterator[Path]:
+    """Write the body to a temporary file for the block; it is gone afterwards, whatever happens."""
+    rooms.incoming.mkdir(parents=True, exist_ok=True, mode=0o700)
+    descriptor, temporary = tempfile.mkstemp(dir=rooms.incoming, suffix=suffix)
+    try:
+        digest = hashlib.sha256()
+        with os.fdopen(descriptor, "wb") as out:
+            async for chunk in request.stream():
+                digest.update(chunk)
+                out.write(chunk)
+        wanted = request.headers.get("x-content-sha256", digest.hexdigest()).lower()
+        if wanted != digest.hexdigest():
+            raise refuse(422, "upload.damaged", "the file's hash is not X-Content-SHA256; send it again.")
+        yield Path(temporary)
+    except ClientDisconnect:
+        raise refuse(499, "request.gone", "the client went away.") from None
+    except OSError as error:
+        raise StorageFull(f"the upload cannot be kept: {error.strerror}.") from error
+    finally:
+        with suppress(FileNotFoundError):
+            os.unlink(temporary)
+
+
+def _check(kind: str, path: Path, name: str, rooms: Rooms) -> None:
+    """Refuse what the first look tells; the mesh itself is parsed when a job asks for it."""
+    if kind in EXTENSIONS:
+        if path.suffix not in EXTENSIONS[kind]:
+            raise FileRefused(f"{name} does not end in {' '.join(EXTENSIONS[kind])}.")
+        if path.stat().st_size == 0:
+            raise FileRefused(f"{name} is empty.")
+        return
+    from ...core.scan import Limits
+    from ...core.scan.header import check_header
+
+    try:
+        check_header(path, Limits(file_bytes=rooms.limits.upload_bytes))
+    except (BadInput, NotFound) as error:
+        error.message = error.message.replace(path.name, name).replace(path.stem, Path(name).stem)
+        raise

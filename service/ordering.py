@@ -1,0 +1,110 @@
+"""From files and settings to a checked order."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..core.errors import BadInput
+from ..core.settings import RecoverySettings, SettingsBad
+from .database import Database
+from .settings import ServiceSettings
+from .store import Store
+from .submission import BUILTIN, BodyUnreadable, Order
+from .templates import find_template
+
+if TYPE_CHECKING:
+    from ..core.scan import Selection
+
+
+class FileUnreadable(BadInput):
+    """A file cannot be opened; check its path and its rights."""
+
+    code = "input.unreadable"
+
+
+def check_order(
+    settings: ServiceSettings, database: Database, store: Store, order: Order, template: str | None
+) -> Order:
+    """Check files and names before anything is queued.
+
+    Args:
+        settings: Where the checker is named.
+        database: Where imported templates are.
+        store: Where their files are.
+        order: What is wanted; a template in it is a file.
+        template: Name of a shipped or imported template, or None. Never a path.
+
+    Raises:
+        GarmentqError: with the code of what cannot be used.
+    """
+    from ..core.recovery import make_selection
+
+    chosen = order.settings
+    _check_names(chosen)
+    selection = make_selection(order.labels, chosen)
+    body = None if order.body is None and selection is not None else _check_body(order.body)
+    _check_meshes(settings, order.scan, body, chosen, selection)
+    if order.template is not None:
+        from ..core.pattern import load_pattern
+
+        load_pattern(order.template)
+        return replace(order, body=body)
+    if template is None:
+        return replace(order, body=body)
+    return replace(
+        order,
+        body=body,
+        template=_find_template(database, store, template),
+        settings=replace(chosen, template=template),
+    )
+
+
+def _check_meshes(
+    settings: ServiceSettings,
+    scan: Path,
+    body: Path | str | None,
+    chosen: RecoverySettings,
+    selection: Selection | None,
+) -> None:
+    check = settings.find("checker")
+    part = {} if selection is None else {"selection": selection}
+    try:
+        check(scan, body if isinstance(body, Path) else None, units=chosen.units, up=chosen.up, **part)
+    except OSError as error:
+        raise FileUnreadable(f"'{error.filename}' cannot be read: {error.strerror}.") from error
+
+
+def _check_names(chosen: RecoverySettings) -> None:
+    from ..core.segment import CATEGORIES
+    from ..core.simulate import get_fabric
+
+    if chosen.garment is not None and chosen.garment not in CATEGORIES:
+        raise SettingsBad(f"garment '{chosen.garment}' is not one of {', '.join(CATEGORIES)}.")
+    get_fabric(chosen.fabric)
+
+
+def _check_body(body: Path | str | None) -> Path | str:
+    from ..core.body import BodyMissing, builtin_body
+
+    if body is None:
+        raise BodyMissing()
+    if isinstance(body, str) and body.startswith(BUILTIN):
+        builtin_body(body)
+        return body
+    path = Path(body)
+    if not path.is_file():
+        raise BodyUnreadable(f"there is no body file '{body}'; give a mesh, or --body builtin:female,height=1.70.")
+    return path
+
+
+def _find_template(database: Database, store: Store, name: str) -> Path | None:
+    """Give an imported template's file; None for a shipped one, which needs no file."""
+    imported = find_template(database, name)
+    if imported is not None:
+        return store.path(imported.sha256)
+    from ..core.pattern import load_template
+
+    load_template(name)
+    return None

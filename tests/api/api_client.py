@@ -1,0 +1,48 @@
+"""A real server in a thread, and a client of it."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import httpx
+import pytest
+import uvicorn
+from garmentq.service.api.app import make_app
+from garmentq.service.api.limits import ApiLimits
+from garmentq_home import wait_for
+
+LIMITS = ApiLimits(upload_bytes=1 << 20, chunk_seconds=1.0, streams=2)
+
+
+@contextmanager
+def serving(settings, limits: ApiLimits = LIMITS, is_open: bool = True) -> Iterator[str]:
+    """Serve a home on a free port for the block, and give its address."""
+    app = make_app(settings, limits, is_open)
+    options = uvicorn.Config(app, host="127.0.0.1", port=0, log_level="critical", timeout_graceful_shutdown=1)
+    server = uvicorn.Server(options)
+    thread = threading.Thread(target=server.run, daemon=True)
+    thread.start()
+    try:
+        wait_for(lambda: server.started)
+        port = server.servers[0].sockets[0].getsockname()[1]
+        yield f"http://127.0.0.1:{port}"
+    finally:
+        server.should_exit = True
+        thread.join(10)
+        app.state.rooms.database.dispose()
+
+
+@pytest.fixture
+def address(settings) -> Iterator[str]:
+    """Serve the home."""
+    with serving(settings) as url:
+        yield url
+
+
+@pytest.fixture
+def client(address) -> Iterator[httpx.Client]:
+    """Give a client of the served home, as the local user."""
+    with httpx.Client(base_url=address, timeout=30.0) as opened:
+        yield opened

@@ -1,0 +1,21 @@
+"""Take the fixtures of the stand-in home."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+sys.path[:0] = [str(Path(__file__).parents[1] / "standin"), str(Path(__file__).parent)]
+
+from api_client import address, client  # noqa: E402, F401
+from garmentq_home import (  # noqa: E402, F401
+    blank_database,
+    cli,
+    database,
+    database_kind,
+    database_url,
+    postgres,
+    queue_job,
+    settings,
+    store,
+)
