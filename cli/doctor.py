@@ -60,6 +60,7 @@ def command(context: click.Context, home: Path | None, as_json: bool) -> None:
 def _examine(settings: ServiceSettings) -> Iterator[Finding]:
     checks: list[Callable[[ServiceSettings], Iterator[Finding]]] = [
         _check_python, _check_packages, _check_open3d, _check_database, _check_broker, _check_store, _check_threads,
+        _show_settings,
     ]  # fmt: skip
     for check in checks:
         yield from check(settings)
@@ -138,12 +139,16 @@ def _check_store(settings: ServiceSettings) -> Iterator[Finding]:
     import shutil
 
     from ..core.errors import GarmentqError
-    from ..service.store import Store
+    from ..service.settings import hide_password
+    from ..service.store import open_store
 
     try:
-        Store(settings.store_path).put_bytes(b"garmentq doctor was here\n")
+        open_store(settings).put_bytes(b"garmentq doctor was here\n")
     except GarmentqError as error:
         yield "store", False, f"{error.code}: {error.message}"
+        return
+    if settings.is_store_remote:
+        yield "store", True, f"{hide_password(settings.store)} takes a file"
         return
     free = shutil.disk_usage(settings.store_path).free
     text = f"{settings.store_path}, {free / (1 << 30):.1f} GiB free"
@@ -155,3 +160,11 @@ def _check_threads(settings: ServiceSettings) -> Iterator[Finding]:
 
     cores = count_cores()
     yield "cores", True, f"{cores} usable; a worker runs {cores} jobs at a time with {settings.threads} thread(s) each"
+
+
+def _show_settings(settings: ServiceSettings) -> Iterator[Finding]:
+    from ..service.settings import ServiceSettings, show_settings
+
+    default = show_settings(ServiceSettings())
+    for name, value in show_settings(settings).items():
+        yield name, True, f"{value or '-'}{'' if value == default[name] else '  (set)'}"

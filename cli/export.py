@@ -30,13 +30,13 @@ def command(job: str, names: tuple[str, ...], out: Path, home: Path | None, as_j
     from ..service.jobs import find_job
     from ..service.results import export_files
     from ..service.settings import read_settings
-    from ..service.store import Store
+    from ..service.store import open_store
     from .terminal import print_json
 
     settings = read_settings(home=home)
     database = open_database(settings)
     row = find_job(database, job)
-    for path in export_files(database, Store(settings.store_path), row.id, out.absolute(), names):
+    for path in export_files(database, open_store(settings), row.id, out.absolute(), names):
         if as_json:
             print_json({"job": row.id, "name": path.name, "path": str(path)})
         else:

@@ -48,7 +48,7 @@ def command(
     """
     from ..service.database import open_database
     from ..service.settings import read_settings
-    from ..service.store import Store
+    from ..service.store import open_store
     from ..service.submission import submit
     from ..workers.embedded import ensure_services
     from .order import make_order
@@ -59,7 +59,7 @@ def command(
     settings = read_settings(home=home)
     database = open_database(settings)
     order = make_order(settings, database, file, options)
-    submitted = submit(database, Store(settings.store_path), order)
+    submitted = submit(database, open_store(settings), order)
 
     def keep_up() -> None:
         for name in ensure_services(settings, workers):
@@ -95,7 +95,7 @@ def wait_and_show(
         Exit status.
     """
     from ..service.results import describe_job, export_files
-    from ..service.store import Store
+    from ..service.store import open_store
     from .follow import WaitTimedOut, follow
     from .summary import print_result
     from .terminal import note, print_error, print_json
@@ -112,7 +112,7 @@ def wait_and_show(
     files: list[Path] = []
     if row.state == "succeeded":
         folder = (out or settings.home / "results" / job).absolute()
-        files = export_files(database, Store(settings.store_path), job, folder)
+        files = export_files(database, open_store(settings), job, folder)
     if as_json:
         print_json({**found, "files": {path.name: str(path) for path in files}})
     elif files:

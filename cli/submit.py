@@ -51,7 +51,7 @@ def command(
     from ..core.errors import GarmentqError
     from ..service.database import open_database
     from ..service.settings import read_settings
-    from ..service.store import Store
+    from ..service.store import open_store
     from ..service.submission import submit
     from .order import make_order, split_garments
     from .terminal import print_error, print_json
@@ -63,7 +63,7 @@ def command(
         try:
             order = make_order(settings, database, file, chosen)
             order = replace(order, priority=priority, queue=queue)
-            submitted = submit(database, Store(settings.store_path), order)
+            submitted = submit(database, open_store(settings), order)
         except GarmentqError as error:
             print_error(error.code, error.message)
             if as_json:

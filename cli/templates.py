@@ -129,10 +129,10 @@ def export_command(name: str, out: Path, home: Path | None) -> None:
 def _open(home: Path | None) -> tuple[Any, Any]:
     from ..service.database import open_database
     from ..service.settings import read_settings
-    from ..service.store import Store
+    from ..service.store import open_store
 
     settings = read_settings(home=home)
-    return open_database(settings), Store(settings.store_path)
+    return open_database(settings), open_store(settings)
 
 
 def _load(name: str, home: Path | None) -> Pattern:

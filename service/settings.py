@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from importlib import import_module
@@ -36,7 +37,9 @@ class ServiceSettings:
         home: Folder of the embedded database, broker, store and logs; the XDG data folder, so that no root is needed.
         database_url: SQLAlchemy address; empty: SQLite in `home`, which needs no server.
         broker_url: Redis or Valkey address; empty: an embedded Valkey, started on demand.
-        store: Folder of the artifacts; empty: `home/store`.
+        store: Folder of the artifacts, or `s3://bucket/prefix`; empty: `home/store`. The bucket's keys are read where
+            every S3 program reads them: AWS_ACCESS_KEY_ID and its like, or AWS_SHARED_CREDENTIALS_FILE.
+        s3_endpoint: Address of an S3 server that is not Amazon's, such as `http://store:3900`; empty: Amazon's.
         lease_seconds: How long a claim holds without a heartbeat [s]. 30 s is three missed heartbeats of a busy
             machine; a crash costs at most this and the work since the last checkpoint.
         max_attempts: Claims of one job before it ends as `dead`; a third crash in a row is no bad luck.
@@ -57,7 +60,8 @@ class ServiceSettings:
     home: Path = Path("~/.local/share/garmentq")
     database_url: str = ""
     broker_url: str = ""
-    store: Path | None = None
+    store: str = ""
+    s3_endpoint: str = ""
     lease_seconds: float = 30.0
     max_attempts: int = 3
     max_seconds: float = 3600.0
@@ -84,8 +88,13 @@ class ServiceSettings:
 
     @property
     def store_path(self) -> Path:
-        """Give the artifact folder that is really used."""
-        return self.store or self.home / "store"
+        """Give the artifact folder that is really used; an S3 store has none."""
+        return Path(self.store) if self.store and not self.is_store_remote else self.home / "store"
+
+    @property
+    def is_store_remote(self) -> bool:
+        """Tell whether the artifacts are in a bucket."""
+        return self.store.startswith("s3://")
 
     @property
     def is_embedded(self) -> bool:
@@ -101,22 +110,37 @@ class ServiceSettings:
 def read_settings(environment: Mapping[str, str] | None = None, home: Path | str | None = None) -> ServiceSettings:
     """Read the settings from the environment; `home` wins over `GARMENTQ_HOME`.
 
+    `GARMENTQ_DATABASE_URL_FILE` and its like name a file that holds the value: how a container is given
+    a secret without showing it in its environment. The plain variable wins.
+
     Raises:
-        ServiceSettingBad: where a number is none, or is not positive.
+        ServiceSettingBad: where a number is none, or is not positive, or a file that is named cannot be read.
     """
     environment = os.environ if environment is None else environment
     settings = ServiceSettings()
     for item in fields(ServiceSettings):
-        text = environment.get(f"GARMENTQ_{item.name.upper()}", "")
+        text = _find_text(environment, f"GARMENTQ_{item.name.upper()}")
         if text:
             settings = replace(settings, **{item.name: _parse(item.name, text, getattr(settings, item.name))})
     chosen = Path(home) if home else settings.home
     return replace(settings, home=chosen.expanduser().absolute())
 
 
+def _find_text(environment: Mapping[str, str], name: str) -> str:
+    text, file = environment.get(name, ""), environment.get(f"{name}_FILE", "")
+    if text or not file:
+        return text
+    try:
+        return Path(file).read_text(encoding="utf-8").strip()
+    except (OSError, UnicodeDecodeError):
+        raise ServiceSettingBad(f"{name}_FILE names '{file}', which cannot be read.") from None
+
+
 def _parse(name: str, text: str, default: object) -> Any:
-    if name in ("home", "store"):
+    if name == "home":
         return Path(text).expanduser().absolute()
+    if name == "store":
+        return text if "://" in text else str(Path(text).expanduser().absolute())
     if not isinstance(default, int | float):
         return text
     kind = type(default)
@@ -129,10 +153,21 @@ def _parse(name: str, text: str, default: object) -> Any:
     return value
 
 
+SECRET_WORDS = ("password", "passwd", "pwd", "secret", "token", "key")
+"""Parameters of an address whose value is not shown."""
+
+
 def hide_password(url: str) -> str:
-    """Give an address that may be shown: its password replaced by stars."""
+    """Give an address that may be shown: its password, and what its parameters hold that sounds like one, as stars."""
     parts = urlsplit(url)
-    if parts.password is None:
-        return url
-    host = parts.netloc.rsplit("@", 1)[1]
-    return urlunsplit(parts._replace(netloc=f"{parts.username or ''}:***@{host}"))
+    if parts.password is not None:
+        host = parts.netloc.rsplit("@", 1)[1]
+        parts = parts._replace(netloc=f"{parts.username or ''}:***@{host}")
+        url = urlunsplit(parts)
+    words = "|".join(SECRET_WORDS)
+    return re.sub(rf"([?&][^=&]*(?:{words})[^=&]*=)[^&#]+", r"\1***", url, flags=re.IGNORECASE)
+
+
+def show_settings(settings: ServiceSettings) -> dict[str, str]:
+    """Give every setting as text that may be shown: no password, no key."""
+    return {name: hide_password(value) for name, value in settings.as_environment().items()}

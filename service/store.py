@@ -1,16 +1,19 @@
-"""Files kept under the hash of their bytes, in a folder."""
+"""Files kept under the hash of their bytes: in a folder (here), or in an S3 bucket (`s3.py`), chosen by address."""
 
 from __future__ import annotations
 
 import hashlib
+import io
 import os
-import shutil
 import tempfile
+from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
 from ..core.errors import GarmentqError
+from .settings import ServiceSettings
 
 BLOCK = 1 << 20
 """Bytes read at a time."""
@@ -34,6 +37,12 @@ class StorageFull(GarmentqError):
     code = "store.full"
 
 
+class StoreUnreachable(GarmentqError):
+    """The store does not answer; check GARMENTQ_STORE, GARMENTQ_S3_ENDPOINT and the bucket's credentials."""
+
+    code = "store.unreachable"
+
+
 @dataclass(frozen=True)
 class Stored:
     """Name a stored file.
@@ -45,6 +54,45 @@ class Stored:
 
     sha256: str
     size: int
+
+
+@dataclass(frozen=True)
+class Kept:
+    """Tell of a file that the store holds.
+
+    Attributes:
+        sha256: Its key.
+        size: Bytes.
+        modified: When it was put there last, by the store's clock [s since 1970].
+    """
+
+    sha256: str
+    size: int
+    modified: float
+
+
+def open_store(settings: ServiceSettings) -> Store:
+    """Open the store that GARMENTQ_STORE names: `s3://bucket/prefix`, or a folder.
+
+    Raises:
+        DriverMissing: where an S3 store is named and boto3 is missing.
+    """
+    if settings.is_store_remote:
+        from .s3 import S3Store
+
+        return S3Store(settings.store, settings.s3_endpoint, settings.home / "cache")
+    return Store(settings.store_path)
+
+
+def check_key(sha256: str) -> str:
+    """Give a key back that is the hash of something, so that none can name a path.
+
+    Raises:
+        ArtifactMissing: where it is none.
+    """
+    if len(sha256) != 64 or not set(sha256) <= set("0123456789abcdef"):
+        raise ArtifactMissing(f"'{sha256[:80]}' is no key of a stored file.")
+    return sha256
 
 
 class Store:
@@ -60,8 +108,7 @@ class Store:
         Raises:
             ArtifactMissing: where the key is no hash, or nothing is there.
         """
-        if len(sha256) != 64 or not set(sha256) <= set("0123456789abcdef"):
-            raise ArtifactMissing(f"'{sha256[:80]}' is no key of a stored file.")
+        check_key(sha256)
         path = self.root / sha256[:2] / sha256[2:]
         if not path.is_file():
             raise ArtifactMissing(f"the stored file {sha256[:12]} is gone; restore the store, or run with --force.")
@@ -70,13 +117,11 @@ class Store:
     def put(self, source: Path) -> Stored:
         """Keep a copy of a file."""
         with source.open("rb") as stream:
-            return self._keep(stream)
+            return self.put_stream(stream)
 
     def put_bytes(self, content: bytes) -> Stored:
         """Keep some bytes."""
-        import io
-
-        return self._keep(io.BytesIO(content))
+        return self.put_stream(io.BytesIO(content))
 
     def get_bytes(self, sha256: str) -> bytes:
         """Give a stored file's bytes, checked against its key.
@@ -84,7 +129,7 @@ class Store:
         Raises:
             ArtifactDamaged: where the bytes changed.
         """
-        content = self.path(sha256).read_bytes()
+        content = b"".join(self.read(sha256))
         if hashlib.sha256(content).hexdigest() != sha256:
             raise ArtifactDamaged()
         return content
@@ -96,13 +141,56 @@ class Store:
             ArtifactDamaged: where the bytes changed.
         """
         destination.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(self.path(sha256), destination)
-        if hash_file(destination).sha256 != sha256:
+        digest, blocks = hashlib.sha256(), self.read(sha256)
+        with destination.open("wb") as out:
+            for block in blocks:
+                digest.update(block)
+                out.write(block)
+        if digest.hexdigest() != sha256:
             destination.unlink()
             raise ArtifactDamaged()
         return destination
 
-    def _keep(self, stream: BinaryIO) -> Stored:
+    def size(self, sha256: str) -> int:
+        """Give a stored file's size [bytes].
+
+        Raises:
+            ArtifactMissing: where nothing is there.
+        """
+        return self.path(sha256).stat().st_size
+
+    def read(self, sha256: str, start: int = 0, stop: int | None = None) -> Iterator[bytes]:
+        """Give a stored file's bytes from `start` up to but without `stop`, a block at a time, unchecked.
+
+        Raises:
+            ArtifactMissing: at once, where nothing is there.
+        """
+        stream = self.path(sha256).open("rb")
+        return _read_blocks(stream, start, stop)
+
+    def list_kept(self) -> Iterator[Kept]:
+        """Give every stored file, in no order; half-written ones are none."""
+        for path in self.root.glob("[0-9a-f][0-9a-f]/*"):
+            with suppress(ArtifactMissing, FileNotFoundError):
+                key, found = check_key(path.parent.name + path.name), path.stat()
+                yield Kept(key, found.st_size, found.st_mtime)
+
+    def remove(self, sha256: str, before: float) -> bool:
+        """Remove a stored file unless it was put there (again) at `before` [s since 1970] or later.
+
+        The file is set aside first: one that is put at this very moment comes back or is written anew, never lost.
+        """
+        path = self.path(sha256)
+        aside = self.root / "incoming" / f"removed-{sha256}"
+        aside.parent.mkdir(exist_ok=True, mode=0o700)
+        os.rename(path, aside)
+        if aside.stat().st_mtime >= before:
+            os.rename(aside, path)
+            return False
+        aside.unlink()
+        return True
+
+    def put_stream(self, stream: BinaryIO) -> Stored:
         """Write to a temporary file, flush it to the disk, then rename it to its hash."""
         incoming = self.root / "incoming"
         temporary = ""
@@ -126,6 +214,15 @@ class Store:
                 os.unlink(temporary)
             raise StorageFull(f"the store {self.root} cannot be written: {error.strerror}.") from error
         return Stored(digest.hexdigest(), size)
+
+
+def _read_blocks(stream: BinaryIO, start: int, stop: int | None) -> Iterator[bytes]:
+    with stream:
+        stream.seek(start)
+        left = None if stop is None else max(stop - start, 0)
+        while block := stream.read(BLOCK if left is None else min(BLOCK, left)):
+            left = None if left is None else left - len(block)
+            yield block
 
 
 def hash_file(path: Path) -> Stored:

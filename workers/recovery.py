@@ -27,7 +27,7 @@ from ..service.database import Database, DatabaseUnreachable
 from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, release, report
 from ..service.results import CHECKPOINT, PREVIOUS, load_checkpoint, save_checkpoint, store_recovery
 from ..service.settings import ServiceSettings
-from ..service.store import ArtifactDamaged, ArtifactMissing, Store
+from ..service.store import ArtifactDamaged, ArtifactMissing, Store, open_store
 from .threads import limit_threads
 from .watch import JobTooLong, Watch
 
@@ -114,7 +114,7 @@ def persist(write: Callable[[], None], watch: Watch) -> None:
 
 
 def _work(settings: ServiceSettings, database: Database, held: Claim, watch: Watch) -> str:
-    store = Store(settings.store_path)
+    store = open_store(settings)
     try:
         with work_folder(settings.home / "work", held.job) as folder:
             request = unpack_request(held, store, folder)

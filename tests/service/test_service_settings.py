@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import fields
 from pathlib import Path
@@ -12,7 +13,9 @@ from garmentq.service.settings import ServiceSettingBad, ServiceSettings, hide_p
 
 def test_environment_round_trip(tmp_path):
     """Broken where a worker that was started read other settings than the command that started it."""
-    settings = ServiceSettings(home=tmp_path, lease_seconds=2.5, max_attempts=7, store=tmp_path / "s", idle_seconds=0.0)
+    settings = ServiceSettings(
+        home=tmp_path, lease_seconds=2.5, max_attempts=7, store=str(tmp_path / "s"), idle_seconds=0.0
+    )
     assert read_settings(settings.as_environment()) == settings
 
 
@@ -41,6 +44,15 @@ def test_bad_numbers(text):
         ("postgresql+psycopg://me:secret@host:5432/db", "postgresql+psycopg://me:***@host:5432/db"),
         ("redis://:p%40ss@host/0", "redis://:***@host/0"),
         ("redis://host/0", "redis://host/0"),
+        ("rediss://u:p@host/0?ssl_cert_reqs=required", "rediss://u:***@host/0?ssl_cert_reqs=required"),
+        (
+            "postgresql://host/db?user=me&password=s%20x&sslmode=require",
+            "postgresql://host/db?user=me&password=***&sslmode=require",
+        ),
+        (
+            "postgresql:///db?sslpassword=s&secret_access_key=t",
+            "postgresql:///db?sslpassword=***&secret_access_key=***",
+        ),
         ("sqlite:////home/x.db", "sqlite:////home/x.db"),
     ],
 )
@@ -49,13 +61,44 @@ def test_passwords_are_hidden(url, shown):
     assert hide_password(url) == shown
 
 
+def test_a_secret_comes_from_a_file(tmp_path):
+    """Broken where a container's secret is not read, keeps its newline, or wins over what was said plainly."""
+    (tmp_path / "url").write_text("postgresql://me:secret@host/db\n")
+    environment = {"GARMENTQ_DATABASE_URL_FILE": str(tmp_path / "url")}
+    assert read_settings(environment).database_url == "postgresql://me:secret@host/db"
+    assert read_settings({**environment, "GARMENTQ_DATABASE_URL": "sqlite:////x"}).database_url == "sqlite:////x"
+    with pytest.raises(ServiceSettingBad):
+        read_settings({"GARMENTQ_BROKER_URL_FILE": str(tmp_path / "nosuch")})
+
+
+def test_the_store_is_a_folder_or_a_bucket(tmp_path):
+    """Broken where an address is taken for a folder, or a folder stays relative to a place that a worker leaves."""
+    assert read_settings({"GARMENTQ_STORE": "s3://studio/a"}).store == "s3://studio/a"
+    assert read_settings({"GARMENTQ_STORE": "blobs"}).store_path == Path("blobs").absolute()
+
+
+def test_doctor_shows_every_setting_and_no_secret(cli, settings):
+    """Broken where a setting is missing from the list, or a password is shown by any of the checks."""
+    secrets = {
+        "GARMENTQ_DATABASE_URL": "postgresql://me:pssst1@127.0.0.1:1/db",
+        "GARMENTQ_BROKER_URL": "rediss://me:pssst2@127.0.0.1:1/0?password=pssst3",
+        "GARMENTQ_STORE": str(settings.home / "blobs"),
+    }
+    done = cli("doctor", "--json", **secrets)
+    assert done.returncode == 1, "neither answers"
+    shown = {row["check"]: row["message"] for row in map(json.loads, done.stdout.splitlines())}
+    assert set(shown) >= NAMES
+    assert shown["GARMENTQ_DATABASE_URL"] == "postgresql://me:***@127.0.0.1:1/db  (set)"
+    assert "pssst" not in done.stdout + done.stderr
+
+
 ROOT = Path(__file__).parents[2]
 NAMES = {f"GARMENTQ_{field.name.upper()}" for field in fields(ServiceSettings)}
 
 
 def test_the_page_names_every_setting():
     """Broken where a setting is added or renamed and docs/service.md is forgotten."""
-    assert set(re.findall(r"GARMENTQ_[A-Z_]+", (ROOT / "docs" / "service.md").read_text(encoding="utf-8"))) == NAMES
+    assert set(re.findall(r"GARMENTQ_[A-Z0-9_]+", (ROOT / "docs" / "service.md").read_text(encoding="utf-8"))) == NAMES
 
 
 def test_the_compose_file_names_what_exists():
@@ -63,8 +106,8 @@ def test_the_compose_file_names_what_exists():
     from garmentq.cli.main import COMMANDS
 
     text = (ROOT / "docker-compose.yml").read_text(encoding="utf-8")
-    assert set(re.findall(r"GARMENTQ_[A-Z_]+", text)) <= NAMES
-    assert {"GARMENTQ_HOME", "GARMENTQ_BROKER_URL"} <= set(re.findall(r"GARMENTQ_[A-Z_]+", text))
+    assert set(re.findall(r"GARMENTQ_[A-Z0-9_]+", text)) <= NAMES
+    assert {"GARMENTQ_HOME", "GARMENTQ_BROKER_URL"} <= set(re.findall(r"GARMENTQ_[A-Z0-9_]+", text))
     assert re.findall(r'command: \["(\w+)"\]', text) == ["worker"] and "worker" in COMMANDS
     volumes = re.findall(r"^  (\w+):$", text.split("\nvolumes:\n")[1], re.MULTILINE)
     assert sorted(volumes) == ["broker", "home"] and all(f"- {name}:/" in text for name in volumes)

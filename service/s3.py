@@ -1,0 +1,180 @@
+"""Artifacts in an S3 bucket, behind the same interface as the folder; Amazon's, or any server that speaks S3."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, BinaryIO
+from urllib.parse import urlsplit
+
+from .database import DriverMissing
+from .settings import ServiceSettingBad
+from .store import BLOCK, ArtifactMissing, Kept, StorageFull, Store, Stored, StoreUnreachable, check_key
+
+CONNECT_SECONDS = 5
+"""How long the server may take to accept a connection [s]."""
+
+READ_SECONDS = 30
+"""How long it may be silent [s]; an answer to a block takes milliseconds."""
+
+ATTEMPTS = 4
+"""Requests until one is given up; a server that restarts is back within them."""
+
+PART = 16 << 20
+"""Bytes of one part of an upload; S3 takes 5 MB at least and 10 000 parts at most."""
+
+MISSING = ("404", "NoSuchKey", "NotFound")
+
+
+class S3Store(Store):
+    """Put and get files by content in a bucket. A put is seen whole or not at all: S3 promises that."""
+
+    def __init__(self, address: str, endpoint: str, cache: Path) -> None:
+        """Prepare a client; nothing is sent yet.
+
+        Args:
+            address: `s3://bucket` or `s3://bucket/prefix`.
+            endpoint: The server's address, or empty for Amazon's.
+            cache: Folder for uploads that are not hashed yet, and for files that something needs as a path.
+
+        Raises:
+            ServiceSettingBad: where no bucket is named.
+            DriverMissing: where boto3 is missing.
+        """
+        super().__init__(cache)
+        parts = urlsplit(address)
+        if not parts.netloc or parts.username or parts.query:
+            raise ServiceSettingBad("GARMENTQ_STORE must be a folder, or s3://BUCKET or s3://BUCKET/PREFIX.")
+        self.bucket, self.prefix = parts.netloc, parts.path.strip("/")
+        self._client = _make_client(endpoint)
+
+    def path(self, sha256: str) -> Path:
+        """Give a checked copy of a stored file in the cache.
+
+        Raises:
+            ArtifactMissing, ArtifactDamaged: as for a folder.
+        """
+        path = self.root / check_key(sha256)
+        if not path.is_file():
+            self.root.mkdir(parents=True, exist_ok=True, mode=0o700)
+            with tempfile.TemporaryDirectory(dir=self.root) as folder:
+                os.replace(self.copy(sha256, Path(folder) / sha256), path)
+        return path
+
+    def put_stream(self, stream: BinaryIO) -> Stored:
+        """Hash the bytes into a temporary file, then upload it under its hash, in parts where it is large."""
+        from boto3.s3.transfer import TransferConfig
+
+        digest, size = hashlib.sha256(), 0
+        with _spool(self.root) as out:
+            while block := stream.read(BLOCK):
+                digest.update(block)
+                size += len(block)
+                out.write(block)
+            out.seek(0)
+            config = TransferConfig(multipart_threshold=PART, multipart_chunksize=PART, use_threads=False)
+            with _reachable(digest.hexdigest()):
+                self._client.upload_fileobj(out, self.bucket, self._name(digest.hexdigest()), Config=config)
+        return Stored(digest.hexdigest(), size)
+
+    def size(self, sha256: str) -> int:
+        """Give a stored file's size [bytes]."""
+        with _reachable(sha256):
+            return int(self._client.head_object(Bucket=self.bucket, Key=self._name(sha256))["ContentLength"])
+
+    def read(self, sha256: str, start: int = 0, stop: int | None = None) -> Iterator[bytes]:
+        """Give a stored file's bytes from `start` up to but without `stop`; only those are asked for."""
+        stop = self.size(sha256) if stop is None else min(stop, self.size(sha256))
+        if start >= stop:
+            return iter(())
+        with _reachable(sha256):
+            answer = self._client.get_object(
+                Bucket=self.bucket, Key=self._name(sha256), Range=f"bytes={start}-{stop - 1}"
+            )
+        return _read_body(sha256, answer["Body"])
+
+    def list_kept(self) -> Iterator[Kept]:
+        """Give every stored file."""
+        base = f"{self.prefix}/" if self.prefix else ""
+        with _reachable(""):
+            for page in self._client.get_paginator("list_objects_v2").paginate(Bucket=self.bucket, Prefix=base):
+                for found in page.get("Contents", ()):
+                    key = found["Key"].removeprefix(base).replace("/", "")
+                    if len(key) == 64:
+                        yield Kept(key, found["Size"], found["LastModified"].timestamp())
+
+    def remove(self, sha256: str, before: float) -> bool:
+        """Remove a stored file unless it was put there (again) at `before` or later.
+
+        S3 has no "remove if old": a put between the look and the removal would be lost. The look is repeated right
+        before, so that is a matter of milliseconds against a grace time of hours.
+        """
+        with _reachable(sha256):
+            found = self._client.head_object(Bucket=self.bucket, Key=self._name(sha256))
+            if found["LastModified"].timestamp() >= before:
+                return False
+            self._client.delete_object(Bucket=self.bucket, Key=self._name(sha256))
+        return True
+
+    def _name(self, sha256: str) -> str:
+        key = check_key(sha256)
+        return "/".join(part for part in (self.prefix, key[:2], key[2:]) if part)
+
+
+def _make_client(endpoint: str) -> Any:
+    try:
+        import boto3
+        from botocore.config import Config
+    except ImportError as error:
+        raise DriverMissing("an s3:// store needs boto3; pip install 'garmentq[s3]'.") from error
+    config = Config(
+        connect_timeout=CONNECT_SECONDS,
+        read_timeout=READ_SECONDS,
+        retries={"total_max_attempts": ATTEMPTS, "mode": "standard"},
+        s3={"addressing_style": "path"} if endpoint else {},
+        request_checksum_calculation="when_required",  # other servers than Amazon's may refuse the newer checksums
+        response_checksum_validation="when_required",
+    )
+    region = os.environ.get("AWS_REGION") or os.environ.get("AWS_DEFAULT_REGION") or "us-east-1"
+    try:
+        return boto3.client("s3", endpoint_url=endpoint or None, region_name=region, config=config)
+    except ValueError as error:
+        raise ServiceSettingBad(f"GARMENTQ_S3_ENDPOINT is '{endpoint}', which is no address.") from error
+
+
+def _read_body(sha256: str, body: Any) -> Iterator[bytes]:
+    with _reachable(sha256):
+        try:
+            yield from body.iter_chunks(BLOCK)
+        finally:
+            body.close()
+
+
+@contextmanager
+def _spool(folder: Path) -> Iterator[Any]:
+    try:
+        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+        with tempfile.TemporaryFile(dir=folder) as stream:
+            yield stream
+    except OSError as error:
+        raise StorageFull(f"the cache {folder} cannot be written: {error.strerror}.") from error
+
+
+@contextmanager
+def _reachable(sha256: str) -> Iterator[None]:
+    """Turn what boto3 raises into our errors; its messages name bucket and key, never a credential."""
+    from botocore.exceptions import BotoCoreError, ClientError
+
+    try:
+        yield
+    except ClientError as error:
+        code = error.response.get("Error", {}).get("Code", "")
+        if sha256 and code in MISSING:
+            raise ArtifactMissing(f"the stored file {sha256[:12]} is gone; restore the store, or --force.") from error
+        raise StoreUnreachable(f"the store refused: {code}; check the bucket's name and the credentials.") from error
+    except BotoCoreError as error:
+        raise StoreUnreachable(f"the store does not answer: {type(error).__name__}.") from error
