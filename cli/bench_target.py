@@ -55,12 +55,14 @@ def empty_line(target: str, method: str) -> dict[str, Any]:
         "stage_seconds": {},
         "peak_mb": None,
         "vertices": None,
+        "fabric": {},
+        "panels": {},
     }
 
 
 def _recover(order: dict[str, Any]) -> dict[str, Any]:
     from ..core.export import plain, write_recovery
-    from ..core.measure import measure_recovery, read_packs
+    from ..core.measure import measure_panels, measure_recovery, read_packs, read_true_pattern
     from ..core.pipeline import recover
     from ..core.recovery import Request
     from ..core.settings import RecoverySettings
@@ -78,6 +80,8 @@ def _recover(order: dict[str, Any]) -> dict[str, Any]:
     metrics, unmatched = measure_recovery(recovery, pack, own_template=template is not None, seed=settings.seed)
     if order["out"]:
         write_recovery(recovery, Path(order["out"]) / pack.name)
+    truth = read_true_pattern(pack) if template is not None else None
+    fabric = {e.name: {"value": e.value, "std": e.std, "identifiable": e.identifiable} for e in recovery.estimates}
     line: dict[str, Any] = plain(
         {
             "category": recovery.target.category,
@@ -90,6 +94,8 @@ def _recover(order: dict[str, Any]) -> dict[str, Any]:
             "vertices": len(recovery.detail),
             "warnings": recovery.warnings,
             "unmatched_panels": unmatched,
+            "fabric": fabric,
+            "panels": {} if truth is None else measure_panels(recovery.pattern, truth),
         }
     )
     return line

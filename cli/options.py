@@ -49,6 +49,12 @@ def order_options(function: Decorator) -> Decorator:
         click.option("--template", help="Base pattern: a pattern file, or a template's name.  [default: chosen]"),
         click.option("--garment", help="Category, overriding the one found: tshirt, tank, dress, trousers, skirt, ..."),
         click.option("--fabric", default=default.fabric, show_default=True, help="A name from `garmentq materials`."),
+        click.option(
+            "--lock",
+            multiple=True,
+            metavar="fabric|panel:NAME",
+            help="What the hybrid method takes as given; may be given several times.",
+        ),
         click.option("--method", type=click.Choice(METHODS), default=default.method, show_default=True, help="How."),
         click.option(
             "--preset",

@@ -90,10 +90,11 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         preset = DeformSettings.thesis() if settings.preset == "thesis" else DeformSettings()
         detail = deform(garment, target, body, settings=preset, hooks=inner)
         warnings += detail.warnings
-    simulation = None
+    simulation, fitted = None, None
     if settings.method == "hybrid":
         with clock.stage("fit", "fitting the pattern through the simulator") as inner:
-            fitted = fit_pattern(garment, detail.nodes, base, fabric, body, hooks=inner)
+            fitted = fit_pattern(garment, detail.nodes, base, fabric, body, locks=settings.locks, hooks=inner)
+        fabric = fitted.fabric
         garment, simulation = fitted.garment.at(garment.nodes), fitted.simulation
         warnings += fitted.warnings
     with clock.stage("measure", "measuring the result"):
@@ -116,6 +117,9 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         cpu_seconds=clock.total,
         peak_mb=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
         manifest=describe(request, scan, body, template, target),
+        estimates=() if fitted is None else fitted.estimates,
+        nearest_fabrics=() if fitted is None else fitted.nearest,
+        point_std=None if fitted is None else fitted.point_std,
     )
 
 

@@ -13,7 +13,7 @@ from .pattern import Garment, Pattern
 from .scan import Scan, Selection
 from .segment import Target
 from .settings import RecoverySettings
-from .simulate import Fabric
+from .simulate import Fabric, FabricEstimate
 
 STAGES = ("scan", "body", "segment", "template", "grade", "drape", "deform", "fit", "measure")
 """The stages of a recovery in order; progress and seconds are reported by these names. Only `hybrid` has a `fit`."""
@@ -92,6 +92,9 @@ class Recovery:
         cpu_seconds: CPU seconds of the whole recovery.
         peak_mb: Largest resident memory of the process [MB].
         manifest: Versions, hashes and settings that reproduce the result.
+        estimates: What the fit knows of each parameter of the fabric; empty where the method fits none.
+        nearest_fabrics: Fabrics of the library that bend most alike, by name; empty likewise.
+        point_std: Posterior standard deviation of the control points [m], shape [point_count, 2], or None.
     """
 
     scan: Scan
@@ -111,3 +114,6 @@ class Recovery:
     cpu_seconds: float
     peak_mb: float
     manifest: dict[str, Any]
+    estimates: tuple[FabricEstimate, ...] = ()
+    nearest_fabrics: tuple[str, ...] = ()
+    point_std: np.ndarray | None = None

@@ -38,6 +38,8 @@ class RecoverySettings:
         keep_colour: The garment's colour as `#rrggbb`, instead of labels, or None.
         colour_tolerance: Distance in RGB (0 to 255) up to which a colour is the garment's; 60 spans a camera's noise
             and soft shadows, while skin lies 150 from denim.
+        lock: What the inverse fit takes as given, separated by commas, or None: `fabric` keeps the named fabric,
+            `panel:NAME` keeps a panel as it was graded.
     """
 
     method: str = "deform"
@@ -53,6 +55,7 @@ class RecoverySettings:
     labels_key: str | None = None
     keep_colour: str | None = None
     colour_tolerance: float = 60.0
+    lock: str | None = None
 
     def __post_init__(self) -> None:
         """Check every value.
@@ -70,8 +73,16 @@ class RecoverySettings:
             raise SettingsBad(f"keep '{self.keep}' names no label; give one, or several separated by commas.")
         if self.keep is not None and self.keep_colour is not None:
             raise SettingsBad("keep and keep_colour exclude each other; tell the garment by labels or by colour.")
+        for word in self.locks:
+            if word != "fabric" and not (word.startswith("panel:") and len(word) > len("panel:")):
+                raise SettingsBad(f"lock '{word}' is neither 'fabric' nor 'panel:NAME'.")
         if not 0.0 < self.colour_tolerance <= 442.0:
             raise SettingsBad(f"colour_tolerance {self.colour_tolerance} is outside 0 to 442 (black to white).")
+
+    @property
+    def locks(self) -> tuple[str, ...]:
+        """Give the locks one by one."""
+        return tuple(word.strip() for word in (self.lock or "").split(",") if word.strip())
 
     @property
     def kept_labels(self) -> tuple[str, ...]:

@@ -49,6 +49,10 @@ TITLES = {
 COLUMNS = (("", "Detail mesh"), ("sim.", "Simulation mesh"), ("graded.", "Graded drape"))
 
 
+UNITS = {"H00": "N/m", "H01": "N/m", "H11": "N/m", "H22": "N/m", "k": "N m", "density": "kg/m²"}
+"""Units of the fabric's parameters."""
+
+
 def report_html(recovery: Recovery) -> str:
     """Give the whole report as the text of one HTML file; every name that comes from a file is escaped."""
     style = files(__package__).joinpath("report.css").read_text(encoding="utf-8")
@@ -58,6 +62,7 @@ def report_html(recovery: Recovery) -> str:
         _pictures(recovery),
         _gates(recovery),
         _pattern(recovery),
+        _fabric(recovery),
         _numbers(recovery),
         _settings(recovery),
     ]
@@ -148,6 +153,33 @@ def _pattern(recovery: Recovery) -> str:
         "without seam allowance. Edges of one colour and number are sewn together; dark edges stay open. "
         f'pattern.svg holds the same at true scale.</p><div class="sheet">{pattern_drawing(recovery.pattern)}</div>'
         f"<table>{head}{''.join(rows)}</table></section>"
+    )
+
+
+def _fabric(recovery: Recovery) -> str:
+    """Say what the drape tells of the cloth; no digits where it tells none."""
+    if not recovery.estimates:
+        return ""
+    rows = []
+    for each in recovery.estimates:
+        low, high = each.value * np.exp(-each.std), each.value * np.exp(each.std)
+        told = f"{each.value:.1e} ({low:.1e} to {high:.1e})" if each.identifiable else "not identifiable"
+        rows.append(
+            f"<tr><td>{escape(each.name)}</td><td>{told} {UNITS[each.name] if each.identifiable else ''}</td>"
+            f"<td>{escape(each.note)}</td></tr>"
+        )
+    points = ""
+    if recovery.point_std is not None:
+        mean, most = 1e3 * recovery.point_std.mean(), 1e3 * recovery.point_std.max()
+        points = (
+            f" Control points are known to {mean:.1f} mm on average, {most:.1f} mm at worst (one standard deviation)."
+        )
+    return (
+        "<section><h2>Fabric</h2><p class='hint'>A drape at rest fixes only ratios to the cloth's weight; values hold "
+        f"for {1e3 * recovery.fabric.density:.0f} g/m². Nearest named fabrics: "
+        f"{escape(', '.join(recovery.nearest_fabrics))}."
+        f"{points}</p><table><tr><th>Parameter</th><th>Value</th><th>How it is known</th></tr>{''.join(rows)}</table>"
+        "</section>"
     )
 
 

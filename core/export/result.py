@@ -26,7 +26,7 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
 
     Returns:
         The files: graded.ply, detail.ply, detail.obj, detail.glb, simulation.ply (if the method makes one), body.ply,
-        body_joints.json, pattern.json, pattern.svg, metrics.json, manifest.json, report.html.
+        body_joints.json, pattern.json, pattern.svg, fit.json (likewise), metrics.json, manifest.json, report.html.
     """
     folder.mkdir(parents=True, exist_ok=True)
     garment = recovery.garment
@@ -39,11 +39,38 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
     files.append(_write_json(write_pattern(recovery.pattern), folder / "pattern.json"))
     write_svg(recovery.pattern, folder / "pattern.svg")
     files.append(folder / "pattern.svg")
+    if recovery.estimates:
+        files.append(_write_json(describe_fit(recovery), folder / "fit.json"))
     files.append(_write_json(recovery.metrics, folder / "metrics.json"))
     files.append(_write_json(recovery.manifest, folder / "manifest.json"))
     report = folder / "report.html"
     report.write_text(report_html(recovery), encoding="utf-8")
     return [*files, report]
+
+
+def describe_fit(recovery: Recovery) -> dict[str, Any]:
+    """Give what the fit knows of the fabric and of each control point [m], as plain JSON values."""
+    found: dict[str, Any] = {
+        "fabric": {
+            each.name: {
+                "value": each.value,
+                "std": each.std,
+                "prior_std": each.prior_std,
+                "identifiable": each.identifiable,
+                "note": each.note,
+            }
+            for each in recovery.estimates
+        },
+        "nearest_fabrics": list(recovery.nearest_fabrics),
+        "std_is_of": "the natural logarithm",
+    }
+    if recovery.point_std is not None:
+        starts = recovery.pattern.point_starts
+        found["control_point_std_m"] = {
+            panel.name: recovery.point_std[int(starts[n]) : int(starts[n]) + len(panel.points)].tolist()
+            for n, panel in enumerate(recovery.pattern.panels)
+        }
+    return found
 
 
 def plain(value: Any) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,7 +11,9 @@ from ..drape import waist_loop
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import name_contours
-from ..simulate import Fabric
+from ..simulate import Fabric, FabricEstimate
+from .locks import find_held, keep_held
+from .material import fit_bending, nearest_fabrics, posterior, state_density
 from .metric import move_pattern, refit_pattern
 from .settings import ShapeSettings
 from .shape import ShapeFit, ShapeProblem, fit_shape
@@ -25,12 +27,20 @@ class PatternFit:
         garment: The recovered pattern on the detail mesh: its faces, its flat mesh moved along; nodes registered.
         simulation: The recovered pattern's equilibrium on the same mesh [m], shape [node_count, 3].
         shape: The fit through the simulator.
+        fabric: The cloth, its bending found from the folds, or the given one where it is locked.
+        estimates: What the drape tells of each parameter of the fabric.
+        nearest: Fabrics of the library that bend most alike, by name.
+        point_std: Posterior standard deviation of the control points [m], shape [point_count, 2].
         warnings: What the user should know, one sentence each.
     """
 
     garment: Garment
     simulation: np.ndarray
     shape: ShapeFit
+    fabric: Fabric
+    estimates: tuple[FabricEstimate, ...]
+    nearest: tuple[str, ...]
+    point_std: np.ndarray
     warnings: tuple[str, ...]
 
 
@@ -42,6 +52,7 @@ def fit_pattern(
     body: Body,
     *,
     settings: ShapeSettings | None = None,
+    locks: tuple[str, ...] = (),
     hooks: Hooks = SILENT,
 ) -> PatternFit:
     """Recover the pattern of a registered garment and drape it.
@@ -53,13 +64,20 @@ def fit_pattern(
         fabric: The cloth.
         body: The wearer.
         settings: How.
-        hooks: Progress and cancellation.
+        locks: What stays as it is given: `fabric`, `panel:NAME` (and its mirror image).
+        hooks: Progress, cancellation and checkpoints.
+
+    Raises:
+        LockUnknown: where a lock names no panel of the pattern.
     """
     from ..simulate import Hold, Topology, equilibrium, push_out
 
     settings = settings or ShapeSettings()
     warnings = []
+    held = find_held(garment.pattern, like, locks)
     refitted, share = refit_pattern(garment, registered)
+    if held.any():
+        refitted = move_pattern(refitted, keep_held(refitted.pattern, garment.pattern, like, held))
     if share < 1.0:
         warnings.append(f"only {100 * share:.0f} % of the pattern's refit was done, or panels would fold over.")
     hooks.progress("fit", 0.05, "distances to the body")
@@ -72,8 +90,15 @@ def fit_pattern(
     coarse = mesh_pattern(refitted.pattern, min(settings.vertices, len(registered)))
     nodes = resample(refitted, registered, coarse)
     coarse = coarse.at(nodes, name_contours(nodes, coarse.faces, body)[0])
-    problem = ShapeProblem.of(coarse, like, fabric, grid, hold_waist(coarse), settings)
+    problem = ShapeProblem.of(coarse, like, fabric, grid, hold_waist(coarse), settings, held)
+    estimates: tuple[FabricEstimate, ...] = ()
+    if "fabric" not in locks:
+        fabric, bending = fit_bending(problem, hooks=hooks)
+        problem = replace(problem, fabric=fabric)
+        estimates = (bending,)
     shape = fit_shape(problem, hooks)
+    point_std, membrane = posterior(problem, shape.pattern, shape.drape, problem.loss.value(shape.nodes))
+    estimates = (*estimates, *membrane, state_density(fabric))
     recovered = move_pattern(refitted, shape.pattern)
     hooks.progress("fit", 0.9, "draping the recovered pattern")
     drape = equilibrium(
@@ -82,4 +107,6 @@ def fit_pattern(
     if not drape.converged:
         warnings.append(f"the simulation mesh is {drape.message}")
     simulation = push_out(drape.nodes, body, recovered.faces)
-    return PatternFit(recovered, simulation, shape, tuple(warnings))
+    return PatternFit(
+        recovered, simulation, shape, fabric, estimates, nearest_fabrics(fabric), point_std, tuple(warnings)
+    )

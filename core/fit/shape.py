@@ -21,6 +21,7 @@ from ..pattern import (
 )
 from ..pattern.errors import PanelCrossing, PanelDegenerate
 from ..simulate import Fabric
+from .locks import keep_held
 from .losses import RegisteredLoss
 from .settings import ShapeSettings
 
@@ -40,12 +41,14 @@ class ShapeFit:
         nodes: Its equilibrium on the mesh of the fit [m], shape [node_count, 3].
         misfits: Root mean square misfit at the start and after each step that was taken [m].
         outcome: `plateau`, `no gain` (no step lowers the objective) or `iterations`.
+        drape: The equilibrium with its friction.
     """
 
     pattern: Pattern
     nodes: np.ndarray
     misfits: tuple[float, ...]
     outcome: str
+    drape: Drape
 
 
 @dataclass(frozen=True)
@@ -64,6 +67,7 @@ class ShapeProblem:
         hold: What holds the cloth where the target has it, or None.
         loss: The misfit.
         settings: How.
+        held: Which effective coordinates are locked, shape [p]; None where none is.
     """
 
     garment: Garment
@@ -77,6 +81,7 @@ class ShapeProblem:
     hold: Hold | None
     loss: RegisteredLoss
     settings: ShapeSettings
+    held: np.ndarray | None = None
 
     @classmethod
     def of(
@@ -87,6 +92,7 @@ class ShapeProblem:
         grid: DistanceGrid | None,
         hold: Hold | None,
         settings: ShapeSettings,
+        held: np.ndarray | None = None,
     ) -> ShapeProblem:
         """Prepare the fit of a garment that stands on the target, contours named."""
         from ..simulate import Parameters, Topology, make_solver
@@ -105,6 +111,7 @@ class ShapeProblem:
             hold=hold,
             loss=RegisteredLoss.of(garment, settings.slide),
             settings=settings,
+            held=held,
         )
 
     def effective(self, pattern: Pattern) -> np.ndarray:
@@ -164,13 +171,15 @@ class ShapeProblem:
         away = self.effective(pattern) - self.effective(self.garment.pattern)
         gradient = gradient + away / chosen.spread**2
         matrix = matrix + damping * np.diag(np.diag(matrix)) + np.eye(len(away)) / chosen.spread**2
-        free = keep_seams(pattern, self.like, self.symmetry)
+        free = keep_seams(pattern, self.like, self.symmetry, self.held)
         return np.asarray(free @ np.linalg.solve(free.T @ matrix @ free, -free.T @ gradient))
 
     def cut(self, effective: np.ndarray) -> Pattern | None:
         """Give the pattern with these effective points [m], shape [p], seams equal; None where a panel folds over."""
         wanted = self.like.with_points(self.symmetry.expand(effective))
         pattern = equalise_seams(wanted, like=self.like, symmetry=self.symmetry)
+        if self.held is not None and self.held.any():
+            pattern = keep_held(pattern, self.garment.pattern, self.like, self.held)
         try:
             for panel in pattern.panels:
                 check_outline(panel)
@@ -182,9 +191,11 @@ class ShapeProblem:
         return pattern if turned.min() > 0.0 else None
 
 
-def keep_seams(pattern: Pattern, like: Pattern, symmetry: Symmetry) -> np.ndarray:
-    """Give an orthonormal basis of the effective motions that keep every seam equal, shape [p, free_count]."""
+def keep_seams(pattern: Pattern, like: Pattern, symmetry: Symmetry, held: np.ndarray | None = None) -> np.ndarray:
+    """Give an orthonormal basis of the effective motions that keep seams equal and what is held, [p, free_count]."""
     rows = seam_slopes(pattern, like) @ symmetry.matrix.toarray()
+    if held is not None:
+        rows = np.concatenate([rows, np.eye(len(held))[held]])
     if not len(rows):
         return np.eye(rows.shape[1])
     _, values, right = np.linalg.svd(rows)
@@ -201,12 +212,19 @@ def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT) -> ShapeFit:
     far to believe it: a drape in other folds than the target's has a large L, and pulls little at the pattern.
     """
     settings = problem.settings
-    pattern = problem.garment.pattern
-    drape = problem.drape(pattern, problem.garment.nodes, hooks)
+    first, outcome = 0, "iterations"
+    kept = _kept(problem, hooks)
+    if kept is None:
+        pattern = problem.garment.pattern
+        drape = problem.drape(pattern, problem.garment.nodes, hooks)
+        damping = settings.damping
+        misfits = [float(np.sqrt(2.0 * problem.loss.value(drape.nodes)))]
+    else:
+        pattern, drape, damping, misfits = kept
+        first = len(misfits) - 1
     loss = problem.loss.value(drape.nodes)
-    reached, damping, outcome = problem.objective(loss, pattern), settings.damping, "iterations"
-    misfits = [float(np.sqrt(2.0 * loss))]
-    for iteration in range(settings.iterations):
+    reached = problem.objective(loss, pattern)
+    for iteration in range(first, settings.iterations):
         hooks.progress("fit", (iteration + 1.0) / (settings.iterations + 1.0), f"misfit {1e3 * misfits[-1]:.1f} mm")
         linear = problem.linearise(pattern, drape)
         before = reached
@@ -224,6 +242,7 @@ def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT) -> ShapeFit:
                 misfits.append(float(np.sqrt(2.0 * loss)))
                 # back to the damping that worked, and a fifth of it next
                 damping /= 50.0
+                _keep(problem, hooks, pattern, drape, damping, misfits)
                 break
         else:
             outcome = "no gain"
@@ -231,4 +250,34 @@ def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT) -> ShapeFit:
         if before - reached < settings.plateau:
             outcome = "plateau"
             break
-    return ShapeFit(pattern, drape.nodes, tuple(misfits), outcome)
+    return ShapeFit(pattern, drape.nodes, tuple(misfits), outcome, drape)
+
+
+def _keep(
+    problem: ShapeProblem, hooks: Hooks, pattern: Pattern, drape: Drape, damping: float, misfits: list[float]
+) -> None:
+    """Save what the next iteration starts from under the name `fit.shape`."""
+    hooks.save_checkpoint(
+        "fit.shape",
+        {
+            "start": problem.garment.nodes,
+            "k": np.array(problem.fabric.k),
+            "points": pattern.points,
+            "nodes": drape.nodes,
+            "anchors": drape.anchors,
+            "damping": np.array(damping),
+            "misfits": np.array(misfits),
+        },
+    )
+
+
+def _kept(problem: ShapeProblem, hooks: Hooks) -> tuple[Pattern, Drape, float, list[float]] | None:
+    """Give pattern, drape, damping and misfits that an earlier run of the same fit reached, or None."""
+    from ..simulate import Drape
+
+    kept = hooks.load_checkpoint("fit.shape")
+    if kept is None or not np.array_equal(kept["start"], problem.garment.nodes) or kept["k"] != problem.fabric.k:
+        return None
+    drape = Drape(kept["nodes"], 0.0, 0, True, 0.0, "still", "", kept["anchors"])
+    pattern = problem.like.with_points(kept["points"])
+    return pattern, drape, float(kept["damping"]), [float(value) for value in kept["misfits"]]

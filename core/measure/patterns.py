@@ -100,6 +100,17 @@ def measure_pattern(pattern: Pattern, truth: TruePattern) -> dict[str, float | N
     return found | measure_seams(pattern) | _measure_gathers(pattern, truth)
 
 
+def measure_panels(pattern: Pattern, truth: TruePattern) -> dict[str, dict[str, float]]:
+    """Measure each panel that both patterns have, by name: `area_error`, `outline_mm` and `turning` [rad]."""
+    unmatched = unmatched_panels(pattern, truth)
+    found = {}
+    for panel in truth.panels:
+        if panel.name not in unmatched:
+            area, outline, turning = _compare(pattern.panel(panel.name), panel)
+            found[panel.name] = {"area_error": area, "outline_mm": MM * outline, "turning": turning}
+    return found
+
+
 def unmatched_panels(pattern: Pattern, truth: TruePattern) -> tuple[str, ...]:
     """List the panels that only one of the two patterns has, by name."""
     return tuple(sorted({panel.name for panel in pattern.panels} ^ {panel.name for panel in truth.panels}))

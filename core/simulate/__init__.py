@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from .fabric import Fabric
+from .fabric import Fabric, FabricEstimate
 from .fabrics import FabricUnknown, get_fabric, load_fabrics
 from .settings import GRAVITY, SimulateSettings, SimulateSettingsBad
 
@@ -69,6 +69,7 @@ __all__ = [
     "Drape",
     "Energy",
     "Fabric",
+    "FabricEstimate",
     "FabricUnknown",
     "Friction",
     "Hold",

@@ -34,3 +34,24 @@ class Fabric:
     friction: float = 0.3
     title: str = ""
     sources: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True)
+class FabricEstimate:
+    """Say what a drape tells of one of a fabric's parameters.
+
+    Attributes:
+        name: One of H00, H01, H11, H22 [N/m], k [N m], density [kg/m2].
+        value: Its value, at the density that was assumed.
+        std: Posterior standard deviation of its logarithm.
+        prior_std: The prior's.
+        identifiable: True where the value was found from the drape, and the drape narrows it to half of the prior.
+        note: In words.
+    """
+
+    name: str
+    value: float
+    std: float
+    prior_std: float
+    identifiable: bool
+    note: str

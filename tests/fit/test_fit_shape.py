@@ -10,23 +10,31 @@ from garmentq.core.body import Body, DistanceGrid, builtin_body
 from garmentq.core.drape import DrapeSettings, Stand, drape_template, waist_loop
 from garmentq.core.errors import Cancelled
 from garmentq.core.fit import (
+    LockUnknown,
     RegisteredLoss,
     ShapeProblem,
     ShapeSettings,
+    find_held,
+    fit_bending,
     fit_pattern,
     fit_shape,
+    keep_held,
     keep_seams,
     move_pattern,
+    nearest_fabrics,
+    posterior,
     refit_pattern,
 )
-from garmentq.core.hooks import Hooks
+from garmentq.core.hooks import Arrays, Hooks
 from garmentq.core.pattern import (
     Garment,
     Pattern,
     equalise_seams,
     find_symmetry,
     load_template,
+    mesh_pattern,
     panel_area,
+    resample,
     seam_mismatch,
 )
 from garmentq.core.simulate import (
@@ -164,3 +172,63 @@ def test_a_fit_can_be_cancelled(scene: Scene) -> None:
     """A loop that never asks its hooks breaks this."""
     with pytest.raises(Cancelled):
         fit_shape(state(scene), Hooks(is_cancelled=lambda: True))
+
+
+def test_a_killed_fit_ends_at_the_same_pattern(scene: Scene) -> None:
+    """Breaks where a checkpoint loses what the next iteration starts from: pattern, drape, friction or damping."""
+    kept: dict[str, Arrays] = {}
+    whole = fit_shape(state(scene, ShapeSettings(iterations=3)))
+
+    def keep(name: str, arrays: Arrays) -> None:
+        kept[name] = {key: np.array(value) for key, value in arrays.items()}
+        raise Cancelled()
+
+    with pytest.raises(Cancelled):
+        fit_shape(state(scene, ShapeSettings(iterations=3)), Hooks(save_checkpoint=keep))
+    assert set(kept) == {"fit.shape"}
+    resumed = fit_shape(state(scene, ShapeSettings(iterations=3)), Hooks(load_checkpoint=kept.get))
+    np.testing.assert_allclose(resumed.pattern.points, whole.pattern.points, atol=1e-6)
+    assert resumed.misfits == pytest.approx(whole.misfits)
+
+
+def test_bending_is_found_on_another_mesh(scene: Scene) -> None:
+    """A measure of folding that depends on the mesh, or a prior that outweighs it, breaks this: k within 1.5."""
+    stiff = replace(scene.fabric, k=8.0 * scene.fabric.k)
+    target = bring_to_rest(scene.worn.at(scene.registered), stiff, scene.grid, scene.hold)
+    coarse = mesh_pattern(scene.template, 450)
+    nodes = resample(scene.worn, target, coarse)
+    waist = waist_loop(coarse.at(nodes))
+    assert waist is not None
+    problem = ShapeProblem.of(
+        coarse.at(nodes), scene.template, scene.fabric, scene.grid, Hold(waist, nodes[waist]), ShapeSettings()
+    )
+    fabric, estimate = fit_bending(problem)
+    assert abs(np.log(fabric.k / stiff.k)) < np.log(1.5)
+    assert estimate.identifiable
+    assert estimate.std < 0.5 * estimate.prior_std
+
+
+def test_what_a_drape_does_not_tell_is_said(scene: Scene) -> None:
+    """Breaks where weight or membrane stiffness is claimed from one drape, or the posterior exceeds the prior."""
+    problem = state(scene)
+    drape = problem.drape(scene.template, scene.registered)
+    spread, estimates = posterior(problem, scene.template, drape, problem.loss.value(drape.nodes))
+    assert spread.shape == scene.template.points.shape
+    assert 0.0 < spread.max() <= problem.settings.spread * 1.0001
+    assert [each.name for each in estimates] == ["H00", "H01", "H11", "H22"]
+    assert all(0.0 < each.std <= each.prior_std * 1.0001 and not each.identifiable for each in estimates)
+    assert nearest_fabrics(scene.fabric)[0] == scene.fabric.name
+
+
+def test_locked_panels_stay(scene: Scene) -> None:
+    """Breaks where the metric, seams or the simulator move a locked panel, or an unknown one is passed over."""
+    name = scene.template.panels[0].name
+    held = find_held(scene.template, scene.template, (f"panel:{name}",))
+    assert held.any()
+    kept = keep_held(scene.true, scene.template, scene.template, held)
+    np.testing.assert_allclose(kept.panel(name).points, scene.template.panel(name).points, atol=1e-8)
+    assert seam_mismatch(kept) < 1e-6
+    free = keep_seams(scene.template, scene.template, find_symmetry(scene.template), held)
+    np.testing.assert_allclose(free[held], 0.0, atol=1e-9)
+    with pytest.raises(LockUnknown):
+        find_held(scene.template, scene.template, ("panel:nowhere",))

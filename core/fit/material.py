@@ -1,0 +1,180 @@
+"""Find how stiff in bending a registered garment's cloth is, and say what one drape tells of the other parameters."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..hooks import SILENT, Hooks
+from ..pattern import Pattern
+from ..simulate import Fabric, FabricEstimate, load_fabrics
+from .settings import MaterialSettings
+from .shape import ShapeProblem, keep_seams
+
+if TYPE_CHECKING:
+    from ..simulate import Drape
+
+MEMBRANE = ("H00", "H01", "H11", "H22")
+"""The membrane stiffnesses, in the order of the posterior's parameters; k follows them."""
+
+_EVEN = 0.5
+"""A parameter counts as identified where the drape leaves at most half of the prior's standard deviation."""
+
+
+def ratio_prior(name: str, settings: MaterialSettings) -> tuple[float, float]:
+    """Give mean and standard deviation of ln(parameter / density) over the library, the deviation widened."""
+    logs = np.log([getattr(fabric, name) / fabric.density for fabric in load_fabrics()])
+    return float(logs.mean()), settings.widen * float(logs.std())
+
+
+def folding(problem: ShapeProblem, nodes: np.ndarray) -> float:
+    """Give the bending energy of nodes [m] per unit of k, a pure number: how much the cloth folds, wherever it does.
+
+    S = sum_h 2 c_h (1 - cos((theta_h - theta0_h) / 2)), notation of `simulate/bending.py`. It falls steadily as k
+    grows, also where the drape's folds lie elsewhere than the target's and distances say nothing.
+    """
+    from ..simulate import Energy
+
+    only = replace(problem.fabric, H00=0.0, H01=0.0, H11=0.0, H22=0.0, k=1.0, density=0.0)
+    return Energy(problem.topology, only).value(nodes)
+
+
+def fit_bending(
+    problem: ShapeProblem, settings: MaterialSettings | None = None, hooks: Hooks = SILENT
+) -> tuple[Fabric, FabricEstimate]:
+    """Estimate k of the cloth of a registered garment, at the density of the problem's fabric.
+
+    Equilibria from the registered nodes over the library's range of k / density, widened; then
+
+        -ln posterior(ln k) = (ln S(k) - ln S_target)^2 / (2 s^2) + n/2 ln L(k) + (ln k - mean)^2 / (2 spread^2)
+
+    with S `folding`, L the registered loss, its noise unknown, and the library's prior; both curves interpolated.
+    Two more equilibria beside the best sharpen it.
+
+    **Deviation**: the thesis descends by gradient. Folds jump from branch to branch, and the loss with them; a scan
+    with a measure that does not ask where the folds are cannot get caught.
+
+    Returns:
+        The fabric with the found k, and what is known of it.
+    """
+    settings = settings or MaterialSettings()
+    fabric = problem.fabric
+    mean, spread = ratio_prior("k", settings)
+    ratios = np.log([each.k / each.density for each in load_fabrics()])
+    low, high = float(ratios.min()) - settings.below, float(ratios.max()) + settings.above
+    wanted = np.log(folding(problem, problem.garment.nodes))
+    kept = hooks.load_checkpoint("fit.fabric")
+    rows: list[tuple[float, float, float]] = []
+    if kept is not None and np.array_equal(kept["start"], problem.garment.nodes):
+        rows = [(float(a), float(b), float(c)) for a, b, c in kept["rows"]]
+
+    def sample(at: float) -> None:
+        if any(abs(row[0] - at) < 1e-9 for row in rows):
+            return
+        stiffer = replace(problem, fabric=replace(fabric, k=fabric.density * float(np.exp(at))))
+        drape = stiffer.drape(problem.garment.pattern, problem.garment.nodes, hooks)
+        rows.append((at, np.log(folding(problem, drape.nodes)), np.log(problem.loss.value(drape.nodes))))
+        hooks.save_checkpoint("fit.fabric", {"start": problem.garment.nodes, "rows": np.array(rows)})
+
+    def cost(fine: np.ndarray) -> np.ndarray:
+        from scipy.interpolate import PchipInterpolator
+
+        known = np.array(sorted(rows))
+        folds, losses = (PchipInterpolator(known[:, 0], known[:, n])(fine) for n in (1, 2))
+        away = (folds - wanted) / settings.folding_spread
+        return np.asarray(
+            0.5 * away**2 + 0.5 * problem.settings.observations * losses + 0.5 * ((fine - mean) / spread) ** 2
+        )
+
+    grid = np.linspace(low, high, settings.values)
+    for n, at in enumerate(grid):
+        hooks.progress("fit", 0.3 * n / len(grid), "looking for the cloth's bending stiffness")
+        sample(float(at))
+    fine = np.linspace(low, high, 801)
+    best = float(fine[np.argmin(cost(fine))])
+    for side in (-1.0, 1.0):
+        sample(float(np.clip(best + 0.25 * side * (grid[1] - grid[0]), low, high)))
+    value, std = _moments(fine, cost(fine))
+    std = max(std, settings.least_std)
+    identified = std < _EVEN * spread
+    k = fabric.density * float(np.exp(value))
+    bound = "" if low + std < value < high - std else ", at the end of the range that was searched"
+    note = f"fitted: ratio to the assumed weight, within a factor {np.exp(std):.1f} (one standard deviation){bound}"
+    title = f"{fabric.title or fabric.name}, bending found from the scan"
+    found = replace(
+        fabric, title=title, k=k, sources=(*(pair for pair in fabric.sources if pair[0] != "k"), ("k", note))
+    )
+    return found, FabricEstimate("k", k, std, spread, identified, note)
+
+
+def _moments(fine: np.ndarray, cost: np.ndarray) -> tuple[float, float]:
+    """Give mean and standard deviation of exp(-cost) over an even grid."""
+    weight = np.exp(cost.min() - cost)
+    weight /= weight.sum()
+    middle = float(weight @ fine)
+    return middle, float(np.sqrt(weight @ (fine - middle) ** 2))
+
+
+def posterior(
+    problem: ShapeProblem, pattern: Pattern, drape: Drape, loss: float, settings: MaterialSettings | None = None
+) -> tuple[np.ndarray, tuple[FabricEstimate, ...]]:
+    """Say how well control points and membrane stiffnesses are known, from the Gauss-Newton matrix and the residual.
+
+        covariance = (n / (2 L) J^T W J + prior^-1)^-1
+
+    over effective control points (seams kept) and ln H00, H01, H11, H22, ln k: J = dx*/dp. The noise's size comes from
+    the misfit L itself, n as in `ShapeSettings.observations`.
+
+    Returns:
+        Standard deviation of each control point [m], shape [point_count, 2], and an estimate of each stiffness.
+    """
+    from ..simulate import AtRest, Parameters, factor_blend, with_friction_frozen
+
+    settings = settings or MaterialSettings()
+    names = (*MEMBRANE, "k")
+    parameters: Parameters = replace(problem.parameters, fabric=names)
+    energy = with_friction_frozen(problem.energy(pattern), drape.nodes, drape.anchors)
+    blocks = energy.hessian(drape.nodes)[2]
+    factor_blend(energy, problem.solver, drape.nodes, blocks, 1.0)
+    moves = AtRest(energy, drape.nodes, blocks, problem.solver).push(*parameters.rates(energy))
+    shape_count = parameters.count - len(names)
+    spreads = np.array([ratio_prior(name, settings)[1] for name in names])
+    variance = np.concatenate([np.full(shape_count, problem.settings.spread**2), spreads**2])
+    matrix = 0.5 * problem.settings.observations / loss * problem.loss.curvature(moves) + np.diag(1.0 / variance)
+    seams = keep_seams(pattern, problem.like, problem.symmetry, problem.held)
+    free = np.zeros((parameters.count, seams.shape[1] + len(names)))
+    free[:shape_count, : seams.shape[1]] = seams
+    free[shape_count:, seams.shape[1] :] = np.eye(len(names))
+    covariance = free @ np.linalg.inv(free.T @ matrix @ free) @ free.T
+    expand = problem.symmetry.matrix.toarray()
+    points = np.einsum("ip,pq,iq->i", expand, covariance[:shape_count, :shape_count], expand)
+    left = np.sqrt(np.diag(covariance)[shape_count:])
+    estimates = tuple(
+        _membrane(problem.fabric, name, float(left[n]), float(spreads[n])) for n, name in enumerate(MEMBRANE)
+    )
+    return np.sqrt(np.maximum(points, 0.0)).reshape(-1, 2), estimates
+
+
+def _membrane(fabric: Fabric, name: str, std: float, spread: float) -> FabricEstimate:
+    """State a membrane stiffness as it was given: it was not fitted, whatever the drape might tell."""
+    told = "the drape leaves it open" if std >= _EVEN * spread else "the drape bears on it, but it is not fitted"
+    return FabricEstimate(name, getattr(fabric, name), std, spread, False, f"library's ratio to weight; {told}")
+
+
+def state_density(fabric: Fabric) -> FabricEstimate:
+    """State the weight: a drape at rest depends on ratios to it alone."""
+    note = "not identifiable: a drape at rest fixes only the other parameters' ratios to it; the library's value"
+    logs = np.log([each.density for each in load_fabrics()])
+    return FabricEstimate("density", fabric.density, float(logs.std()), float(logs.std()), False, note)
+
+
+def nearest_fabrics(fabric: Fabric, count: int = 3) -> tuple[str, ...]:
+    """Name the fabrics of the library that bend most alike under their own weight: nearest in ln(k / density)."""
+    at = np.log(fabric.k / fabric.density)
+
+    def away(other: Fabric) -> float:
+        return abs(float(np.log(other.k / other.density) - at))
+
+    return tuple(each.name for each in sorted(load_fabrics(), key=away)[:count])
