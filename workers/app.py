@@ -19,6 +19,9 @@ TASK = "garmentq.recover"
 HARD_EXTRA_SECONDS = 60.0
 """How much longer than `max_seconds` a child lives before it is killed [s]: time for its own, orderly end."""
 
+LOST_SECONDS = 0.5
+"""How long a dead child may still have a result in its pipe [s]; no result is kept there, so a moment is enough."""
+
 BROKER_SECONDS = 5
 """Longest wait for the broker's answer, and the period of the connection's health check [s]."""
 
@@ -39,6 +42,7 @@ def make_app(settings: ServiceSettings) -> Celery:
         task_publish_retry=False,
         worker_prefetch_multiplier=1,
         worker_disable_prefetch=True,  # a message in a busy worker's hands is one that an idle worker cannot take
+        worker_lost_wait=LOST_SECONDS,
         worker_send_task_events=False,
         worker_hijack_root_logger=False,
         worker_redirect_stdouts=False,

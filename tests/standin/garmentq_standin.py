@@ -1,13 +1,16 @@
 """A quick stand-in for the pipeline, so that tests of the queue take seconds; what it does is in the scan's name.
 
 `slow...` takes 4 s in 40 steps with a checkpoint after each 5, `crash...` dies of a signal, `bad...` is refused,
-`fault...` has a bug, `deaf...` never asks whether it must stop; everything else succeeds at once.
+`fault...` has a bug, `leave...` ends its process, `short...` takes 0.1 s, `stuck...` takes 10 minutes and never asks
+whether it must stop,
+`deaf...` never asks whether it must stop; everything else succeeds at once.
 """
 
 from __future__ import annotations
 
 import os
 import signal
+import sys
 import time
 from pathlib import Path
 
@@ -51,6 +54,12 @@ def recover(request: Request, hooks: Hooks) -> Recovery:
         os.kill(os.getpid(), signal.SIGKILL)
     if name.startswith("deaf"):
         time.sleep(3.0)
+    if name.startswith("leave"):
+        sys.exit(3)
+    if name.startswith("short"):
+        time.sleep(0.1)
+    if name.startswith("stuck"):
+        time.sleep(600.0)
     if name.startswith("slow"):
         _work(hooks)
     for stage in STAGES:
