@@ -34,15 +34,15 @@ def accept_polish(
     """
     if not np.isfinite(finer).all():
         return before, False
-    was_flipped, was_crossing = flipped(before, faces, target), _crossing(before, faces)
+    was_flipped, was_crossing = flipped(before, faces, target), crossing(before, faces)
     back = np.zeros(len(before))
     x = finer
     for turn in range(ROUNDS):
-        now_flipped, now_crossing = flipped(x, faces, target), _crossing(x, faces)
+        now_flipped, now_crossing = flipped(x, faces, target), crossing(x, faces)
         if now_flipped.sum() <= was_flipped.sum() and now_crossing.sum() <= was_crossing.sum():
             return x, True
         wrong = (now_flipped & ~was_flipped) | (now_crossing & ~was_crossing)
-        back = np.maximum(back, _fade(wrong, faces, len(before), RINGS * 2**turn))
+        back = np.maximum(back, fade(wrong, faces, len(before), RINGS * 2**turn))
         x = finer + back[:, None] * (before - finer)
     return before, False
 
@@ -54,13 +54,14 @@ def flipped(nodes: np.ndarray, faces: np.ndarray, target: PreparedTarget) -> np.
     return np.zeros(len(faces), dtype=bool) if target.unsigned else cosine < 0
 
 
-def _crossing(nodes: np.ndarray, faces: np.ndarray) -> np.ndarray:
+def crossing(nodes: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Tell which faces intersect a face that is not their neighbour, shape [face_count]."""
     wrong = np.zeros(len(faces), dtype=bool)
     wrong[self_intersections(nodes, faces)] = True
     return wrong
 
 
-def _fade(wrong: np.ndarray, faces: np.ndarray, count: int, rings: int) -> np.ndarray:
+def fade(wrong: np.ndarray, faces: np.ndarray, count: int, rings: int) -> np.ndarray:
     """Give 1 at the nodes of wrong faces and their first ring, falling linearly to 0 over the given rings."""
     reach = (incidence(faces, count) @ wrong > 0).astype(np.float64)
     edges, _ = half_edges(faces)

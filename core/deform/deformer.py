@@ -14,6 +14,7 @@ from .acceptance import accept_polish, flipped
 from .body_distance import BodyDistance, body_depth
 from .clearance import clear_body
 from .deformation import Deformation
+from .easing import ease_stretch
 from .jacobian_stage import optimise_jacobians
 from .objective import Objective
 from .operators import gradient_operator
@@ -67,6 +68,7 @@ def deform(
     if settings.polish_iterations > 0:
         finer = polish_nodes(x, faces, gradient, areas, metric, goal, distance, settings, hooks)
         x, polished = accept_polish(finer, x, faces, goal)
+        x = ease_stretch(x, gradient, areas, faces)
     hooks.progress("deform", 0.9, "clearance")
     if settings.clear_body:
         laplacian = (gradient.T @ sp.diags(np.repeat(areas, 2)) @ gradient).tocsr()

@@ -1,0 +1,52 @@
+"""The last touches: triangles out of their bounds of stretch, and patches that cross themselves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from garmentq.core.deform.easing import HIGHEST, LOWEST, ease_stretch
+from garmentq.core.deform.operators import gradient_operator
+from garmentq.core.measure import self_intersections
+
+
+@pytest.fixture(scope="module")
+def sheet():
+    """Give a flat sheet of 30 cm with edges of 1.5 cm: nodes, faces, gradient operator and areas."""
+    count = 21
+    u, v = np.meshgrid(np.arange(count), np.arange(count), indexing="ij")
+    nodes = np.stack([u.ravel() * 0.015, v.ravel() * 0.015, np.zeros(count**2)], axis=1)
+    corner = (u[:-1, :-1] * count + v[:-1, :-1]).ravel()
+    faces = np.concatenate(
+        [
+            np.stack([corner, corner + count, corner + count + 1], 1),
+            np.stack([corner, corner + count + 1, corner + 1], 1),
+        ]
+    )
+    gradient, areas = gradient_operator(nodes[faces][:, :, :2], faces, len(nodes))
+    return nodes, faces, gradient, areas
+
+
+def _sizes(gradient, nodes):
+    return np.linalg.svd(np.asarray(gradient @ nodes).reshape(-1, 2, 3), compute_uv=False)
+
+
+def test_sound_triangles_do_not_move(sheet):
+    """Breaks if easing touches a mesh within the bounds: the fit would drift with every call."""
+    nodes, faces, gradient, areas = sheet
+    curved = nodes * [1.2, 0.9, 1.0] + 0.01 * np.sin(20.0 * nodes[:, [0]]) * [0.0, 0.0, 1.0]
+    assert np.array_equal(ease_stretch(curved, gradient, areas, faces), curved)
+
+
+def test_collapsed_and_torn_triangles_come_back_within_bounds(sheet):
+    """Breaks if the clipped gradients are wrong, or if the correction spreads over the sheet."""
+    nodes, faces, gradient, areas = sheet
+    wrong = nodes.copy()
+    wrong[220] += [0.0125, 0.002, 0.0]
+    before = _sizes(gradient, wrong)
+    assert before.min() < 0.3 and before.max() > HIGHEST
+    eased = ease_stretch(wrong, gradient, areas, faces)
+    after = _sizes(gradient, eased)
+    assert after.min() > 0.95 * LOWEST and after.max() < 1.05 * HIGHEST
+    far = np.linalg.norm(nodes - nodes[220], axis=1) > 0.06
+    assert np.abs(eased - wrong)[far].max() < 5e-4
+    assert len(self_intersections(eased, faces)) == 0
