@@ -22,8 +22,7 @@ def command(jobs: tuple[str, ...], home: Path | None, as_json: bool) -> None:
     Example:
       garmentq cancel 3685ecfd4f81
     """
-    from ..service.database import open_database
-    from ..service.jobs import cancel, find_job
+    from ..service.anywhere import cancel, find_job, open_database
     from ..service.settings import read_settings
     from .terminal import note, print_json
 

@@ -26,9 +26,7 @@ def command(job: str, names: tuple[str, ...], out: Path, home: Path | None, as_j
     Example:
       garmentq export 3685ecfd4f81 pattern.svg detail.glb --out result
     """
-    from ..service.database import open_database
-    from ..service.jobs import find_job
-    from ..service.results import export_files
+    from ..service.anywhere import export_files, find_job, open_database
     from ..service.settings import read_settings
     from ..service.store import open_store
     from .terminal import print_json

@@ -11,8 +11,7 @@ from typing import Any
 import click
 
 from ..core.recovery import STAGES
-from ..service.database import Database
-from ..service.jobs import ENDED, find_job, read_events
+from ..service.anywhere import ENDED, Place, find_job, read_events
 from ..service.models import EventRow, JobRow
 
 PERIOD_SECONDS = 0.2
@@ -28,7 +27,7 @@ class WaitTimedOut(Exception):
 
 
 def follow(
-    database: Database,
+    database: Place,
     job: str,
     timeout: float | None,
     is_quiet: bool,

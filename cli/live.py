@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ..service.anywhere import ENDED, Place, find_job, find_jobs_by_id, list_jobs
 from ..service.database import Database
-from ..service.jobs import ENDED, find_job, find_jobs_by_id, list_jobs
 from ..service.models import JobRow
 from ..service.query import count_states
 from ..service.reaper import list_workers
@@ -28,7 +28,7 @@ BATCH_ROWS = 12
 """Jobs of a batch that are shown one by one: the running ones."""
 
 
-def watch_queue(database: Database, job: str | None, limit: int) -> None:
+def watch_queue(database: Place, job: str | None, limit: int) -> None:
     """Show jobs and workers until Ctrl-C, or once where the output is no terminal."""
     from rich.console import Console
     from rich.live import Live
@@ -49,16 +49,17 @@ def watch_queue(database: Database, job: str | None, limit: int) -> None:
         return
 
 
-def draw_queue(database: Database, rows: Sequence[JobRow]) -> RenderableType:
+def draw_queue(database: Place, rows: Sequence[JobRow]) -> RenderableType:
     """Draw the counts by state, the workers, and some jobs."""
     from rich.console import Group
     from rich.text import Text
 
-    counts = count_states(database)
+    is_local = isinstance(database, Database)
+    counts = count_states(database) if is_local else Counter(row.state for row in rows)
     title = "  ".join(f"{state} {counts[state]}" for state in sorted(counts)) or "no jobs"
     workers = [
         [row.name, row.queues, row.concurrency, show_time(row.started), show_time(row.seen)]
-        for row in list_workers(database)
+        for row in (list_workers(database) if is_local else ())
     ]
     jobs = [
         [row.id, row.name, row.queue, row.priority, row.state, row.stage, round(100 * row.progress), row.attempts]
@@ -71,7 +72,7 @@ def draw_queue(database: Database, rows: Sequence[JobRow]) -> RenderableType:
     )
 
 
-def follow_batch(database: Database, jobs: Sequence[str], timeout: float | None) -> list[JobRow]:
+def follow_batch(database: Place, jobs: Sequence[str], timeout: float | None) -> list[JobRow]:
     """Wait until every job of a batch has ended, with one view over all of them.
 
     On a terminal one bar and the running jobs; elsewhere a line whenever another job has ended.

@@ -25,8 +25,7 @@ def command(context: click.Context, job: str, follows: bool, home: Path | None, 
     Example:
       garmentq logs -f 3685ecfd4f81
     """
-    from ..service.database import open_database
-    from ..service.jobs import ENDED, find_job, read_events
+    from ..service.anywhere import ENDED, find_job, open_database, read_events
     from ..service.settings import read_settings
     from .follow import PERIOD_SECONDS
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from ..core.settings import RecoverySettings
+from ..service.anywhere import Place
 from ..service.database import Database
 from ..service.ordering import FileUnreadable, check_order
 from ..service.settings import ServiceSettings
@@ -15,12 +17,12 @@ from ..service.submission import BUILTIN, Order
 __all__ = ["FileUnreadable", "make_order", "split_garments", "typed_order"]
 
 
-def make_order(settings: ServiceSettings, database: Database, scan: Path, options: dict[str, Any]) -> Order:
+def make_order(settings: ServiceSettings, database: Place, scan: Path, options: dict[str, Any]) -> Order:
     """Check the files and names that were typed, before anything is queued.
 
     Args:
         settings: Where the checker is named.
-        database: Where imported templates are.
+        database: Where imported templates are; or a client of a service that has them.
         scan: The garment's file.
         options: What `order_options` collected; of several `--keep` the first.
 
@@ -28,7 +30,10 @@ def make_order(settings: ServiceSettings, database: Database, scan: Path, option
         GarmentqError: with the code of what cannot be used.
     """
     order, template = typed_order(scan, options)
-    return check_order(settings, database, open_store(settings), order, template)
+    if isinstance(database, Database):
+        return check_order(settings, database, open_store(settings), order, template)
+    checked = check_order(settings, database, open_store(settings), order, None)  # the service knows its templates
+    return replace(checked, settings=replace(checked.settings, template=template))
 
 
 def typed_order(scan: Path, options: dict[str, Any]) -> tuple[Order, str | None]:

@@ -39,19 +39,17 @@ def command(
     Example:
       garmentq query --garment skirt --where 'surface_rms_mm.t2s < 4' --sort -created --json
     """
-    from ..service.database import open_database
-    from ..service.query import Condition, find_jobs, parse_conditions
-    from ..service.results import describe_job
+    from ..service.anywhere import describe_job, find_jobs, open_database
+    from ..service.query import parse_conditions
     from ..service.settings import read_settings
     from .summary import flatten
     from .terminal import print_csv, print_json, print_table, show_time
 
     database = open_database(read_settings(home=home))
     given = {"garment": garment, "state": state, "fabric": fabric}
-    conditions = [Condition(name, "=", value) for name, value in given.items() if value is not None]
-    for text in wheres:
-        conditions += parse_conditions(text)
-    found = [describe_job(database, row) for row in find_jobs(database, conditions, sort, limit)]
+    chosen = {name: value for name, value in given.items() if value is not None}
+    conditions = [condition for text in wheres for condition in parse_conditions(text)]
+    found = [describe_job(database, row) for row in find_jobs(database, chosen, wheres, sort, limit)]
     if as_json:
         for item in found:
             print_json(item)

@@ -24,9 +24,7 @@ def command(context: click.Context, job: str, home: Path | None, as_json: bool) 
     Example:
       garmentq result 3685ecfd4f81
     """
-    from ..service.database import open_database
-    from ..service.jobs import ENDED, find_job
-    from ..service.results import ResultMissing, describe_job, list_files
+    from ..service.anywhere import ENDED, ResultMissing, describe_job, find_job, list_files, open_database
     from ..service.settings import read_settings
     from .summary import print_result
     from .terminal import print_error, print_json, print_table

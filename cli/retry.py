@@ -22,8 +22,7 @@ def command(jobs: tuple[str, ...], home: Path | None, as_json: bool) -> None:
     Example:
       garmentq retry 3685ecfd4f81
     """
-    from ..service.database import open_database
-    from ..service.jobs import find_job, retry
+    from ..service.anywhere import find_job, open_database, retry
     from ..service.settings import read_settings
     from .terminal import note, print_json
 

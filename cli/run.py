@@ -12,7 +12,7 @@ from . import exits
 from .options import home_option, json_option, order_options, timeout_option, workers_option
 
 if TYPE_CHECKING:
-    from ..service.database import Database
+    from ..service.anywhere import Place
     from ..service.settings import ServiceSettings
 
 
@@ -46,10 +46,9 @@ def command(
       garmentq run skirt.obj --body builtin:female,height=1.70 --units cm --json
       garmentq run person.ply --labels labels.npz --keep 1
     """
-    from ..service.database import open_database
+    from ..service.anywhere import is_remote, open_database, submit
     from ..service.settings import read_settings
     from ..service.store import open_store
-    from ..service.submission import submit
     from ..workers.embedded import ensure_services
     from .order import make_order
     from .terminal import note
@@ -62,7 +61,7 @@ def command(
     submitted = submit(database, open_store(settings), order)
 
     def keep_up() -> None:
-        for name in ensure_services(settings, workers):
+        for name in () if is_remote() else ensure_services(settings, workers):
             note(f"started the {name}")
 
     if submitted.state != "succeeded":
@@ -73,7 +72,7 @@ def command(
 
 def wait_and_show(
     settings: ServiceSettings,
-    database: Database,
+    database: Place,
     job: str,
     timeout: float | None,
     out: Path | None,
@@ -94,7 +93,7 @@ def wait_and_show(
     Returns:
         Exit status.
     """
-    from ..service.results import describe_job, export_files
+    from ..service.anywhere import describe_job, export_files
     from ..service.store import open_store
     from .follow import WaitTimedOut, follow
     from .summary import print_result

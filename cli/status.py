@@ -24,9 +24,7 @@ def command(job: str | None, limit: int, watch: bool, home: Path | None, as_json
       garmentq status --watch
       garmentq status 3685ecfd4f81 --json
     """
-    from ..service.database import open_database
-    from ..service.jobs import find_job, list_jobs
-    from ..service.results import describe_job
+    from ..service.anywhere import describe_job, find_job, list_jobs, open_database
     from ..service.settings import read_settings
     from .terminal import print_error, print_json, print_table, show_time
 

@@ -49,10 +49,9 @@ def command(
       garmentq submit person.ply --keep upper --keep lower
     """
     from ..core.errors import GarmentqError
-    from ..service.database import open_database
+    from ..service.anywhere import open_database, submit
     from ..service.settings import read_settings
     from ..service.store import open_store
-    from ..service.submission import submit
     from .order import make_order, split_garments
     from .terminal import print_error, print_json
 

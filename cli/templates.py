@@ -35,19 +35,10 @@ def list_command(home: Path | None, as_json: bool) -> None:
     Example:
       garmentq templates list
     """
-    from ..core.pattern import list_templates
-    from ..service.templates import list_imported
+    from ..service.anywhere import list_templates
     from .terminal import print_json, print_table
 
-    database, _ = _open(home)
-    rows: list[dict[str, Any]] = [
-        {"name": info.name, "category": info.category, "source": "shipped", "title": info.title}
-        for info in list_templates()
-    ]
-    for kept in list_imported(database):
-        rows.append(
-            {"name": kept.name, "category": kept.category, "source": "imported", "title": f"{kept.panels} panels"}
-        )
+    rows = list_templates(_open(home)[0])
     if as_json:
         for row in rows:
             print_json(row)
@@ -94,14 +85,15 @@ def import_command(file: Path, name: str, home: Path | None, as_json: bool) -> N
       garmentq templates import jacket.json --name jacket
     """
     from ..core.pattern import list_templates, load_pattern
-    from ..service.templates import TemplateNameBad, keep_template
+    from ..service.anywhere import import_template
+    from ..service.templates import TemplateNameBad
     from .terminal import note, print_json
 
     pattern = load_pattern(file)
     if name in [info.name for info in list_templates()]:
         raise TemplateNameBad(f"'{name}' is the name of a shipped template; choose another.")
     database, store = _open(home)
-    keep_template(database, store, name, file, pattern.category, len(pattern.panels))
+    import_template(database, store, name, file, pattern.category, len(pattern.panels))
     found = {"name": name, "panels": len(pattern.panels), "seams": len(pattern.seams), "category": pattern.category}
     if as_json:
         print_json(found)
@@ -127,7 +119,7 @@ def export_command(name: str, out: Path, home: Path | None) -> None:
 
 
 def _open(home: Path | None) -> tuple[Any, Any]:
-    from ..service.database import open_database
+    from ..service.anywhere import open_database
     from ..service.settings import read_settings
     from ..service.store import open_store
 
@@ -138,8 +130,7 @@ def _open(home: Path | None) -> tuple[Any, Any]:
 def _load(name: str, home: Path | None) -> Pattern:
     """Load an imported or a shipped template."""
     from ..core.pattern import load_template, read_pattern
-    from ..service.templates import find_template
+    from ..service.anywhere import read_template
 
-    database, store = _open(home)
-    kept = find_template(database, name)
-    return read_pattern(store.get_bytes(kept.sha256), name=name) if kept else load_template(name)
+    content = read_template(*_open(home), name)
+    return load_template(name) if content is None else read_pattern(content, name=name)

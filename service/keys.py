@@ -188,13 +188,5 @@ def check_quota(session: Session, key: str, quota: int) -> None:
         raise QueueFull(f"the key has {quota} jobs queued, as many as it may; wait, or cancel some.")
 
 
-def owns(database: Database, caller: Caller, job: str) -> bool:
-    """Tell whether a caller may see a job."""
-    if caller.sees_all:
-        return True
-    with database.read() as session:
-        return session.get(OwnerRow, (caller.key, job)) is not None
-
-
 def _hash(token: str) -> str:
     return hashlib.sha256(token.encode("utf-8", "surrogatepass")).hexdigest()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 from sqlalchemy import select
 
@@ -44,3 +45,14 @@ def list_imported(database: Database) -> list[TemplateRow]:
     """Give every imported template by name."""
     with database.read() as session:
         return list(session.scalars(select(TemplateRow).order_by(TemplateRow.name)))
+
+
+def describe_templates(database: Database) -> list[dict[str, Any]]:
+    """Give shipped and imported templates: name, category, source, title."""
+    from ..core.pattern import list_templates
+
+    found = [{"name": i.name, "category": i.category, "source": "shipped", "title": i.title} for i in list_templates()]
+    for kept in list_imported(database):
+        title = f"{kept.panels} panels"
+        found.append({"name": kept.name, "category": kept.category, "source": "imported", "title": title})
+    return found

@@ -9,11 +9,12 @@ from typing import Annotated
 from anyio import CapacityLimiter
 from fastapi import Depends, Request, Security
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
+from sqlalchemy import select
 
 from ..database import Database
 from ..jobs import JobUnknown, find_job
-from ..keys import Caller, admit, owns
-from ..models import JobRow
+from ..keys import Caller, admit
+from ..models import JobRow, OwnerRow
 from ..settings import ServiceSettings
 from ..store import Store
 from .limits import ApiLimits
@@ -93,14 +94,19 @@ Admin = Annotated[Caller, Depends(get_admin)]
 
 
 def find_own(rooms: Rooms, caller: Caller, job: str) -> JobRow:
-    """Give a job that the caller may see; another key's job is as unknown as none. Only whole ids are taken
-    from a key that does not see all, so that a beginning tells nothing of the jobs of others.
+    """Give a job that the caller may see, by its id or its beginning; another key's job is as unknown as none.
 
     Raises:
         JobUnknown: where there is none.
     """
-    row = find_job(rooms.database, job) if job.isalnum() and len(job) <= 16 else None
-    is_whole = row is not None and (caller.sees_all or row.id == job)
-    if row is None or not is_whole or not owns(rooms.database, caller, row.id):
-        raise JobUnknown(f"there is no job '{job[:40]}'; `garmentq status` lists them all.")
-    return row
+    unknown = JobUnknown(f"there is no job '{job[:40]}'; `garmentq status` lists them all.")
+    if not (job.isascii() and job.isalnum() and 4 <= len(job) <= 16):
+        raise unknown
+    if caller.sees_all:
+        return find_job(rooms.database, job)
+    with rooms.database.read() as session:
+        own = select(JobRow).join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == caller.key)
+        rows = session.scalars(own.where(JobRow.id.startswith(job)).limit(2)).all()
+    if len(rows) != 1:
+        raise unknown
+    return rows[0]

@@ -31,6 +31,7 @@ EXAMPLE = {
     "job": "3685ecfd4f81", "name": "skirt", "state": "succeeded", "stage": "measure", "progress": 1.0, "attempts": 1,
     "created": 1795250000.1, "started": 1795250000.4, "finished": 1795250071.9, "error": None, "garment": "skirt",
     "template": "skirt", "fabric": "cotton_poplin", "body": "builtin:female,height=1.70", "bad_input": False,
+    "queue": "cpu", "priority": 0,
     "metrics": {"surface_rms_mm.t2s": 0.41}, "gates": [], "warnings": [],
 }  # fmt: skip
 ASKED = {"job": "3685ecfd4f81", "state": "queued", "is_new": True}
@@ -88,7 +89,11 @@ def retry_job(job: str, rooms: RoomsOf, caller: Submitter) -> Any:
 
 def show_job(rooms: Rooms, row: JobRow) -> dict[str, Any]:
     """Give a job as JSON values."""
-    return describe_job(rooms.database, row) | {"bad_input": row.bad_input}
+    return describe_job(rooms.database, row) | {
+        "bad_input": row.bad_input,
+        "queue": row.queue,
+        "priority": row.priority,
+    }
 
 
 def _create(rooms: Rooms, caller: Caller, wanted: JobIn, token: str | None) -> Submitted:

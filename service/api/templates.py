@@ -9,7 +9,7 @@ from typing import Any
 from fastapi import APIRouter, Request, Response
 from starlette.concurrency import run_in_threadpool
 
-from ..templates import TemplateNameBad, find_template, keep_template, list_imported
+from ..templates import TemplateNameBad, describe_templates, find_template, keep_template
 from .access import Admin, Reader, Rooms, RoomsOf
 from .problems import show_answer
 from .schemas import TemplateName
@@ -23,7 +23,7 @@ IMPORTED = {"name": "jacket", "panels": 7, "seams": 12, "category": "jacket"}
 @router.get("", summary="List the templates.", responses=show_answer({"templates": [EXAMPLE]}))
 def list_all(rooms: RoomsOf, caller: Reader) -> Any:
     """Give shipped and imported templates."""
-    return {"templates": describe_templates(rooms)}
+    return {"templates": describe_templates(rooms.database)}
 
 
 @router.get("/{name}", summary="Give a template as a GarmentCode pattern.", responses=show_answer({"pattern": {}}))
@@ -63,14 +63,3 @@ def _import(rooms: Rooms, name: str, content: bytes) -> dict[str, Any]:
         pattern = load_pattern(path)
         keep_template(rooms.database, rooms.store, name, path, pattern.category, len(pattern.panels))
     return {"name": name, "panels": len(pattern.panels), "seams": len(pattern.seams), "category": pattern.category}
-
-
-def describe_templates(rooms: Rooms) -> list[dict[str, Any]]:
-    """Give every template as JSON values."""
-    from ...core.pattern import list_templates
-
-    found = [{"name": i.name, "category": i.category, "source": "shipped", "title": i.title} for i in list_templates()]
-    for kept in list_imported(rooms.database):
-        title = f"{kept.panels} panels"
-        found.append({"name": kept.name, "category": kept.category, "source": "imported", "title": title})
-    return found

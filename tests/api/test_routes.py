@@ -127,6 +127,7 @@ def test_another_keys_job_is_unknown(client, database):
         assert len(client.get(path, headers=ours).json()["jobs"]) == 1
         assert len(client.get(path, headers=admin).json()["jobs"]) == 1
     assert client.get(f"/v1/jobs/{job[:6]}", headers=theirs).status_code == 404
+    assert client.get(f"/v1/jobs/{job[:6]}", headers=ours).json()["job"] == job
     digest = hashlib.sha256(make_ply()).hexdigest()
     stolen = client.post("/v1/jobs", json={"scan": digest, "body": "builtin:female,height=1.7"}, headers=theirs)
     assert (stolen.status_code, code_of(stolen)) == (404, "upload.unknown")

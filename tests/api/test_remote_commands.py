@@ -1,0 +1,127 @@
+"""Every command says the same of a service as of a home, with the same exit statuses."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from api_client import serving
+from api_work import finish, make_ply
+from garmentq.core.errors import NotFound
+from garmentq.core.pattern import list_templates
+from garmentq.service.client import Client
+from garmentq.service.jobs import claim, fail
+from garmentq.service.keys import create_key
+from garmentq.service.submission import Order
+from garmentq_standin import make_recovery  # noqa: F401
+
+
+@pytest.fixture
+def remote(cli, address):
+    """Give a function that runs one command on the served home."""
+    return lambda *words, **more: cli(*words, GARMENTQ_URL=address, **more)
+
+
+@pytest.fixture
+def files(tmp_path):
+    """Write scan, body and a broken file."""
+    (tmp_path / "skirt.ply").write_bytes(make_ply())
+    (tmp_path / "body.ply").write_bytes(make_ply(-0.5))
+    (tmp_path / "broken.ply").write_text("no mesh")
+    return tmp_path
+
+
+def test_the_same_words_and_statuses(cli, remote, files, settings, database, store):
+    """Broken where a command works otherwise on a service: other output, other status, or local state is touched."""
+    asked = remote("submit", files / "skirt.ply", "--body", files / "body.ply")
+    assert asked.returncode == 0, asked.stderr
+    job = asked.stdout.strip()
+    assert cli("submit", files / "skirt.ply", "--body", files / "body.ply").stdout.strip() == job
+    finish(settings, database, store, job, files / "made")
+    for words in (
+        ("status", "--json"), ("status", job), ("status", job[:5]), ("logs", job, "--json"), ("logs", "-f", job),
+        ("result", job), ("result", job, "--json"), ("query", "--json"), ("query", "--where", "surface_rms_mm.t2s < 9"),
+        ("query", "--csv"), ("query", "--where", "nosuch < 1"), ("query", "--where", "drop table"),
+        ("templates", "list"), ("templates", "show", "skirt"), ("templates", "show", "nosuch"), ("materials", "--json"),
+        ("status", "nosuchjob"), ("export", job, "nosuch"), ("cancel", job), ("cancel", "nosuchjob"),
+        ("submit", files / "broken.ply", "--body", files / "body.ply"),
+        ("submit", files / "skirt.ply"),
+        ("submit", files / "skirt.ply", "--body", files / "body.ply", "--fabric", "nosuch"),
+        ("submit", files / "skirt.ply", "--body", files / "body.ply", "--template", "nosuch"),
+    ):  # fmt: skip
+        here, there = cli(*words), remote(*words)
+        assert (here.returncode, here.stdout) == (there.returncode, there.stdout), (words, there.stderr)
+        assert here.stderr == there.stderr, words
+    here, there = cli("export", job, "-o", files / "a"), remote("export", job, "-o", files / "b")
+    assert here.returncode == there.returncode == 0
+    assert {p.name: p.read_bytes() for p in (files / "a").iterdir()} == {
+        p.name: p.read_bytes() for p in (files / "b").iterdir()
+    }
+    done = remote("run", files / "skirt.ply", "--body", files / "body.ply", "--json", "--out", files / "c")
+    assert done.returncode == 0 and json.loads(done.stdout)["job"] == job
+    assert (files / "c" / "pattern.svg").read_bytes() == (files / "made" / "pattern.svg").read_bytes()
+
+
+def test_ended_badly(remote, cli, files, database):
+    """Broken where a failed job's status, a retry or a running job differs by way of asking."""
+    job = remote("submit", files / "skirt.ply", "--body", files / "body.ply").stdout.strip()
+    assert (
+        remote("result", job).returncode == 3 and remote("retry", job).returncode == cli("retry", job).returncode == 4
+    )
+    fail(database, claim(database, job, "test", 60.0), "scan.x", "bad", bad_input=True)
+    assert remote("result", job).returncode == cli("result", job).returncode == 4
+    assert remote("retry", job).returncode == 0 and remote("cancel", job, "--json").stdout
+    assert remote("result", job).returncode == 7
+    waited = remote("submit", files / "skirt.ply", "--body", files / "body.ply", "--wait", "--timeout", "0.1")
+    assert waited.returncode == 8
+
+
+def test_templates_go_over(remote, cli, files, address):
+    """Broken where an imported template is another one on the other side, or a job cannot use it."""
+    name = list_templates()[0].name
+    assert remote("templates", "export", name, "-o", files / "t.json").returncode == 0
+    assert remote("templates", "import", files / "t.json", "--name", "mine").returncode == 0
+    assert remote("templates", "show", "mine").stdout == cli("templates", "show", "mine").stdout
+    for template in ("mine", files / "t.json", name):
+        done = remote("submit", files / "skirt.ply", "--body", files / "body.ply", "--template", template)
+        assert done.returncode == 0, done.stderr
+        again = cli("submit", files / "skirt.ply", "--body", files / "body.ply", "--template", template)
+        assert again.stdout == done.stdout, template
+
+
+def test_keys_by_command(cli, files, settings):
+    """Broken where a key made by the command does not open, or a revoked one still does."""
+    made = json.loads(cli("keys", "create", "atelier", "--json").stdout)
+    with serving(settings, is_open=False) as url:
+        bare = cli("status", GARMENTQ_URL=url)
+        assert bare.returncode == 1 and bare.stderr.startswith("error key.missing")
+        assert cli("status", GARMENTQ_URL=url, GARMENTQ_API_KEY=made["token"]).returncode == 0
+        assert "token" not in cli("keys", "list", "--json").stdout
+        assert cli("keys", "revoke", made["key"]).returncode == 0
+        assert "key.bad" in cli("status", GARMENTQ_URL=url, GARMENTQ_API_KEY=made["token"]).stderr
+    assert cli("keys", "revoke", "nosuch").returncode == 3
+    assert cli("serve", "--host", "0.0.0.0", "--port", "1").returncode == 4
+
+
+def test_an_unreachable_service_is_status_9(cli):
+    """Broken where a script cannot tell a missing service from a bad file."""
+    for url in ("http://127.0.0.1:1", "nonsense", "http://"):
+        done = cli("status", GARMENTQ_URL=url)
+        assert done.returncode == 9 and done.stderr.startswith("error service."), (url, done)
+        assert len(done.stderr.splitlines()) == 1
+
+
+def test_the_client_follows_a_job(address, settings, database, store, files):
+    """Broken where the typed client loses events, or a forced job is doubled by a repeated request."""
+    with Client(address) as client:
+        order = Order(files / "skirt.ply", files / "body.ply")
+        job = client.submit(order).job
+        finish(settings, database, store, job, files / "made")
+        assert [event.kind for event in client.follow(job)] == ["queued", "started", "succeeded"]
+        assert client.find_job(job).described["garment"] == "skirt"
+        with pytest.raises(NotFound) as error:
+            client.find_job("abcdef")
+        assert error.value.code == "job.unknown"
+    _, token = create_key(database, "x", ("read",))
+    with Client(address, token) as client, pytest.raises(Exception, match="scope"):
+        client.submit(order)
