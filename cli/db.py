@@ -1,0 +1,46 @@
+"""`garmentq db`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .options import home_option, json_option
+
+
+@click.group("db")
+def command() -> None:
+    """Bring the database's tables up to date.
+
+    \b
+    Example:
+      garmentq db upgrade
+    """
+
+
+@command.command("upgrade")
+@home_option
+@json_option
+def upgrade(home: Path | None, as_json: bool) -> None:
+    """Make the tables, or bring them up to date.
+
+    Every command does so by itself where it must; a deployment runs this once before its workers start. Two at the same
+    time wait for each other.
+
+    \b
+    Example:
+      garmentq db upgrade
+    """
+    from ..migrations import HEAD
+    from ..service.database import open_database
+    from ..service.settings import hide_password, read_settings
+    from .terminal import note, print_json
+
+    settings = read_settings(home=home)
+    open_database(settings).dispose()
+    address = hide_password(settings.database)
+    if as_json:
+        print_json({"database": address, "revision": HEAD})
+    else:
+        note(f"{address} stands at revision {HEAD}")

@@ -1,0 +1,54 @@
+"""`garmentq gc`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .options import home_option, json_option
+
+GRACE_HOURS = 24.0
+"""As in `service.garbage`, which is not imported for `--help`; a test compares them."""
+
+
+@click.command("gc")
+@click.option("--delete", "is_delete", is_flag=True, help="Remove them; otherwise they are only counted.")
+@click.option(
+    "--grace-hours",
+    type=click.FloatRange(min=0.0),
+    default=GRACE_HOURS,
+    show_default=True,
+    help="Spare what is younger: a running job may be about to name it.",
+)
+@home_option
+@json_option
+def command(is_delete: bool, grace_hours: float, home: Path | None, as_json: bool) -> None:
+    """Remove stored files that no job names.
+
+    Such files are left by crashes and by checkpoints that newer ones replaced. Without --delete nothing is changed.
+    Each database must have a store of its own.
+
+    \b
+    Example:
+      garmentq gc
+      garmentq gc --delete
+    """
+    from ..service.database import open_database
+    from ..service.garbage import collect_garbage
+    from ..service.settings import read_settings
+    from ..service.store import open_store
+    from .terminal import note, print_json
+
+    settings = read_settings(home=home)
+    database = open_database(settings)
+    try:
+        found = collect_garbage(database, open_store(settings), grace_hours * 3600.0, is_delete)
+    finally:
+        database.dispose()
+    if as_json:
+        counts = {"files": len(found.files), "bytes": found.size, "removed": found.removed}
+        print_json({**counts, "kept_bytes": found.kept_bytes})
+        return
+    what = f"{len(found.files)} files of {found.size / 1e6:.1f} MB that no job names"
+    note(f"removed {found.removed} of {what}" if is_delete else f"{what}; `garmentq gc --delete` removes them")

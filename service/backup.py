@@ -1,0 +1,204 @@
+"""Save and bring back an embedded home: one tar file with a snapshot of the database and every file that it names."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import sqlite3
+import tarfile
+import tempfile
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO
+
+from sqlalchemy.engine import make_url
+
+from .. import __version__
+from ..core.errors import BadInput
+from .database import Database
+from .garbage import find_references
+from .settings import ServiceSettings
+from .store import ArtifactMissing, Store, open_store
+
+DATABASE = "garmentq.db"
+BLOBS = "store/"
+ABOUT = "about.json"
+
+
+class BackupRefused(BadInput):
+    """This cannot be saved or brought back here; the message says why and what to do."""
+
+    code = "backup.refused"
+
+
+class BackupDamaged(BadInput):
+    """The backup is no complete backup of garmentq; use another one."""
+
+    code = "backup.damaged"
+
+
+@dataclass(frozen=True)
+class Saved:
+    """Tell what a backup holds.
+
+    Attributes:
+        path: The tar file, or the home that was restored.
+        files: Stored files in it.
+        size: Their bytes.
+        missing: Files that the database names and the store has lost; the backup is sound without them.
+    """
+
+    path: Path
+    files: int
+    size: int
+    missing: tuple[str, ...] = ()
+
+
+def make_backup(settings: ServiceSettings, destination: Path, is_overwrite: bool = False) -> Saved:
+    """Write a backup while everything goes on.
+
+    The database is copied first, by SQLite's own backup, which is a snapshot; then the files that the snapshot names.
+    Files are never changed, and removed only by `gc` a day after nobody names them, so they are all still there.
+
+    Raises:
+        BackupRefused: where the home has no embedded database, or the file exists.
+    """
+    source = _find_database(settings)
+    if not source.is_file():
+        raise BackupRefused(f"there is no database {source}; nothing to save.")
+    if destination.exists() and not is_overwrite:
+        raise BackupRefused(f"{destination} exists; name another file, or add --overwrite.")
+    destination.parent.mkdir(parents=True, exist_ok=True)
+    descriptor, partial = tempfile.mkstemp(prefix=f".{destination.name}.", dir=destination.parent)
+    try:
+        with os.fdopen(descriptor, "wb") as stream:
+            saved = _write(settings, source, stream, destination)
+            stream.flush()
+            os.fsync(stream.fileno())
+        os.replace(partial, destination)
+    except BaseException:
+        os.unlink(partial)
+        raise
+    return saved
+
+
+def restore_backup(settings: ServiceSettings, source: Path, is_overwrite: bool = False) -> Saved:
+    """Bring a backup back into a home: files first, each checked against its hash, then the database in one step.
+
+    Jobs that ran when the backup was made are taken back by the next worker, as after a crash.
+
+    Raises:
+        BackupRefused: where the home has a database already and `is_overwrite` is not said.
+        BackupDamaged: where a file is missing, changed, or is none of a backup's; the database is not touched then.
+    """
+    target = _find_database(settings)
+    if target.exists() and not is_overwrite:
+        raise BackupRefused(f"{target} exists; restore into another --home, or add --overwrite to lose what is there.")
+    target.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+    store = open_store(settings)
+    with tempfile.TemporaryDirectory(prefix=".restore-", dir=target.parent) as folder:
+        snapshot = Path(folder) / DATABASE
+        with _open_tar(source) as archive:
+            kept, size = _read_members(archive, store, snapshot)
+        named, missing = _check_snapshot(snapshot, kept)
+        for ending in ("-wal", "-shm"):
+            target.with_name(target.name + ending).unlink(missing_ok=True)
+        os.replace(snapshot, target)
+    return Saved(settings.home, len(named & kept), size, missing)
+
+
+def _write(settings: ServiceSettings, source: Path, stream: IO[bytes], destination: Path) -> Saved:
+    store = open_store(settings)
+    missing: list[str] = []
+    count = size = 0
+    with tempfile.TemporaryDirectory(dir=destination.parent) as folder, tarfile.open(fileobj=stream, mode="w") as tar:
+        snapshot = Path(folder) / DATABASE
+        with closing(sqlite3.connect(source)) as live, closing(sqlite3.connect(snapshot)) as copy:
+            live.backup(copy)
+            copy.execute("pragma journal_mode = delete")  # one file, no log beside it
+        tar.add(snapshot, DATABASE, recursive=False)
+        for key in sorted(_references(snapshot)):
+            try:
+                file = store.copy(key, Path(folder) / "blob")
+            except ArtifactMissing:
+                missing.append(key)
+                continue
+            tar.add(file, BLOBS + key, recursive=False)
+            count, size = count + 1, size + file.stat().st_size
+        about = json.dumps({"garmentq": __version__, "files": count, "missing": missing}).encode()
+        member = tarfile.TarInfo(ABOUT)
+        member.size = len(about)
+        tar.addfile(member, io.BytesIO(about))  # last: a backup that was cut off has none
+    return Saved(destination, count, size, tuple(missing))
+
+
+def _read_members(archive: tarfile.TarFile, store: Store, snapshot: Path) -> tuple[set[str], int]:
+    """Take a backup apart; names only say which stored file a member claims to be, nothing is extracted by name."""
+    kept: set[str] = set()
+    size = 0
+    is_complete = False
+    for member in archive:
+        stream = archive.extractfile(member) if member.isreg() else None
+        if stream is None:
+            raise BackupDamaged(f"'{member.name[:80]}' is no plain file; this is no backup of garmentq.")
+        if member.name == DATABASE:
+            with snapshot.open("wb") as out:
+                while block := stream.read(1 << 20):
+                    out.write(block)
+        elif member.name.startswith(BLOBS):
+            stored = store.put_stream(stream)  # type: ignore[arg-type]
+            if BLOBS + stored.sha256 != member.name:
+                raise BackupDamaged(f"'{member.name[:80]}' is not what it was when it was saved.")
+            kept.add(stored.sha256)
+            size += stored.size
+        elif member.name == ABOUT:
+            is_complete = True
+        else:
+            raise BackupDamaged(f"'{member.name[:80]}' does not belong into a backup of garmentq.")
+    if not is_complete or not snapshot.exists():
+        raise BackupDamaged("the backup ends too early; use another one.")
+    return kept, size
+
+
+def _check_snapshot(snapshot: Path, kept: set[str]) -> tuple[set[str], tuple[str, ...]]:
+    try:
+        with closing(sqlite3.connect(snapshot)) as copy:
+            sound = copy.execute("pragma integrity_check").fetchone()[0]
+            if sound != "ok":
+                raise BackupDamaged(f"the backup's database is damaged: {sound[:100]}.")
+        named = _references(snapshot)
+    except sqlite3.DatabaseError as error:
+        raise BackupDamaged(f"the backup's database cannot be read: {error}.") from error
+    return named, tuple(sorted(named - kept))
+
+
+def _references(snapshot: Path) -> set[str]:
+    opened = Database(f"sqlite:///{snapshot}", pooled=False)
+    try:
+        with opened.read() as session:
+            return set(find_references(session))
+    finally:
+        opened.dispose()
+
+
+@contextmanager
+def _open_tar(source: Path) -> Iterator[tarfile.TarFile]:
+    try:
+        with tarfile.open(source, "r:") as archive:
+            yield archive
+    except FileNotFoundError:
+        raise BackupDamaged(f"there is no file '{source}'.") from None
+    except (tarfile.TarError, IsADirectoryError, EOFError) as error:
+        raise BackupDamaged(f"'{source}' is no backup of garmentq: {error}.") from error
+
+
+def _find_database(settings: ServiceSettings) -> Path:
+    parsed = make_url(settings.database)
+    if parsed.get_backend_name() != "sqlite" or not parsed.database:
+        raise BackupRefused(
+            "the database is a server's; save it with pg_dump and the bucket with its own tools (docs/production.md)."
+        )
+    return Path(parsed.database)

@@ -1,0 +1,99 @@
+"""Remove the stored files that no row names: what crashes leave behind, and checkpoints that newer ones replaced."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from time import time
+from typing import Any
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from .database import Database
+from .models import Base, JobRow
+from .store import ArtifactMissing, Kept, Store
+
+HASH = re.compile(r"[0-9a-f]{64}")
+"""What a key looks like inside a job's request."""
+
+GRACE_HOURS = 24.0
+"""How old a file must be before it may be removed [h]: a worker puts its files first and names them some seconds later,
+and an upload is named by the request that follows it. A day is longer than any job."""
+
+
+@dataclass(frozen=True)
+class Garbage:
+    """Tell what nobody names.
+
+    Attributes:
+        files: The stored files, oldest first.
+        removed: How many of them are gone now.
+        kept_bytes: Bytes of everything in the store that stays.
+    """
+
+    files: tuple[Kept, ...]
+    removed: int
+    kept_bytes: int
+
+    @property
+    def size(self) -> int:
+        """Give the bytes of all the files that nobody names."""
+        return sum(one.size for one in self.files)
+
+
+def collect_garbage(
+    database: Database, store: Store, grace_seconds: float, is_delete: bool, now: float | None = None
+) -> Garbage:
+    """List the stored files that no row names and that were put there longer than the grace time ago.
+
+    The store is listed before the database is read: what a row names by then is spared, and what is put again later is
+    too young. A file is looked at once more in the moment of its removal (`Store.remove`).
+
+    Args:
+        database: Whose rows name the files.
+        store: Where the files are; nothing but this database may use it.
+        grace_seconds: Age below which a file is never touched [s].
+        is_delete: Remove them; otherwise they are only listed.
+        now: Seconds since 1970; None: now, by this machine's clock.
+    """
+    before = (time() if now is None else now) - grace_seconds
+    listed = list(store.list_kept())
+    with database.read() as session:
+        named = set(find_references(session))
+    files = sorted((one for one in listed if one.sha256 not in named and one.modified < before), key=_age)
+    removed = sum(_remove(store, one, before) for one in files) if is_delete else 0
+    kept = sum(one.size for one in listed) - sum(one.size for one in files)
+    return Garbage(tuple(files), removed, kept)
+
+
+def find_references(session: Session) -> Iterator[str]:
+    """Give every key that a row names: each column `sha256` of any table, scans of jobs, and the files of requests."""
+    for table in Base.metadata.sorted_tables:
+        if "sha256" in table.columns:
+            yield from session.scalars(select(table.columns["sha256"]))
+    for scan, request in session.execute(select(JobRow.scan, JobRow.request).execution_options(yield_per=1000)):
+        yield scan
+        yield from _find_hashes(request)
+
+
+def _find_hashes(value: Any) -> Iterator[str]:
+    if isinstance(value, dict):
+        value = list(value.values())
+    if isinstance(value, list):
+        for part in value:
+            yield from _find_hashes(part)
+    elif isinstance(value, str) and HASH.fullmatch(value):
+        yield value
+
+
+def _age(one: Kept) -> tuple[float, str]:
+    return one.modified, one.sha256
+
+
+def _remove(store: Store, one: Kept, before: float) -> bool:
+    try:
+        return store.remove(one.sha256, before)
+    except ArtifactMissing:
+        return False  # another collector was quicker
