@@ -7,30 +7,51 @@ from typing import Any
 
 import click
 
+from .labels import label_options
 from .options import json_option
 
 
 @click.command("inspect")
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--body", help="The wearer's mesh file, or builtin:female,height=1.70.")
+@label_options
 @click.option("--units", type=click.Choice(["m", "cm", "mm"]), help="Unit of the files.  [default: found]")
 @click.option("--up", type=click.Choice(["y", "z"]), help="Up axis of the files.  [default: found]")
 @json_option
-def command(file: Path, body: str | None, units: str | None, up: str | None, as_json: bool) -> None:
+def command(
+    file: Path,
+    body: str | None,
+    labels: Path | None,
+    labels_key: str | None,
+    keep: str | None,
+    keep_colour: str | None,
+    colour_tolerance: float,
+    units: str | None,
+    up: str | None,
+    as_json: bool,
+) -> None:
     """Show how a file is understood, before anything is run.
 
-    Units, up axis, extent, what was repaired; with a body also its contours, holes and category.
+    Units, up axis, extent, what was repaired; with a body also its contours, holes and category. Of a dressed person's
+    scan the garment that --labels, --keep or --keep-colour says is cut out, and the body is estimated from the skin.
 
     \b
     Example:
       garmentq inspect garment.ply --body body.ply
+      garmentq inspect person.ply --labels labels.npz --keep 1
     """
+    from ..core.recovery import make_selection
     from ..core.segment import inspect_file
+    from ..core.settings import RecoverySettings
     from ..service.submission import BUILTIN
     from .terminal import print_json, print_table
 
     wearer: Path | str | None = body if body is None or body.startswith(BUILTIN) else Path(body)
-    found = inspect_file(file, wearer, units=units, up=up).as_dict()
+    chosen = RecoverySettings(
+        keep=keep, labels_key=labels_key, keep_colour=keep_colour, colour_tolerance=colour_tolerance
+    )
+    selection = make_selection(labels, chosen)
+    found = inspect_file(file, wearer, units=units, up=up, selection=selection).as_dict()
     if as_json:
         print_json(found)
         return

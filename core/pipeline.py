@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from .body import Body, BodyMissing, builtin_body, register_body
+from .body import Body, BodyMissing, builtin_body, is_smpl, load_smpl, register_body
 from .checkpoints import keep_body, keep_drape, kept_body, kept_drape
 from .deform import Deformation, DeformSettings, deform
 from .drape import Stand, drape_graded, drape_template
@@ -174,10 +174,12 @@ def is_builtin(body: Path | str) -> bool:
 
 
 def find_body(request: Request, pieces: Pieces, hooks: Hooks) -> Body:
-    """Register the given mesh or the dressed person, or make the built-in body."""
+    """Register the given mesh or the dressed person, read a body of SMPL's format, or make the built-in body."""
     wearer = pieces.wearer
     if (request.body is not None and is_builtin(request.body)) or wearer is None:
         return builtin_body(str(request.body))
+    if request.body is not None and is_smpl(request.body):
+        return load_smpl(Path(request.body))
     kept = kept_body(hooks)
     if kept is not None:
         return kept

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 from .body import JOINTS, PARENTS, Body
 
 if TYPE_CHECKING:
-    from .builtin import BodyMissing, BodySpecBad, builtin_body
+    from .builtin import BodyMissing, BodySpecBad, builtin_body, describe_bodies
     from .distance import DistanceBad, DistanceGrid, sample_distance
     from .model import BodyModel
     from .registration import NotHuman, register_body
     from .skinning import rest_body, skin, unskin, weights_at
+    from .smpl import SmplBad, is_smpl, load_smpl
     from .surface import signed_distance
 
 _LAZY = {
@@ -22,7 +23,11 @@ _LAZY = {
     "DistanceBad": "distance",
     "DistanceGrid": "distance",
     "NotHuman": "registration",
+    "SmplBad": "smpl",
     "builtin_body": "builtin",
+    "describe_bodies": "builtin",
+    "is_smpl": "smpl",
+    "load_smpl": "smpl",
     "register_body": "registration",
     "rest_body": "skinning",
     "sample_distance": "distance",
@@ -43,7 +48,11 @@ __all__ = [
     "DistanceBad",
     "DistanceGrid",
     "NotHuman",
+    "SmplBad",
     "builtin_body",
+    "describe_bodies",
+    "is_smpl",
+    "load_smpl",
     "register_body",
     "rest_body",
     "sample_distance",

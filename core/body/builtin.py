@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +27,10 @@ ARM_DROPS = {"T": 0.0, "A": math.radians(45), "arms-down": math.radians(70)}
 """Angle [rad] by which each arm hangs below the horizontal; 70 degrees is as low as hands clear broad hips."""
 
 
+POSES = ("T", "A", "arms-down", "stride", "seated")
+"""Every pose that the built-in body can be asked for by name."""
+
+
 class BodyMissing(BadInput):
     """No body was given: give --body body.ply or builtin:female,height=1.70, or tell cloth from skin by --labels."""
 
@@ -33,7 +38,7 @@ class BodyMissing(BadInput):
 
 
 class BodySpecBad(BadInput):
-    """The built-in body is described as builtin:female|male[,height=1.70][,weight=62][,pose=T|A|arms-down]."""
+    """The built-in body is builtin:female|male[,height=1.70][,weight=62][,pose=T|A|arms-down|stride|seated]."""
 
     code = "body.spec_bad"
 
@@ -45,7 +50,7 @@ def builtin_body(spec: str) -> Body:
     the pelvis at x = z = 0, facing +z.
 
     Args:
-        spec: `builtin:female` or `builtin:male`, then any of `height` [m], `weight` [kg], `pose` (T, A, arms-down).
+        spec: `builtin:female` or `builtin:male`, then any of `height` [m], `weight` [kg], `pose` (one of `POSES`).
 
     Raises:
         BodyMissing: where the description is empty.
@@ -57,7 +62,7 @@ def builtin_body(spec: str) -> Body:
     rest, joints = template.shaped(shape)
     floor = np.array([0.0, rest[:, 1].min(), 0.0])
     rest, joints = rest - floor, joints - floor
-    angles = arm_pose(ARM_DROPS[pose])
+    angles = named_pose(pose)
     world, posed = articulate(rotations_of(angles), joints, np.zeros(3))
     transforms = transforms_of(world, posed, joints)
     return Body(
@@ -76,6 +81,22 @@ def builtin_body(spec: str) -> Body:
     )
 
 
+def describe_bodies() -> tuple[dict[str, Any], ...]:
+    """Tell what can be asked of the built-in bodies: `spec`, `poses`, and `ranges` of height [m] and weight [kg].
+
+    A range is (lowest, highest, usual); the weights are those at the usual height.
+    """
+    template = load_template()
+    bodies = []
+    for gender, height in USUAL_HEIGHTS.items():
+        vertices, _ = template.shaped(shape_for(template, gender, height, None))
+        usual = DENSITY * _volume(vertices, template.faces)[0]
+        low, high = (round(index * height**2) for index in MASS_INDICES)
+        ranges = ((*HEIGHTS, height), (low, high, round(usual)))
+        bodies.append({"spec": f"builtin:{gender}", "ranges": ranges, "poses": tuple(ARM_DROPS)})
+    return tuple(bodies)
+
+
 def parse_spec(spec: str) -> tuple[str, float, float | None, str]:
     """Read gender, height [m], weight [kg] and pose out of a description.
 
@@ -92,7 +113,7 @@ def parse_spec(spec: str) -> tuple[str, float, float | None, str]:
     pose = "T"
     for word in words[1:]:
         key, _, value = word.partition("=")
-        if key == "pose" and value in ARM_DROPS:
+        if key == "pose" and value in POSES:
             pose = value
         elif key in ("height", "weight") and key not in numbers:
             numbers[key] = _number(spec, key, value)
@@ -131,6 +152,30 @@ def shape_for(template: Template, gender: str, height: float, weight: float | No
         gap = np.array(targets) - np.array(values) + a @ (shape - mean)
         shape = mean + covariance @ a.T @ np.linalg.solve(a @ covariance @ a.T, gap)
     return shape
+
+
+def named_pose(name: str) -> np.ndarray:
+    """Give axis-angles [24, 3] of one of `POSES`; negative about x swings a hanging limb forwards.
+
+    `stride`: the left leg 20 degrees ahead and the right 15 behind with its knee bent, as in a walk's double support;
+    arms at 60 degrees swing against the legs. `seated`: thighs level but for 5 degrees and shins upright, as on a
+    chair, the arms at 60 degrees and 20 forwards. The pelvis stays where it is.
+    """
+    if name in ARM_DROPS:
+        return arm_pose(ARM_DROPS[name])
+    angles = arm_pose(math.radians(60))
+    if name == "stride":
+        turns = {"left_hip": -20, "left_knee": 5, "right_hip": 15, "right_knee": 20}
+        swing = {"left": 15, "right": -15}
+    else:
+        turns = {f"{side}_{joint}": turn for side in ("left", "right") for joint, turn in (("hip", -85), ("knee", 85))}
+        swing = {"left": -20, "right": -20}
+    for joint, degrees in turns.items():
+        angles[JOINTS.index(joint), 0] = math.radians(degrees)
+    for side, degrees in swing.items():
+        # The collar lies level in every pose, so its turn about x swings the arm that hangs from it.
+        angles[JOINTS.index(f"{side}_collar"), 0] = math.radians(degrees)
+    return angles
 
 
 def arm_pose(drop: float) -> np.ndarray:

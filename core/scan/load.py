@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..body import is_smpl, load_smpl
 from ..errors import BadInput
 from . import refusal
 from .header import Declared, check_header
@@ -77,7 +78,8 @@ def load_pair(
     """Read a garment and the body that wears it, and decide units and axes of both together.
 
     The body's size and shape decide, and the garment takes over its unit and axis where it then lies on the body;
-    otherwise the one unit and axis with which it does. The garment is turned to face away from the body.
+    otherwise the one unit and axis with which it does. The garment is turned to face away from the body. A body of
+    SMPL's format (`.npz`) is in metres and y up.
 
     Raises:
         BadInput: with a code `scan.*` where a file cannot be used, or the garment does not lie on the body.
@@ -85,7 +87,13 @@ def load_pair(
     if body is None:
         return load_scan(scan, units=units, up=up, limits=limits), None
     check_choice(units, up)
-    garment_mesh, body_mesh = _read(Path(scan), limits or Limits()), _read(Path(body), limits or Limits())
+    garment_mesh = _read(Path(scan), limits or Limits())
+    if is_smpl(body):
+        model = load_smpl(Path(body))
+        wearer = Scan(model.vertices, model.faces, name=Path(body).stem)
+        garment = _place(garment_mesh, wearer, (units or "m", up or "y"), units is not None, up is not None)
+        return _face_outward(garment, wearer), wearer
+    body_mesh = _read(Path(body), limits or Limits())
     try:
         settled = _settle(body_mesh, units, up, "body")
     except refusal.UpAmbiguous:

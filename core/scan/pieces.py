@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..body import is_smpl, load_smpl
 from . import refusal
 from .cut import cut_garment
 from .labels import read_labels
@@ -64,7 +65,11 @@ def load_pieces(
     garment = cut_garment(whole, cloth)
     if body is None:
         return Pieces(garment, whole, cloth)
-    wearer = load_scan(body, units=units, up=up, kind="body", limits=limits)
+    if is_smpl(body):
+        model = load_smpl(Path(body))
+        wearer = Scan(model.vertices, model.faces, name=Path(body).stem)
+    else:
+        wearer = load_scan(body, units=units, up=up, kind="body", limits=limits)
     if not lies_on(garment.vertices, wearer):
         raise refusal.BodyApart(
             f"the garment cut out of {garment.name} does not lie on the body; export both from the same scene."

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ..body import Body
-from ..scan import Limits, Scan, load_pair
+from ..body import Body, is_smpl, load_smpl
+from ..scan import Limits, Pieces, Scan, Selection, load_pieces
 from .garment import segment_garment
 from .loop import find_loops, smoothed_length
 
@@ -73,15 +73,20 @@ def inspect_file(
     *,
     units: str | None = None,
     up: str | None = None,
+    selection: Selection | None = None,
     limits: Limits | None = None,
 ) -> Inspection:
     """Read a garment's file, and with a body name its contours and category.
+
+    Of a dressed person's scan the garment that the selection says is cut out, and the body is estimated from the skin
+    where none is given.
 
     Args:
         path: The garment's mesh file.
         body: The wearer: a ready `Body`, a mesh file, a text `builtin:...`, or None.
         units: `m`, `cm` or `mm`, or None to find it.
         up: `y` or `z`, or None to find it.
+        selection: Which part of a dressed person's scan is the garment; None: all of the file is.
         limits: What reading may cost.
 
     Raises:
@@ -89,10 +94,11 @@ def inspect_file(
     """
     builtin = isinstance(body, str) and body.startswith("builtin:")
     mesh = Path(body) if isinstance(body, (str, Path)) and not builtin else None
-    scan, wearer = load_pair(Path(path), mesh, units=units, up=up, limits=limits)
+    pieces = load_pieces(Path(path), mesh, units=units, up=up, selection=selection, limits=limits)
+    scan, wearer = pieces.garment, pieces.wearer
     boundaries = sorted((smoothed_length(scan.vertices[loop]) for loop in find_loops(scan.faces)), reverse=True)
     known = _describe(scan, boundaries)
-    who = _find_body(body, wearer)
+    who = _find_body(body, pieces)
     if who is None:
         return Inspection(**known)
     target = segment_garment(scan, who)
@@ -131,15 +137,18 @@ def _describe(scan: Scan, boundaries: list[float]) -> dict[str, Any]:
     }
 
 
-def _find_body(body: Body | Path | str | None, wearer: Scan | None) -> Body | None:
+def _find_body(body: Body | Path | str | None, pieces: Pieces) -> Body | None:
     if isinstance(body, Body):
         return body
-    if wearer is not None:
-        from ..body import register_body
-
-        return register_body(wearer.vertices, wearer.faces, name=wearer.name)
-    if isinstance(body, str):
+    if isinstance(body, str) and body.startswith("builtin:"):
         from ..body import builtin_body
 
         return builtin_body(body)
+    if body is not None and is_smpl(body):
+        return load_smpl(Path(body))
+    wearer = pieces.wearer
+    if wearer is not None:
+        from ..body import register_body
+
+        return register_body(wearer.vertices, wearer.faces, cloth=pieces.cloth, name=wearer.name)
     return None

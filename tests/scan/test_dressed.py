@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -243,3 +244,16 @@ def test_settings_are_plain_values_and_checked() -> None:
     for wrong in ({"keep": ","}, {"keep": "1", "keep_colour": "#000000"}, {"colour_tolerance": 0.0}):
         with pytest.raises(SettingsBad):
             RecoverySettings(**wrong)
+
+
+def test_inspect_cuts_the_garment_out(dressed: Dressed, pieces: Pieces) -> None:
+    """Broken where `inspect` shows the whole person, or another garment than the job would recover."""
+    from click.testing import CliRunner
+    from garmentq.cli.main import group
+
+    answer = CliRunner().invoke(group, ["inspect", str(dressed.path), "--keep-colour", "#465faa", "--json"])
+    assert answer.exit_code == 0, answer.output
+    told = json.loads(answer.stdout)
+    assert told["vertex_count"] == len(pieces.garment.vertices)
+    assert told["body"]["source"] == "scan:person"
+    assert {"neck", "hem"} <= set(told["contours_m"])

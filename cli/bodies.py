@@ -1,0 +1,80 @@
+"""`garmentq bodies`: the wearers that need no file of the user's."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .options import json_option
+
+
+@click.group("bodies")
+def command() -> None:
+    """List the built-in bodies, and write one as a mesh.
+
+    \b
+    Example:
+      garmentq bodies list
+      garmentq bodies export builtin:female,height=1.70 -o body.ply
+    """
+
+
+@command.command("list")
+@json_option
+def list_bodies(as_json: bool) -> None:
+    """List the built-in bodies with their parameters.
+
+    \b
+    Example:
+      garmentq bodies list
+    """
+    from ..core.body import describe_bodies
+    from .terminal import print_json, print_table
+
+    bodies = describe_bodies()
+    if as_json:
+        for body in bodies:
+            print_json(body)
+        return
+    rows = [
+        [body["spec"], *(f"{low:g} to {high:g} ({usual:g})" for low, high, usual in body["ranges"]), body["poses"]]
+        for body in bodies
+    ]
+    print_table(["body", "height m", "weight kg", "pose"], [[*row[:3], ", ".join(row[3])] for row in rows])
+
+
+@command.command("export")
+@click.argument("spec")
+@click.option("-o", "--out", required=True, type=click.Path(dir_okay=False, path_type=Path), help="File, .ply.")
+@json_option
+def export(spec: str, out: Path, as_json: bool) -> None:
+    """Write a body as a mesh with its joints in JSON beside it.
+
+    SPEC is builtin:female|male[,height=1.70][,weight=62][,pose=T|A|arms-down], or an .npz of SMPL's format.
+
+    \b
+    Example:
+      garmentq bodies export builtin:female,height=1.70 -o body.ply
+    """
+    from ..core.body import JOINTS, builtin_body, is_smpl, load_smpl
+    from ..core.export import write_ply
+    from .terminal import note, print_json
+
+    if out.suffix.lower() != ".ply":
+        raise click.UsageError(f"'{out.name}' is no .ply; bodies are written as PLY.")
+    body = load_smpl(Path(spec)) if is_smpl(spec) else builtin_body(spec)
+    joints = {name: [round(float(x), 6) for x in place] for name, place in zip(JOINTS, body.joints, strict=True)}
+    write_ply(body.vertices, body.faces, out)
+    beside = out.with_name(f"{out.stem}_joints.json")
+    beside.write_text(_dump(joints), encoding="utf-8")
+    if as_json:
+        print_json({"file": str(out), "joints_file": str(beside), "source": body.source, "joints_m": joints})
+    else:
+        note(f"{out}: {len(body.vertices)} vertices, {len(body.faces)} faces; joints in {beside.name}")
+
+
+def _dump(joints: dict[str, list[float]]) -> str:
+    import json
+
+    return json.dumps(joints, indent=1) + "\n"

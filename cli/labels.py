@@ -1,0 +1,34 @@
+"""Options of a command that looks at one garment of a dressed person's scan."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..core.settings import RecoverySettings
+from .options import Decorator
+
+
+def label_options(function: Decorator) -> Decorator:
+    """Add what says which part of a dressed person's scan is the garment, one garment at a time."""
+    options = [
+        click.option(
+            "--labels",
+            type=click.Path(path_type=Path),
+            help="A dressed person's scan: one label per vertex, .npz .npy .json .txt.  [default: in the scan]",
+        ),
+        click.option("--labels-key", help="The array's name in that file.  [default: found]"),
+        click.option("--keep", metavar="LABEL[,LABEL]", help="The garment's labels.  [default: 1]"),
+        click.option("--keep-colour", metavar="#RRGGBB", help="The garment's colour, instead of labels."),
+        click.option(
+            "--colour-tolerance",
+            type=float,
+            default=RecoverySettings().colour_tolerance,
+            show_default=True,
+            help="Distance in RGB, 0 to 255.",
+        ),
+    ]
+    for option in reversed(options):
+        function = option(function)
+    return function
