@@ -6,11 +6,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..body import Body, DistanceGrid, rest_body, skin, unskin, weights_at
+from ..body import Body, DistanceGrid, rest_body, unskin, weights_at
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target, name_contours
 from ..simulate import Drape, Fabric, Hold, SimulateSettings, Topology, equilibrium, push_out
+from .carry import carry
 from .dress import DressSettings, dress, waist_loop
 from .follow import FollowSettings, Lookup, follow, lay_threads
 from .tie import tie_contour
@@ -126,7 +127,7 @@ def drape_template(
     )
     hooks.progress("template", 0.6, "taking the pose")
     waist = waist_loop(garment)
-    nodes = skin(nodes, weights_at(body, nodes, rest=True), body.transforms)
+    nodes = carry(threads, nodes, body, held=waist)
     wanted = None if target is None else target.contour("waist")
     if waist is not None and wanted is not None and target is not None:
         nodes[waist] = tie_contour(nodes[waist], target.vertices[wanted.vertices])
