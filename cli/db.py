@@ -23,7 +23,7 @@ def command() -> None:
 @home_option
 @json_option
 def upgrade(home: Path | None, as_json: bool) -> None:
-    """Make the tables, or bring them up to date.
+    """Make the tables or bring them up to date, and make the store's folder or bucket.
 
     Every command does so by itself where it must; a deployment runs this once before its workers start. Two at the same
     time wait for each other.
@@ -32,15 +32,19 @@ def upgrade(home: Path | None, as_json: bool) -> None:
     Example:
       garmentq db upgrade
     """
-    from ..migrations import HEAD
-    from ..service.database import open_database
+    from ..service.database import open_database, read_revision
     from ..service.settings import hide_password, read_settings
+    from ..service.store import open_store
     from .terminal import note, print_json
 
     settings = read_settings(home=home)
-    open_database(settings).dispose()
+    database = open_database(settings)
+    with database.read() as session:
+        revision = read_revision(session.connection())
+    database.dispose()
+    open_store(settings).prepare()
     address = hide_password(settings.database)
     if as_json:
-        print_json({"database": address, "revision": HEAD})
+        print_json({"database": address, "revision": revision})
     else:
-        note(f"{address} stands at revision {HEAD}")
+        note(f"{address} stands at revision {revision}")

@@ -52,6 +52,17 @@ class S3Store(Store):
         self.bucket, self.prefix = parts.netloc, parts.path.strip("/")
         self._client = _make_client(endpoint)
 
+    def prepare(self) -> None:
+        """Make the bucket if it is not there."""
+        try:
+            with _reachable("bucket"):
+                self._client.head_bucket(Bucket=self.bucket)
+        except ArtifactMissing:
+            region = self._client.meta.region_name
+            place = {} if region == "us-east-1" else {"CreateBucketConfiguration": {"LocationConstraint": region}}
+            with _reachable(""):
+                self._client.create_bucket(Bucket=self.bucket, **place)
+
     def path(self, sha256: str) -> Path:
         """Give a checked copy of a stored file in the cache.
 

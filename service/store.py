@@ -102,6 +102,17 @@ class Store:
         """Use a folder; it is made when first written to."""
         self.root = root
 
+    def prepare(self) -> None:
+        """Make the folder, or the bucket, if it is not there.
+
+        Raises:
+            StorageFull, StoreUnreachable: where that cannot be done.
+        """
+        try:
+            self.root.mkdir(parents=True, exist_ok=True, mode=0o700)
+        except OSError as error:
+            raise StorageFull(f"the store {self.root} cannot be made: {error.strerror}.") from error
+
     def path(self, sha256: str) -> Path:
         """Give the place of a stored file.
 

@@ -33,15 +33,15 @@ def kept(request, tmp_path, monkeypatch):
     """Give each kind of store, empty."""
     if request.param == "folder":
         return open_store(make_settings(tmp_path))
-    import boto3
-
     server = request.getfixturevalue("server")
     monkeypatch.setenv("AWS_ACCESS_KEY_ID", "x")
     monkeypatch.setenv("AWS_SECRET_ACCESS_KEY", "y")
     bucket = f"gq-{os.urandom(6).hex()}"
-    boto3.client("s3", endpoint_url=server, region_name="us-east-1").create_bucket(Bucket=bucket)
     prefix = "/studio/a" if "prefix" in request.param else ""
-    return open_store(make_settings(tmp_path, store=f"s3://{bucket}{prefix}", s3_endpoint=server))
+    opened = open_store(make_settings(tmp_path, store=f"s3://{bucket}{prefix}", s3_endpoint=server))
+    for _ in range(2):
+        opened.prepare()
+    return opened
 
 
 def test_put_get_copy(kept, tmp_path):

@@ -99,16 +99,3 @@ NAMES = {f"GARMENTQ_{field.name.upper()}" for field in fields(ServiceSettings)}
 def test_the_page_names_every_setting():
     """Broken where a setting is added or renamed and docs/service.md is forgotten."""
     assert set(re.findall(r"GARMENTQ_[A-Z0-9_]+", (ROOT / "docs" / "service.md").read_text(encoding="utf-8"))) == NAMES
-
-
-def test_the_compose_file_names_what_exists():
-    """Broken where the compose file sets a variable that nobody reads, or starts a command that is none."""
-    from garmentq.cli.main import COMMANDS
-
-    text = (ROOT / "docker-compose.yml").read_text(encoding="utf-8")
-    assert set(re.findall(r"GARMENTQ_[A-Z0-9_]+", text)) <= NAMES
-    assert {"GARMENTQ_HOME", "GARMENTQ_BROKER_URL"} <= set(re.findall(r"GARMENTQ_[A-Z0-9_]+", text))
-    assert re.findall(r'command: \["(\w+)"\]', text) == ["worker"] and "worker" in COMMANDS
-    volumes = re.findall(r"^  (\w+):$", text.split("\nvolumes:\n")[1], re.MULTILINE)
-    assert sorted(volumes) == ["broker", "home"] and all(f"- {name}:/" in text for name in volumes)
-    assert "ports:" not in text, "nothing may be published that has no key"

@@ -1,0 +1,30 @@
+# Two stages: the first has compilers and pip's caches, the second only the virtual environment and a user without rights.
+# The image was not built here; tests/service/test_compose.py checks what can be checked without Docker.
+FROM python:3.11-slim-bookworm AS build
+ENV PIP_NO_CACHE_DIR=1 PIP_DISABLE_PIP_VERSION_CHECK=1
+RUN python -m venv /venv
+ENV PATH=/venv/bin:$PATH
+WORKDIR /src
+COPY constraints.txt ./
+# torch's CPU build; leave the index out for the CUDA build (several GB).
+ARG TORCH_INDEX=https://download.pytorch.org/whl/cpu
+RUN pip install -c constraints.txt --index-url "$TORCH_INDEX" --extra-index-url https://pypi.org/simple torch
+COPY . .
+RUN pip install -c constraints.txt ".[postgres,s3]"
+
+FROM python:3.11-slim-bookworm
+# What the open3d wheel expects of the system (`garmentq doctor` names what is missing).
+RUN apt-get update \
+    && apt-get install -y --no-install-recommends libegl1 libgl1 libx11-6 libudev1 libusb-1.0-0 libidn2-0 \
+    && rm -rf /var/lib/apt/lists/* \
+    && useradd --uid 10001 --create-home garmentq \
+    && install -d -o garmentq -g garmentq -m 0700 /data
+COPY --from=build /venv /venv
+ENV PATH=/venv/bin:$PATH \
+    PYTHONUNBUFFERED=1 \
+    GARMENTQ_HOME=/data \
+    NUMBA_CACHE_DIR=/data/numba
+USER 10001:10001
+WORKDIR /data
+ENTRYPOINT ["garmentq"]
+CMD ["doctor"]
