@@ -10,11 +10,11 @@ from ..hooks import SILENT, Hooks
 from ..measure import self_intersections
 from ..pattern import Garment
 from ..segment import Target
-from .acceptance import accept_polish, flipped
+from .acceptance import accept_polish, crossing, flipped
 from .body_distance import BodyDistance, body_depth
 from .clearance import clear_body
 from .deformation import Deformation
-from .easing import ease_stretch
+from .easing import ease_stretch, iron_crossings
 from .jacobian_stage import optimise_jacobians
 from .objective import Objective
 from .operators import gradient_operator
@@ -68,7 +68,10 @@ def deform(
     if settings.polish_iterations > 0:
         finer = polish_nodes(x, faces, gradient, areas, metric, goal, distance, settings, hooks)
         x, polished = accept_polish(finer, x, faces, goal)
-        x = ease_stretch(x, gradient, areas, faces)
+        allowed = int(crossing(nodes, faces).sum())
+        x = iron_crossings(x, gradient, areas, faces, allowed)
+        eased = ease_stretch(x, gradient, areas, faces)
+        x = eased if crossing(eased, faces).sum() <= max(allowed, crossing(x, faces).sum()) else x
     hooks.progress("deform", 0.9, "clearance")
     if settings.clear_body:
         laplacian = (gradient.T @ sp.diags(np.repeat(areas, 2)) @ gradient).tocsr()

@@ -22,14 +22,21 @@ HOLD = 1e-2
 FADE = 0.01
 """Length over which a correction fades into the triangles around [m]: less than an edge, so that the fit stays."""
 
-CROSSING_ROUNDS = 4
+CROSSING_ROUNDS = 5
 """Rounds of ironing at most; the patch grows in each."""
 
-RINGS = 3
-"""Rings of faces around a crossing that are ironed in the first round; half as many more in each further one."""
+RINGS = 2
+"""Rings of faces around a crossing over which a patch fades, in the first round; one more in every second one. On a
+dress folded over itself at its side seams three rings cleared it no better and cost 0.4 mm more of the fit."""
 
-IRON = 0.04
-"""Length below which ironing takes folds out [m]: twice the depth of a fold that crosses itself at these edges."""
+IRON = 0.01
+"""Length below which the first round takes folds out [m], less than an edge; two edges cost 0.5 mm more of the fit."""
+
+GROW = 1.4
+"""Factor on that length from round to round: a folded patch twice as long is flat after two."""
+
+LET_GO = 1e-4
+"""Share of its hold that a node in the middle of a patch keeps: enough to make the system definite."""
 
 
 def ease_stretch(nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, faces: np.ndarray) -> np.ndarray:
@@ -77,7 +84,8 @@ def iron_crossings(
     """Iron patches whose faces cross, until no more faces cross than are allowed.
 
     A panel that is wider than the scan folds over itself at its seams. In a patch around each crossing the nodes are
-    let go, and take the smoothest course between those around it: sum_i w_i |x_i - y_i|^2 + s^4 |M^-1/2 L x|^2.
+    let go, and take the smoothest course between those around it: sum_i w_i |x_i - y_i|^2
+    + s^4 / 100 |M^-1/2 L x|^2, with w_i the node's area, down to a ten-thousandth of it in the middle of a patch.
 
     Args:
         nodes: Positions [m], shape [node_count, 3].
@@ -87,25 +95,20 @@ def iron_crossings(
         allowed: Faces that may cross: those of the graded drape.
 
     Returns:
-        Positions [m], the round with the fewest crossings.
+        Positions [m]; the given ones where no round came down to what is allowed, as smooth patches fit less well.
     """
     mass, bending = _mass_and_bending(nodes, gradient, areas, faces)
-    x, best = nodes, nodes
-    free = np.zeros(len(nodes))
-    fewest = len(faces) + 1
+    x, free = nodes, np.zeros(len(nodes))
     for turn in range(CROSSING_ROUNDS + 1):
         wrong = crossing(x, faces)
-        if wrong.sum() < fewest:
-            best, fewest = x, int(wrong.sum())
-        if fewest <= allowed or turn == CROSSING_ROUNDS:
-            break
-        free = np.maximum(free, fade(wrong, faces, len(nodes), RINGS + RINGS * turn // 2))
-        # let go of: a hundredth of the hold
-        weight = mass * np.maximum(1.0 - free, 0.01) ** 2
-        matrix = (sp.diags(weight) + (IRON * (free.max() > 0)) ** 4 * 1e-2 * bending).tocsc()
-        x = splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(weight[:, None] * nodes)
-        x = nodes + np.minimum(2.0 * free, 1.0)[:, None] * (x - nodes)
-    return best
+        if wrong.sum() <= allowed:
+            return x
+        free = np.maximum(free, fade(wrong, faces, len(nodes), RINGS + turn // 2))
+        weight = mass * np.maximum((1.0 - free) ** 2, LET_GO)
+        matrix = (sp.diags(weight) + 1e-2 * (IRON * GROW**turn) ** 4 * bending).tocsc()
+        factor = splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+        x = nodes + np.minimum(2.0 * free, 1.0)[:, None] * (factor.solve(weight[:, None] * nodes) - nodes)
+    return nodes
 
 
 def _mass_and_bending(

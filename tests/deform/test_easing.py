@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.deform.easing import HIGHEST, LOWEST, ease_stretch
+from garmentq.core.deform.easing import HIGHEST, LOWEST, ease_stretch, iron_crossings
 from garmentq.core.deform.operators import gradient_operator
 from garmentq.core.measure import self_intersections
 
@@ -50,3 +50,29 @@ def test_collapsed_and_torn_triangles_come_back_within_bounds(sheet):
     far = np.linalg.norm(nodes - nodes[220], axis=1) > 0.06
     assert np.abs(eased - wrong)[far].max() < 5e-4
     assert len(self_intersections(eased, faces)) == 0
+
+
+def _folded(nodes):
+    """Crumple the middle of the sheet by more than an edge, so that its triangles pass through each other."""
+    near = np.linalg.norm(nodes - nodes[220], axis=1) < 0.035
+    return nodes + near[:, None] * np.random.default_rng(3).normal(0.0, 0.02, nodes.shape)
+
+
+def test_a_fold_through_itself_is_ironed_and_the_rest_stays(sheet):
+    """Breaks if ironing leaves crossings, or reaches beyond the patch."""
+    nodes, faces, gradient, areas = sheet
+    folded = _folded(nodes)
+    assert len(self_intersections(folded, faces)) > 10
+    ironed = iron_crossings(folded, gradient, areas, faces, 0)
+    assert len(self_intersections(ironed, faces)) == 0
+    far = np.linalg.norm(nodes - nodes[220], axis=1) > 0.12
+    assert np.abs(ironed - folded)[far].max() < 1e-3
+
+
+def test_what_is_allowed_is_left_as_it_is(sheet):
+    """Breaks if crossings of the graded drape are ironed away, or nothing is given back where the goal is missed."""
+    nodes, faces, gradient, areas = sheet
+    folded = _folded(nodes)
+    count = len(self_intersections(folded, faces))
+    assert np.array_equal(iron_crossings(folded, gradient, areas, faces, count), folded)
+    assert np.array_equal(iron_crossings(folded, gradient, areas, faces, -1), folded)
