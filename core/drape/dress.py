@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import spsolve
+from scipy.spatial import ConvexHull
 
 from ..body import Body
 from ..hooks import SILENT, Hooks
@@ -58,24 +59,57 @@ def place(garment: Garment, body: Body, *, waist_height: float | None = None, fl
     Args:
         garment: The sewn garment, nodes where its file places them.
         body: The body in its T-pose, facing +z.
-        waist_height: Height of the waist contour [m]; the waist of the body where None.
+        waist_height: Height of the waist contour [m]; where None, where the body is as wide as it.
         flatten: Distance from the middle plane [m].
 
     Returns:
         Nodes [m], shape [node_count, 3].
     """
     nodes = _weld_flat(garment)
-    pelvis, spine = body.joint("pelvis"), body.joint("spine2")
+    pelvis = body.joint("pelvis")
     nodes[:, 0] += pelvis[0] - 0.5 * (nodes[:, 0].min() + nodes[:, 0].max())
     middle = _middle_plane(body)
     nodes[:, 2] = middle + flatten * _side(garment)
     waist = waist_loop(garment)
     if waist is not None:
-        height = waist_height if waist_height is not None else 0.5 * (spine[1] + body.joint("spine1")[1])
+        height = waist_height if waist_height is not None else natural_height(_loop_length(garment, waist), body)
         nodes[:, 1] += height - nodes[waist, 1].mean()
     else:
         nodes[:, 1] += _shoulder_shift(nodes, body)
     return nodes
+
+
+def natural_height(girth: float, body: Body) -> float:
+    """Give the height at which a waistband of a girth [m] sits on a body in its T-pose [m].
+
+    It slides down from the narrowest place of the trunk, between pelvis and the top of the loins, until the body's
+    convex girth is the band's; a band wider than the hips stays at the pelvis.
+    """
+    low, high = body.joint("pelvis")[1], body.joint("spine3")[1]
+    heights = np.linspace(low, high, 25)
+    girths = np.array([_convex_girth(body, height) for height in heights])
+    narrowest = int(np.argmin(girths))
+    wide = np.nonzero(girths[: narrowest + 1] <= girth)[0]
+    return float(heights[wide[0]] if len(wide) else heights[narrowest])
+
+
+def _convex_girth(body: Body, height: float) -> float:
+    """Measure the convex hull of the body within half a vertex spacing, 1 cm, of a height [m]."""
+    near = body.vertices[np.abs(body.vertices[:, 1] - height) < 0.01][:, [0, 2]]
+    if len(near) < 3:
+        return float("inf")
+    # In two dimensions a hull's `area` is its perimeter.
+    return float(ConvexHull(near).area)
+
+
+def _loop_length(garment: Garment, loop: np.ndarray) -> float:
+    """Measure the flat length of a loop of nodes [m]: of its uv edges, each once."""
+    ends = np.sort(garment.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    flat = garment.rest[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2, 2)
+    sides = np.sort(np.column_stack([loop, np.roll(loop, -1)]), axis=1)
+    count = len(garment.nodes)
+    on_loop = np.isin(ends[:, 0] * count + ends[:, 1], sides[:, 0] * count + sides[:, 1])
+    return float(np.linalg.norm(flat[on_loop, 1] - flat[on_loop, 0], axis=1).sum())
 
 
 def _weld_flat(garment: Garment) -> np.ndarray:
@@ -242,7 +276,7 @@ def dress(
         garment: The sewn garment, nodes where its file places them.
         body: The body in its T-pose, facing +z, feet near y = 0.
         lookup: Signed distance of that body.
-        waist_height: Height of the waist contour [m], or None for the body's waist.
+        waist_height: Height of the waist contour [m], or None for where the body is as wide as it.
         settings: The recipe.
         hooks: Progress and cancellation.
         threads: The constraints of `garment` where they are at hand.

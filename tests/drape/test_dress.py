@@ -68,3 +68,13 @@ def test_only_garments_without_arms_hang_from_the_waist() -> None:
     """Breaks if a top is held at its neck as if that were a waistband."""
     held = {name: waist_loop(mesh_pattern(load_template(name), 500)) is not None for name in CONTOURS}
     assert held == {name: "waist" in contours for name, contours in CONTOURS.items()}
+
+
+@pytest.mark.parametrize(("name", "below"), [("trousers", 0.06), ("skirt", 0.0)])
+def test_waistband_sits_where_the_body_is_as_wide(name: str, below: float) -> None:
+    """Breaks if a waist without a target sits elsewhere than 0 or 6 cm below the natural waist (1.07 m), within 5 cm."""
+    garment = mesh_pattern(load_template(name), 500)
+    waist = waist_loop(garment)
+    assert waist is not None
+    nodes = place(garment, stand("T").rest)
+    assert nodes[waist, 1].mean() == pytest.approx(1.07 - below, abs=0.05)
