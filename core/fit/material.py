@@ -101,7 +101,8 @@ def fit_bending(
     identified = std < _EVEN * spread
     k = fabric.density * float(np.exp(value))
     bound = "" if low + std < value < high - std else ", at the end of the range that was searched"
-    note = f"fitted: ratio to the assumed weight, within a factor {np.exp(std):.1f} (one standard deviation){bound}"
+    kind = "fitted" if identified else "not identifiable, mostly the library's"
+    note = f"{kind}: ratio to the assumed weight, within a factor {np.exp(std):.1f} (one standard deviation){bound}"
     title = f"{fabric.title or fabric.name}, bending found from the scan"
     found = replace(
         fabric, title=title, k=k, sources=(*(pair for pair in fabric.sources if pair[0] != "k"), ("k", note))
