@@ -22,7 +22,7 @@ from garmentq.service.database import (
 )
 from garmentq.service.models import Base
 from garmentq.service.settings import ServiceSettingBad
-from garmentq_home import drop_database, make_database, make_settings
+from garmentq_home import drop_database, drop_tables, make_database, make_settings
 from sqlalchemy import create_engine, inspect, text
 
 
@@ -40,15 +40,6 @@ def describe(engine):
         unique = {(u["name"], tuple(u["column_names"])) for u in found.get_unique_constraints(name)}
         tables[name] = (columns, indexes, keys, unique, found.get_pk_constraint(name))
     return tables
-
-
-def drop_tables(address):
-    """Empty a PostgreSQL database."""
-    engine = create_engine(address)
-    with engine.begin() as connection:
-        connection.execute(text("drop schema public cascade"))
-        connection.execute(text("create schema public"))
-    engine.dispose()
 
 
 def test_models_and_migrations_agree(database, database_url, tmp_path, request):

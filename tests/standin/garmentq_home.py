@@ -139,6 +139,15 @@ def make_database(postgres: str, template: str | None = None) -> str:
     return address
 
 
+def drop_tables(address: str) -> None:
+    """Empty a database of the test server."""
+    engine = create_engine(address, poolclass=NullPool)
+    with engine.begin() as connection:
+        connection.execute(text("drop schema public cascade"))
+        connection.execute(text("create schema public"))
+    engine.dispose()
+
+
 def drop_database(address: str) -> None:
     """Drop a database of the test server with every connection to it."""
     made = make_url(address)
