@@ -75,7 +75,8 @@ class Duties(bootsteps.StartStopStep):
     def _round(self) -> None:
         try:
             if time.monotonic() - self.showed > LIFE_SECONDS:
-                show_life(self.database, self.name, *self.app.garmentq_strength, forget_seconds=FORGET_SECONDS)
+                queues, concurrency = self.app.garmentq_strength
+                show_life(self.database, self.name, queues, concurrency, FORGET_SECONDS)
                 self.showed = time.monotonic()
             if hold_duty(self.database, DUTY, self.name, DUTY_SECONDS):
                 reap(self.database, self.settings.max_attempts)
