@@ -47,13 +47,13 @@ class MaterialSettings:
         values: Values of k / density tried over the range, evenly in the logarithm: 7 are a factor of 4 apart, and two
             more beside the best sharpen it. Each is one equilibrium of about 1 s.
         below: The range begins so far below the library's softest, as a logarithm; 1.4 is a factor of 4.
-        above: And ends so far above its stiffest; 4.1 is a factor of 60: bonded, coated or interfaced cloths, which the
-            library does not have, are stiffer than any plain one by that much.
+        above: And ends so far above its stiffest; 4.1 is a factor of 60, assumed: chosen so that a very stiff skirt,
+            whose folding was seen first, lies within the range, just at its end.
         widen: The library's standard deviation counts times this as the prior's: its 19 fabrics are not all
             there are.
-        folding_spread: Standard deviation of the logarithm of the target's folding; another simulator, registration
-            and meshing change it by about a quarter.
-        least_std: Smallest standard deviation of ln k that is reported: one drape of one mesh is never known better.
+        folding_spread: Standard deviation of the logarithm of the target's folding; a quarter is assumed for what
+            another simulator, registration and meshing change, and was not measured.
+        least_std: Smallest standard deviation of ln k that is reported: assumed.
     """
 
     values: int = 7
