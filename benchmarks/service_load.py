@@ -1,0 +1,165 @@
+"""Load on the HTTP API: uploads at once and the server's memory, submitting into a long table, querying many results.
+
+python benchmarks/service_load.py            # all three, about two minutes
+python benchmarks/service_load.py query      # one of uploads, submit, query
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+import httpx
+import numpy as np
+from garmentq.service.database import Database, open_database
+from garmentq.service.models import JobRow, MaterialRow, MetricRow, PatternRow, ScanRow
+from garmentq.service.query import find_jobs, parse_conditions
+from garmentq.service.settings import ServiceSettings
+from sqlalchemy import insert
+
+STANDIN = Path(__file__).parents[1] / "tests" / "standin"
+METRICS = ("surface_rms_mm.t2s", "surface_rms_mm.s2t", "hausdorff_mm", "normal_cosine", "panel_area_error")
+
+
+def start(home: Path) -> tuple[subprocess.Popen[bytes], str]:
+    """Start `garmentq serve` with the quick stand-in for the checker of meshes."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    environment = {**os.environ, "PYTHONPATH": str(STANDIN), "GARMENTQ_CHECKER": "garmentq_standin:check"}
+    command = [sys.executable, "-m", "garmentq.cli.main", "serve", "--home", str(home), "--port", str(port)]
+    process = subprocess.Popen(command, env=environment, stderr=subprocess.DEVNULL)
+    url = f"http://127.0.0.1:{port}"
+    for _ in range(200):
+        try:
+            httpx.get(f"{url}/healthz")
+            return process, url
+        except httpx.TransportError:
+            time.sleep(0.1)
+    raise SystemExit("the service did not start")
+
+
+def peak_mb(pid: int) -> float:
+    """Give the largest resident memory of a process [MB]."""
+    status = Path(f"/proc/{pid}/status").read_text()
+    return int(next(line for line in status.splitlines() if line.startswith("VmHWM")).split()[1]) / 1024
+
+
+def mesh(seed: int, size: int) -> bytes:
+    """Give a binary PLY of about a size [bytes]."""
+    count = size // 12
+    head = f"ply\nformat binary_little_endian 1.0\nelement vertex {count}\n"
+    head += "property float x\nproperty float y\nproperty float z\n"
+    head += "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    points = np.random.default_rng(seed).random((count, 3), dtype=np.float32)
+    return head.encode() + points.tobytes() + b"\x03" + np.array([0, 1, 2], np.int32).tobytes()
+
+
+def measure_uploads(count: int = 50, size: int = 20 * 10**6) -> None:
+    """Send many files at once."""
+    with tempfile.TemporaryDirectory() as folder:
+        process, url = start(Path(folder))
+        idle = peak_mb(process.pid)
+        answers: list[int] = []
+        base = mesh(0, size)
+
+        def send(index: int) -> None:
+            content = base[:-20] + index.to_bytes(7, "little") + base[-13:]
+            answers.append(httpx.post(f"{url}/v1/scans?name={index}.ply", content=content, timeout=300).status_code)
+
+        threads = [threading.Thread(target=send, args=(index,)) for index in range(count)]
+        begun = time.monotonic()
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        seconds = time.monotonic() - begun
+        print(f"{count} uploads of {size / 1e6:.0f} MB at once: {answers.count(201)} kept in {seconds:.1f} s, "
+              f"peak {peak_mb(process.pid):.0f} MB (idle {idle:.0f} MB)")  # fmt: skip
+        process.terminate()
+        process.wait()
+
+
+def fill(database: Database, count: int, state: str) -> None:
+    """Add jobs, ended ones with metrics."""
+    rng = np.random.default_rng(0)
+    with database.write() as session:
+        session.execute(
+            insert(ScanRow), [{"sha256": "0" * 64, "name": "s.ply", "size": 1, "created": 0.0, "details": {}}]
+        )
+        fabric = dict.fromkeys(("H00", "H01", "H11", "H22", "k", "density", "thickness", "friction"), 1.0)
+        session.execute(insert(MaterialRow), [{"id": "m", "name": "denim", "title": "", "sources": [], **fabric}])
+        request = {"settings": {"method": "deform", "preset": "default"}}
+        for begin in range(0, count, 5000):
+            ids = [f"{index:012x}" for index in range(begin, min(begin + 5000, count))]
+            session.execute(insert(JobRow), [
+                {"id": i, "dedup": i, "scan": "0" * 64, "name": "s", "request": request, "version": "0", "priority": 0,
+                 "state": state, "cancel": False, "attempts": 1, "fence": 1, "touched": 0.0,
+                 "created": float(int(i, 16)),
+                 "stage": "", "progress": 1.0, "bad_input": False} for i in ids
+            ])  # fmt: skip
+            if state == "succeeded":
+                names = ("skirt", "tshirt", "trousers", "dress")
+                session.execute(insert(PatternRow), [
+                    {"job": i, "name": "p", "category": names[int(i, 16) % 4], "template": "t",
+                     "material": "m", "seams": 1}
+                    for i in ids
+                ])  # fmt: skip
+                values = rng.random((len(ids), len(METRICS))) * 10
+                session.execute(insert(MetricRow), [
+                    {"job": i, "name": name, "value": float(values[row, column])}
+                    for row, i in enumerate(ids) for column, name in enumerate(METRICS)
+                ])  # fmt: skip
+
+
+def measure_submit(table: int = 10_000, count: int = 300) -> None:
+    """Ask for new jobs while the table is long."""
+    with tempfile.TemporaryDirectory() as folder:
+        database = open_database(ServiceSettings(home=Path(folder)))
+        fill(database, table, "queued")
+        process, url = start(Path(folder))
+        times = []
+        with httpx.Client(base_url=url, timeout=60) as client:
+            content = mesh(1, 10_000)
+            scan = client.post("/v1/scans", params={"name": "a.ply"}, content=content).json()["sha256"]
+            for _ in range(count):
+                begun = time.monotonic()
+                wanted = {"scan": scan, "body": "builtin:female,height=1.70", "force": True}
+                assert client.post("/v1/jobs", json=wanted).status_code == 202
+                times.append(time.monotonic() - begun)
+        low, high = np.percentile(np.array(times[5:]) * 1000, [50, 95])
+        print(
+            f"submit with {table} jobs in the table, no mesh check: median {low:.0f} ms, 95th percentile {high:.0f} ms"
+        )
+        process.terminate()
+        process.wait()
+
+
+def measure_query(count: int = 100_000) -> None:
+    """Ask the questions of docs/cli.md."""
+    with tempfile.TemporaryDirectory() as folder:
+        database = open_database(ServiceSettings(home=Path(folder)))
+        fill(database, count, "succeeded")
+        for where, sort in (
+            ("", "-created"), ("garment = skirt", "-created"), ("surface_rms_mm.t2s < 4", "-created"),
+            ("surface_rms_mm.t2s < 0.01", "surface_rms_mm.t2s"), ("surface_rms_mm.t2s < 4", "surface_rms_mm.t2s"),
+            ("garment = skirt and surface_rms_mm.t2s < 4 and hausdorff_mm < 5", "-created"), ("", "hausdorff_mm"),
+        ):  # fmt: skip
+            times = []
+            for _ in range(5):
+                begun = time.monotonic()
+                found = find_jobs(database, parse_conditions(where) if where else [], sort)
+                times.append(1000 * (time.monotonic() - begun))
+            print(f"query over {count}: {where or 'all'!r} by {sort}: {len(found)} jobs in {np.median(times):.0f} ms")
+
+
+if __name__ == "__main__":
+    parts = {"uploads": measure_uploads, "submit": measure_submit, "query": measure_query}
+    for part in sys.argv[1:] or parts:
+        parts[part]()
