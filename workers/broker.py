@@ -58,7 +58,13 @@ def run_folder(settings: ServiceSettings) -> Path:
 
 
 def broker_url(settings: ServiceSettings) -> str:
-    """Give the address that Celery connects to."""
+    """Give the address that Celery connects to.
+
+    Celery takes any certificate for a `rediss://` that does not say `ssl_cert_reqs`; here it must be a trusted one.
+    """
+    if settings.broker_url.startswith("rediss://") and "ssl_cert_reqs=" not in settings.broker_url:
+        joint = "&" if "?" in settings.broker_url else "?"
+        return f"{settings.broker_url}{joint}ssl_cert_reqs=required"
     return settings.broker_url or f"redis+socket://{run_folder(settings) / 'broker.sock'}"
 
 
