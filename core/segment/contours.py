@@ -31,6 +31,14 @@ SMALLEST = 0.12
 BRIDGED = 0.3
 """Largest share of a trusted contour that was bridged; beyond it the chords shape it more than the cloth does."""
 
+TEETH = np.radians(22.0)
+"""Median angle between successive edges of a contour from which it has teeth: the border of a mesh cut along its
+triangles. 35 designed contours had 2 to 18 degrees, 12 of 15 cut hems 25 to 52 (a mesh whose rows run along the cut has
+none)."""
+SMOOTH = np.radians(20.0)
+"""Median angle up to which another contour of the same garment has none. Where all have teeth, the garment was cut out
+along the triangles as a whole, or the scan is noisy, and teeth say nothing."""
+
 
 @dataclass(frozen=True)
 class _Candidate:
@@ -70,8 +78,8 @@ def name_contours(
             contour proves design; a bay in the surface without anything beyond is damage, however wide its mouth.
 
     Returns:
-        The contours in the order of their names, not trusted where much of one is bridged, and the vertex loops of the
-        holes, longest first.
+        The contours in the order of their names, not trusted where much of one is bridged or it alone has the teeth of
+        a cut, and the vertex loops of the holes, longest first.
     """
     candidates = []
     for loop in find_loops(faces, vertices):
@@ -82,12 +90,32 @@ def name_contours(
         candidates = [part for candidate in candidates for part in _bridge_bays(candidate, vertices, faces, unseen)]
     candidates = [part for candidate in candidates for part in _bridge_bites(candidate, vertices)]
     chosen = _choose(candidates)
+    cut = _cut_contours({name: c.vertices for name, c in chosen.items()}, vertices) if unseen is None else frozenset()
     contours = tuple(
-        Contour(name, c.vertices, c.length, tuple(crossing.bone for crossing in c.crossings), c.bridged <= BRIDGED)
+        Contour(
+            name,
+            c.vertices,
+            c.length,
+            tuple(crossing.bone for crossing in c.crossings),
+            c.bridged <= BRIDGED and name not in cut,
+        )
         for name, c in sorted(chosen.items())
     )
     holes = [c for c in candidates if chosen.get(c.name or "") is not c]
     return contours, tuple(c.vertices for c in sorted(holes, key=lambda c: -c.length))
+
+
+def _cut_contours(loops: dict[str, np.ndarray], vertices: np.ndarray) -> frozenset[str]:
+    """Name the contours with the teeth of a cut along triangles, where another contour of the garment has none."""
+    angles = {}
+    for name, loop in loops.items():
+        edges = np.roll(vertices[loop], -1, axis=0) - vertices[loop]
+        edges = edges / np.maximum(np.linalg.norm(edges, axis=1, keepdims=True), 1e-12)
+        cosine = np.clip((edges * np.roll(edges, 1, axis=0)).sum(axis=1), -1.0, 1.0)
+        angles[name] = float(np.median(np.arccos(cosine)))
+    if min(angles.values(), default=np.inf) > SMOOTH:
+        return frozenset()
+    return frozenset(name for name, angle in angles.items() if angle > TEETH)
 
 
 def _bridge_bites(candidate: _Candidate, vertices: np.ndarray) -> list[_Candidate]:
