@@ -18,13 +18,13 @@ from garmentq.service.results import (
 )
 from garmentq.service.store import Store
 from garmentq.service.submission import Order, submit
-from garmentq_home import make_settings, put_file
+from garmentq_home import drop_database, make_database, make_settings, put_file
 from garmentq_standin import make_recovery, write
 from sqlalchemy import text
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory, blank_database):
+def folder(tmp_path_factory, blank_database, database_kind):
     """Give one home to all these tests: none of them changes anything."""
     home = tmp_path_factory.mktemp("results")
     shutil.copy(blank_database, home / "garmentq.db")
@@ -32,11 +32,14 @@ def folder(tmp_path_factory, blank_database):
 
 
 @pytest.fixture(scope="module")
-def database(folder):
-    """Open the home's database."""
-    opened = open_database(make_settings(folder))
+def database(folder, database_kind, request):
+    """Open the home's database, on each kind of server."""
+    address = "" if database_kind == "sqlite" else make_database(request.getfixturevalue("postgres"))
+    opened = open_database(make_settings(folder, database_url=address))
     yield opened
     opened.dispose()
+    if address:
+        drop_database(address)
 
 
 @pytest.fixture(scope="module")
