@@ -23,7 +23,7 @@ def rms(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> float:
     return float(np.sqrt(igl.point_mesh_squared_distance(points, vertices, faces)[0].mean()))
 
 
-@pytest.mark.parametrize("deviation", [0.005, 0.010])
+@pytest.mark.parametrize("deviation", [0.008, 0.010])
 def test_large_noise_is_measured_and_halved(deviation: float) -> None:
     """Broken where the estimate is off by more than a sixth, or the smoothing takes the folds with the noise."""
     vertices, faces = tube()
@@ -36,10 +36,10 @@ def test_large_noise_is_measured_and_halved(deviation: float) -> None:
 def test_openings_do_not_shrink() -> None:
     """Broken where a border is drawn into the surface: then hems and cuffs would come out short."""
     vertices, faces = tube()
-    noisy = vertices + np.random.default_rng(1).normal(0, 0.005, vertices.shape)
+    noisy = vertices + np.random.default_rng(1).normal(0, 0.008, vertices.shape)
     smooth, _ = smooth_noise(noisy, faces)
     for rim in (slice(0, AROUND), slice(-AROUND, None)):
-        assert abs(smooth[rim, 1].mean() - vertices[rim, 1].mean()) < 0.002
+        assert abs(smooth[rim, 1].mean() - vertices[rim, 1].mean()) < 0.003
         assert np.linalg.norm(smooth[rim][:, [0, 2]], axis=1).mean() == pytest.approx(
             np.linalg.norm(vertices[rim][:, [0, 2]], axis=1).mean(), rel=0.03
         )
