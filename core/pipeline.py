@@ -93,7 +93,11 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     simulation, fitted = None, None
     if settings.method == "hybrid":
         with clock.stage("fit", "fitting the pattern through the simulator") as inner:
-            fitted = fit_pattern(garment, detail.nodes, base, fabric, body, locks=settings.locks, hooks=inner)
+            fitted = fit_pattern(
+                garment, detail.nodes, target, base, fabric, body,
+                deforming=preset, locks=settings.locks, hooks=inner,
+            )  # fmt: skip
+            detail = fitted.detail
         fabric = fitted.fabric
         garment, simulation = fitted.garment.at(garment.nodes), fitted.simulation
         warnings += fitted.warnings

@@ -1,14 +1,16 @@
 """The inverse fit: the pattern from a registered garment, by its metric and through the simulator."""
 
 from .hybrid import PatternFit, fit_pattern
+from .isometry import IsometrySettings, fit_isometry
 from .locks import LockUnknown, find_held, keep_held
 from .losses import RegisteredLoss
 from .material import fit_bending, folding, nearest_fabrics, posterior, ratio_prior
-from .metric import move_pattern, refit_pattern
+from .metric import move_pattern
 from .settings import MaterialSettings, ShapeSettings
 from .shape import ShapeFit, ShapeProblem, fit_shape, keep_seams
 
 __all__ = [
+    "IsometrySettings",
     "LockUnknown",
     "MaterialSettings",
     "PatternFit",
@@ -18,6 +20,7 @@ __all__ = [
     "ShapeSettings",
     "find_held",
     "fit_bending",
+    "fit_isometry",
     "fit_pattern",
     "fit_shape",
     "folding",
@@ -27,5 +30,4 @@ __all__ = [
     "nearest_fabrics",
     "posterior",
     "ratio_prior",
-    "refit_pattern",
 ]

@@ -1,4 +1,4 @@
-"""The hybrid method: pattern from the registered mesh's metric, then through the simulator, then one last drape."""
+"""The hybrid method: pattern and place by isometry, register again, then through the simulator, then a last drape."""
 
 from __future__ import annotations
 
@@ -7,14 +7,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..body import Body, DistanceGrid
+from ..deform import Deformation, DeformSettings, deform
 from ..drape import waist_loop
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
-from ..segment import name_contours
+from ..segment import Target, name_contours
 from ..simulate import Fabric, FabricEstimate
+from .isometry import fit_isometry
 from .locks import find_held, keep_held
 from .material import fit_bending, nearest_fabrics, posterior, state_density
-from .metric import move_pattern, refit_pattern
+from .metric import move_pattern
 from .settings import ShapeSettings
 from .shape import ShapeFit, ShapeProblem, fit_shape
 
@@ -25,6 +27,7 @@ class PatternFit:
 
     Attributes:
         garment: The recovered pattern on the detail mesh: its faces, its flat mesh moved along; nodes registered.
+        detail: The second registration, with the pattern and the place that isometry found.
         simulation: The recovered pattern's equilibrium on the same mesh [m], shape [node_count, 3].
         shape: The fit through the simulator.
         fabric: The cloth, its bending found from the folds, or the given one where it is locked.
@@ -35,6 +38,7 @@ class PatternFit:
     """
 
     garment: Garment
+    detail: Deformation
     simulation: np.ndarray
     shape: ShapeFit
     fabric: Fabric
@@ -47,11 +51,13 @@ class PatternFit:
 def fit_pattern(
     garment: Garment,
     registered: np.ndarray,
+    target: Target,
     like: Pattern,
     fabric: Fabric,
     body: Body,
     *,
     settings: ShapeSettings | None = None,
+    deforming: DeformSettings | None = None,
     locks: tuple[str, ...] = (),
     hooks: Hooks = SILENT,
 ) -> PatternFit:
@@ -60,10 +66,12 @@ def fit_pattern(
     Args:
         garment: The graded pattern's mesh, nodes at its drape, contours named.
         registered: The same nodes on the target [m], shape [node_count, 3].
-        like: The template: tells symmetry and gathered seams.
+        target: The scan's surface with named contours.
+        like: The template: tells symmetry, proportions and gathered seams.
         fabric: The cloth.
         body: The wearer.
-        settings: How.
+        settings: How to fit through the simulator.
+        deforming: How to register again.
         locks: What stays as it is given: `fabric`, `panel:NAME` (and its mirror image).
         hooks: Progress, cancellation and checkpoints.
 
@@ -75,12 +83,19 @@ def fit_pattern(
     settings = settings or ShapeSettings()
     warnings = []
     held = find_held(garment.pattern, like, locks)
-    refitted, share = refit_pattern(garment, registered)
+    isometric = fit_isometry(garment, registered, target, body, like, hooks=hooks)
+    pattern = isometric.pattern
     if held.any():
-        refitted = move_pattern(refitted, keep_held(refitted.pattern, garment.pattern, like, held))
-    if share < 1.0:
-        warnings.append(f"only {100 * share:.0f} % of the pattern's refit was done, or panels would fold over.")
-    hooks.progress("fit", 0.05, "distances to the body")
+        pattern = keep_held(pattern, garment.pattern, like, held)
+    refitted = move_pattern(garment, pattern)
+    refitted = refitted.at(resample(isometric, isometric.nodes, refitted))
+    hooks.progress("fit", 0.2, "registering again")
+    detail = deform(
+        refitted, target, body, settings=deforming or DeformSettings(), hooks=replace(hooks, on_progress=_quiet)
+    )
+    registered = detail.nodes
+    refitted = refitted.at(registered)
+    hooks.progress("fit", 0.3, "distances to the body")
     grid = DistanceGrid.from_mesh(body.vertices, body.faces)
 
     def hold_waist(worn: Garment) -> Hold | None:
@@ -108,5 +123,9 @@ def fit_pattern(
         warnings.append(f"the simulation mesh is {drape.message}")
     simulation = push_out(drape.nodes, body, recovered.faces)
     return PatternFit(
-        recovered, simulation, shape, fabric, estimates, nearest_fabrics(fabric), point_std, tuple(warnings)
+        recovered, detail, simulation, shape, fabric, estimates, nearest_fabrics(fabric), point_std, tuple(warnings)
     )
+
+
+def _quiet(stage: str, fraction: float, message: str) -> None:
+    """Keep the second registration's progress out of the fit's."""

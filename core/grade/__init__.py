@@ -2,9 +2,18 @@
 
 from .choice import TemplateMissing, choose_template
 from .distances import ContourMeasure, compare_contours, position_along
-from .flattening import FlatteningSettings, fit_control_points, stretch_between
+from .flattening import (
+    FlatteningSettings,
+    fit_control_points,
+    narrow_panels,
+    right_stretch,
+    seam_rows,
+    solve_sewn,
+    stretch_between,
+    uv_gradient,
+)
 from .grading import GradeSettings, Grading, grade_pattern, step_without_folds
-from .registration import RegistrationSettings, register_coarsely
+from .registration import RegistrationSettings, Surface, register_coarsely
 
 __all__ = [
     "ContourMeasure",
@@ -12,13 +21,19 @@ __all__ = [
     "GradeSettings",
     "Grading",
     "RegistrationSettings",
+    "Surface",
     "TemplateMissing",
     "choose_template",
     "compare_contours",
     "fit_control_points",
     "grade_pattern",
+    "narrow_panels",
     "position_along",
     "register_coarsely",
+    "right_stretch",
+    "seam_rows",
+    "solve_sewn",
     "step_without_folds",
     "stretch_between",
+    "uv_gradient",
 ]

@@ -70,7 +70,7 @@ def lay_flat(garment: Garment) -> FlatPanels:
         rim[line] = True
     inner = np.flatnonzero(~rim)
     follow = sp.csr_matrix(sp.diags(np.repeat(rim, 2).astype(float)) @ map_controls(garment).matrix)
-    gradient, area = _gradient(garment)
+    gradient, area = uv_gradient(garment)
     weight = np.repeat(area, 2)
     stiffness = sp.csr_matrix(gradient.T @ sp.diags(weight) @ gradient)
     factor = splu(
@@ -98,15 +98,21 @@ def stretch_between(garment: Garment, moved: np.ndarray, settings: FlatteningSet
         settings: Believable strains, and the limit of A's singular values.
     """
     settings = settings or FlatteningSettings()
-    before, after = _right_stretch(garment, garment.nodes), _right_stretch(garment, moved)
+    before, after = right_stretch(garment, garment.nodes), right_stretch(garment, moved)
     values, axes = np.linalg.eigh(before)
     believed = np.clip(values, settings.least_strain, settings.most_strain)
-    narrow = np.array([_width(panel) < settings.band_width for panel in garment.pattern.panels])
+    narrow = narrow_panels(garment.pattern, settings)
     believed = np.where(narrow[garment.panel_of_face][:, None], values, believed)
     stretch = np.linalg.solve((axes * believed[:, None, :]) @ np.swapaxes(axes, 1, 2), after)
     left, values, right = np.linalg.svd(stretch)
     values = np.clip(values, 1.0 / settings.stretch_limit, settings.stretch_limit)
     return np.asarray((left * values[:, None, :]) @ right)
+
+
+def narrow_panels(pattern: Pattern, settings: FlatteningSettings | None = None) -> np.ndarray:
+    """Tell the panels that are bands, narrower than `band_width`; shape [panel_count]."""
+    settings = settings or FlatteningSettings()
+    return np.array([_width(panel) < settings.band_width for panel in pattern.panels])
 
 
 def _width(panel: Panel) -> float:
@@ -137,8 +143,8 @@ def fit_control_points(garment: Garment, stretch: np.ndarray, settings: Flatteni
         load = flat.gradient.T @ (flat.weight[:, None] * np.swapaxes(turned, 1, 2).reshape(-1, 2))
         inner = flat.factor.solve(load[flat.inner])
         right = flat.follow.T @ load.ravel() - flat.border.T @ inner.ravel() + keep * start.ravel()
-        rows = _seam_rows(pattern, points)
-        effective = _solve_sewn(free.T @ system @ free, free.T @ (right - system @ offset), rows @ free, -rows @ offset)
+        rows = seam_rows(pattern, points)
+        effective = solve_sewn(free.T @ system @ free, free.T @ (right - system @ offset), rows @ free, -rows @ offset)
         points = symmetry.expand(effective)
         placed = (flat.follow @ points.ravel()).reshape(-1, 2)
         placed[flat.inner] = inner - (flat.carried @ points.ravel()).reshape(-1, 2)
@@ -147,7 +153,7 @@ def fit_control_points(garment: Garment, stretch: np.ndarray, settings: Flatteni
     return points
 
 
-def _seam_rows(pattern: Pattern, points: np.ndarray) -> np.ndarray:
+def seam_rows(pattern: Pattern, points: np.ndarray) -> np.ndarray:
     """Give the difference in length of each ungathered seam's sides, linear in the points, [count, 2 point_count].
 
     An edge follows its chord by a similarity, so its length is proportional to the chord's, and that is the scalar
@@ -172,7 +178,7 @@ def _seam_rows(pattern: Pattern, points: np.ndarray) -> np.ndarray:
     return np.array(rows).reshape(-1, points.size)
 
 
-def _solve_sewn(system: np.ndarray, right: np.ndarray, rows: np.ndarray, sums: np.ndarray) -> np.ndarray:
+def solve_sewn(system: np.ndarray, right: np.ndarray, rows: np.ndarray, sums: np.ndarray) -> np.ndarray:
     """Minimise x.(system x)/2 - right.x under rows @ x = sums; least squares, because rows may repeat each other."""
     size, count = len(system), len(rows)
     scale = float(np.trace(system)) / size
@@ -189,7 +195,7 @@ def _turn_towards(stretch: np.ndarray, slope: np.ndarray) -> np.ndarray:
     return np.asarray(rotation @ stretch)
 
 
-def _right_stretch(garment: Garment, nodes: np.ndarray) -> np.ndarray:
+def right_stretch(garment: Garment, nodes: np.ndarray) -> np.ndarray:
     """Give U = sqrt(F^T F) of every face, shape [face_count, 2, 2].
 
     sqrt(C) = (C + s I) / sqrt(tr C + 2 s) with s = sqrt(det C), for 2 x 2 matrices.
@@ -206,7 +212,7 @@ def _right_stretch(garment: Garment, nodes: np.ndarray) -> np.ndarray:
     return np.asarray((square + root[:, None, None] * np.eye(2)) / np.sqrt(trace + 2 * root)[:, None, None])
 
 
-def _gradient(garment: Garment) -> tuple[sp.csr_matrix, np.ndarray]:
+def uv_gradient(garment: Garment) -> tuple[sp.csr_matrix, np.ndarray]:
     """Give the gradient on the flat faces, shape [2 face_count, uv_count], and their areas [m2]."""
     rest, faces = garment.rest, garment.uv_faces
     flat = np.stack([rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0]], axis=1)
