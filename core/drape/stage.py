@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..body import Body, DistanceGrid, rest_body, unskin, weights_at
+from ..body import Body, DistanceGrid, rest_body, skin, unskin, weights_at
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target, name_contours
@@ -127,7 +127,11 @@ def drape_template(
     )
     hooks.progress("template", 0.6, "taking the pose")
     waist = waist_loop(garment)
-    nodes = carry(threads, nodes, body, held=waist)
+    if waist is None:
+        nodes = carry(threads, nodes, body)
+    else:
+        # What hangs from the waist has no arms to be tangled by, and starts the grading as the T-pose left it.
+        nodes = skin(nodes, weights_at(body, nodes, rest=True), body.transforms)
     wanted = None if target is None else target.contour("waist")
     if waist is not None and wanted is not None and target is not None:
         nodes[waist] = tie_contour(nodes[waist], target.vertices[wanted.vertices])
