@@ -43,7 +43,7 @@ def study_pack(order: dict[str, Any], write: Any) -> None:
     from ..core.measure import DAMAGES, read_packs
 
     pack = read_packs(Path(order["pack"]))[0]
-    known: dict[str, Any] = {}
+    known: dict[Any, Any] = {}
     with tempfile.TemporaryDirectory(prefix="garmentq-damage-") as folder:
         for damage in DAMAGES:
             if damage.name not in order["damages"]:
@@ -67,7 +67,7 @@ def empty_line(target: str, damage: str, preset: str) -> Line:
     }
 
 
-def _study(pack: Any, damage: Any, preset: str, seed: int, folder: Path, known: dict[str, Any]) -> Line:
+def _study(pack: Any, damage: Any, preset: str, seed: int, folder: Path, known: dict[Any, Any]) -> Line:
     started = time.process_time()
     line = empty_line(pack.name, damage.name, preset)
     try:
@@ -81,7 +81,7 @@ def _study(pack: Any, damage: Any, preset: str, seed: int, folder: Path, known: 
     return line
 
 
-def _recover(pack: Any, damage: Any, preset: str, seed: int, folder: Path, known: dict[str, Any]) -> Line:
+def _recover(pack: Any, damage: Any, preset: str, seed: int, folder: Path, known: dict[Any, Any]) -> Line:
     from ..core.export import plain
     from ..core.hooks import Hooks
     from ..core.measure import measure_recovery
@@ -118,11 +118,13 @@ def _damaged_files(pack: Any, damage: Any, seed: int, folder: Path) -> tuple[Pat
     from ..core.measure import read_true_mesh
 
     garment = folder / f"{damage.name}_garment.ply"
-    write_ply(*damage.apply(*read_true_mesh(pack), np.random.default_rng(seed)), garment)
+    vertices, faces = damage.apply(*read_true_mesh(pack), np.random.default_rng(seed))
+    write_ply(vertices, faces, garment)
     if not damage.moves_body:
         return garment, pack.body
     body = folder / f"{damage.name}_body.ply"
-    write_ply(*damage.apply(*read_true_mesh(pack, pack.body), np.random.default_rng(seed)), body)
+    vertices, faces = damage.apply(*read_true_mesh(pack, pack.body), np.random.default_rng(seed))
+    write_ply(vertices, faces, body)
     return garment, body
 
 

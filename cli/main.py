@@ -24,7 +24,6 @@ COMMANDS = {
     "inspect": "Show how a file is understood, before anything is run.",
     "templates": "List, show, import and export template patterns.",
     "bodies": "List the built-in bodies, and write one as a mesh.",
-    "bodies": "List the built-in bodies, and write one as a mesh.",
     "materials": "List the fabrics of the library.",
     "worker": "Run a worker until it is told to stop.",
     "serve": "Serve the HTTP API until told to stop.",

@@ -71,12 +71,14 @@ def register_coarsely(
         face, foot, seen = goal.closest(moved, here.normals, settings.facing)
         out = goal.face_normals[face]
         weight = np.where(seen & (pins == 0), mass, 0.0) / reach**4
+        # What sees nothing beyond a border that nothing holds stays about where it is, or it would be thrown far out.
+        still = np.where(seen | (pins > 0), 0.0, mass) / reach**4
         lead = moved - start + out * (out * (foot - moved)).sum(1)[:, None]
         face, foot, seen = here.closest(goal.vertices[picked], goal.normals[picked], settings.facing)
         on_faces = here.interpolation(face, foot)
         pull = np.where(seen, share, 0.0) / reach**4
-        system = fixed + sp.diags(weight) + on_faces.T @ sp.diags(pull) @ on_faces
-        right = weight[:, None] * lead + pins[:, None] * pinned
+        system = fixed + sp.diags(weight + still) + on_faces.T @ sp.diags(pull) @ on_faces
+        right = weight[:, None] * lead + still[:, None] * (moved - start) + pins[:, None] * pinned
         right += on_faces.T @ (pull[:, None] * (goal.vertices[picked] - on_faces @ start))
         moved = start + splu(sp.csc_matrix(system), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(
             right

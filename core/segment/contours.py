@@ -51,7 +51,11 @@ class _Candidate:
 
 
 def name_contours(
-    vertices: np.ndarray, faces: np.ndarray, body: Body, unseen: np.ndarray | None = None
+    vertices: np.ndarray,
+    faces: np.ndarray,
+    body: Body,
+    unseen: np.ndarray | None = None,
+    scanned: bool = False,
 ) -> tuple[tuple[Contour, ...], tuple[np.ndarray, ...]]:
     """Name the open contours of a worn garment and tell them from holes.
 
@@ -76,6 +80,8 @@ def name_contours(
         body: The wearer.
         unseen: True at vertices beyond which the scanner saw nothing, shape [vertex_count], or None. Skin beyond a
             contour proves design; a bay in the surface without anything beyond is damage, however wide its mouth.
+        scanned: True where the surface is a scan's, so that a contour can be where it was cut off. Our own meshes have
+            teeth too where they are coarse, and nothing cut them.
 
     Returns:
         The contours in the order of their names, not trusted where much of one is bridged or it alone has the teeth of
@@ -90,7 +96,8 @@ def name_contours(
         candidates = [part for candidate in candidates for part in _bridge_bays(candidate, vertices, faces, unseen)]
     candidates = [part for candidate in candidates for part in _bridge_bites(candidate, vertices)]
     chosen = _choose(candidates)
-    cut = _cut_contours({name: c.vertices for name, c in chosen.items()}, vertices) if unseen is None else frozenset()
+    loops = {name: c.vertices for name, c in chosen.items()}
+    cut = _cut_contours(loops, vertices) if scanned and unseen is None else frozenset()
     contours = tuple(
         Contour(
             name,

@@ -22,7 +22,7 @@ def segment_garment(scan: Scan, body: Body) -> Target:
     Raises:
         NoContour: where no open boundary encircles a bone.
     """
-    contours, holes = name_contours(scan.vertices, scan.faces, body, scan.unseen)
+    contours, holes = name_contours(scan.vertices, scan.faces, body, scan.unseen, scanned=True)
     if not contours:
         found = f"its {len(holes)} openings encircle no bone" if holes else "its surface is closed"
         raise NoContour(

@@ -93,7 +93,7 @@ def add_handlers(app: FastAPI) -> None:
 
 def refuse(status: int, code: str, message: str) -> HTTPException:
     """Give a refusal that no layer above rewrites."""
-    return HTTPException(status, {"code": code, "message": message})
+    return HTTPException(status, {"code": code, "message": message})  # type: ignore[arg-type]
 
 
 def show_answer(value: object, status: int = 200, description: str = "Answer.") -> dict[int | str, dict[str, Any]]:

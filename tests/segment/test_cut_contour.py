@@ -8,7 +8,7 @@ AROUND = 48
 
 def trust(vertices, faces, body):
     """Give each contour's trust by name."""
-    contours, _ = name_contours(vertices, faces, body)
+    contours, _ = name_contours(vertices, faces, body, scanned=True)
     return {contour.name: contour.trusted for contour in contours}
 
 

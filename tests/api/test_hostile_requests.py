@@ -1,0 +1,224 @@
+"""Hostile files and requests: each is refused with a stable code, in time, and nothing else happens."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import os
+import socket
+import struct
+import time
+from dataclasses import replace
+
+import httpx
+import pytest
+from api_client import LIMITS, serving
+from api_work import FACES, HEADER, ask, code_of, finish, make_key, make_ply, upload
+from garmentq.service.api.server import AddressPublic, serve
+from garmentq.service.settings import CHECKER
+
+POINTS = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+TRIANGLES = "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
+BINARY = HEADER.replace("ascii", "binary_little_endian")
+
+
+def glb(document: dict) -> bytes:
+    """Pack a glTF document without a binary part."""
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    return struct.pack("<4sII", b"glTF", 2, 20 + len(text)) + struct.pack("<I4s", len(text), b"JSON") + text
+
+
+TETRAHEDRON = (HEADER + FACES).format(4, 4)
+FILES = {
+    "binary_4e9_vertices.ply": (BINARY.format(4_000_000_000) + FACES.format(1)).encode() + bytes(48),
+    "binary_2e8_faces.ply": (BINARY.format(3) + FACES.format(200_000_000)).encode() + bytes(49),
+    "ascii_4e9_vertices.ply": (HEADER.format(4_000_000_000) + FACES.format(4) + POINTS + TRIANGLES).encode(),
+    "index_too_large.ply": (TETRAHEDRON + POINTS + TRIANGLES.replace("1 2 3", "1 2 999999999")).encode(),
+    "index_negative.ply": (TETRAHEDRON + POINTS + TRIANGLES.replace("1 2 3", "1 2 -7")).encode(),
+    "not_finite.ply": (TETRAHEDRON + POINTS.replace("0 0 1", "nan inf 1e38") + TRIANGLES).encode(),
+    "truncated.ply": (BINARY.format(1000) + FACES.format(1000)).encode() + bytes(600),
+    "count_ffffffff.stl": bytes(80) + b"\xff\xff\xff\xff" + bytes(50),
+    "index_out_of_range.obj": b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99\n",
+    "accessor_4e9.glb": glb(
+        {"asset": {"version": "2.0"}, "accessors": [{"count": 4 * 10**9, "type": "VEC3", "componentType": 5126}]}
+    ),
+    "outside.glb": glb({"asset": {"version": "2.0"}, "buffers": [{"uri": "../../secret", "byteLength": 36}]}),
+    "outside.gltf": b'{"asset": {"version": "2.0"}, "buffers": [{"uri": "../../secret", "byteLength": 36}]}',
+    "4e9_vertices.off": b"OFF\n4000000000 1 0\n0 0 0\n3 0 0 0\n",
+    "bomb.3mf": b"PK\x03\x04" + bytes(60),
+    "entity.dae": b'<?xml version="1.0"?><!DOCTYPE a [<!ENTITY x SYSTEM "file:///etc/passwd">]><a>&x;</a>',
+    "entity.svg": b'<!DOCTYPE s [<!ENTITY x SYSTEM "file:///etc/passwd">]><svg>&x;</svg>',
+    "wrong_content.stl": b"ply\nformat ascii 1.0\n",
+    "empty.ply": b"",
+    "pickle.npz": b"\x80\x04cos\nsystem\n",
+    "none": b"nothing",
+}  # fmt: skip
+
+
+@pytest.fixture
+def strict(settings):
+    """Serve the home with the real checker of files."""
+    with serving(replace(settings, checker=CHECKER)) as url, httpx.Client(base_url=url, timeout=30.0) as client:
+        yield client
+
+
+@pytest.mark.slow
+def test_bad_files_are_refused_in_time(strict, settings):
+    """Broken where a bad file becomes a job, a fault, or a long wait, or leaves something behind."""
+    body = upload(strict, -0.5, "bodies", "body.ply")
+    for name, content in FILES.items():
+        start = time.monotonic()
+        answer = strict.post("/v1/scans", params={"name": name}, content=content)
+        if answer.status_code == 201:
+            answer = strict.post("/v1/jobs", json={"scan": answer.json()["sha256"], "body": body})
+        seconds = time.monotonic() - start
+        assert 400 <= answer.status_code < 500, (name, answer.text)
+        assert code_of(answer).startswith(("scan.", "upload.")), (name, answer.text)
+        assert seconds < 6.0, (name, seconds)  # 2 s on an idle machine; the tests may share theirs
+        assert str(settings.home) not in answer.text and "Traceback" not in answer.text, name
+    assert strict.get("/v1/jobs").json()["jobs"] == []
+    assert list((settings.home / "incoming").iterdir()) == []
+    assert strict.get("/healthz").status_code == 200
+
+
+def test_no_name_is_a_path(client, settings, database, store, tmp_path):
+    """Broken where a name leads out of a folder: at upload, in a template's name, an id, or a file's name."""
+    (tmp_path / "secret").write_text("secret")
+    before = {path for path in tmp_path.rglob("*") if settings.home not in path.parents}
+    for name in ("../../../etc/cron.d/x.ply", "/etc/x.ply", "..\\..\\x.ply", ".ply", "a\x00b.ply", "x" * 250 + ".ply"):
+        answer = client.post("/v1/scans", params={"name": name}, content=make_ply())
+        if answer.status_code == 201:
+            assert "/" not in answer.json()["name"] and not answer.json()["name"].startswith(".")
+        else:
+            assert answer.status_code == 422, (name, answer.text)
+    job = ask(client).json()["job"]
+    finish(settings, database, store, job, settings.home / "made")
+    for name in ("../../secret", "..%2f..%2fsecret", "/etc/passwd", "%2e%2e/secret", "pattern.svg/../../secret"):
+        for path in (
+            f"/v1/jobs/{job}/artifacts/{name}",
+            f"/v1/templates/{name}",
+            f"/v1/jobs/{name}",
+            f"/v1/scans/{name}",
+        ):
+            connection = http.client.HTTPConnection(client.base_url.host, client.base_url.port, timeout=10)
+            connection.request("GET", path)  # as it is: httpx would tidy the dots
+            answer = connection.getresponse()
+            text = answer.read()
+            connection.close()
+            assert answer.status in (404, 405, 422) and b"root:" not in text and b"secret" != text, path
+    wanted = {"scan": upload(client), "body": "../../secret"}
+    assert code_of(client.post("/v1/jobs", json=wanted)) == "request.bad"
+    wanted = {"scan": upload(client), "body": "builtin:female,height=1.7", "template": "../../secret"}
+    assert code_of(client.post("/v1/jobs", json=wanted)) == "request.bad"
+    assert {path for path in tmp_path.rglob("*") if settings.home not in path.parents} == before
+
+
+def test_a_link_in_the_store_is_not_followed_to_other_bytes(client, settings, database, store, tmp_path):
+    """Broken where a file of the store that was replaced by a link is handed out."""
+    job = ask(client).json()["job"]
+    finish(settings, database, store, job, tmp_path / "out")
+    file = client.get(f"/v1/jobs/{job}/artifacts").json()["files"][0]
+    place = store.path(file["sha256"])
+    place.unlink()
+    place.symlink_to("/etc/passwd")
+    answer = client.get(f"/v1/jobs/{job}/artifacts/{file['name']}")
+    assert answer.status_code == 503 and code_of(answer) == "store.damaged"
+
+
+def test_uploads_are_capped_while_they_stream(client, settings):
+    """Broken where a body beyond the cap is taken, with or without its length, or a partial file stays."""
+    big = b"x" * (LIMITS.upload_bytes + 1)
+    told = client.post("/v1/scans", params={"name": "a.ply"}, content=big)
+    assert (told.status_code, code_of(told)) == (413, "request.too_large")
+    untold = client.post(
+        "/v1/scans", params={"name": "a.ply"}, content=(big[i : i + 65536] for i in range(0, len(big), 65536))
+    )
+    assert (untold.status_code, code_of(untold)) == (413, "request.too_large")
+    json_bomb = client.post("/v1/jobs", content=b"[" * 100_000, headers={"content-type": "application/json"})
+    assert json_bomb.status_code == 413
+    deep = client.post("/v1/jobs", content=b"[" * 60_000, headers={"content-type": "application/json"})
+    assert 400 <= deep.status_code < 500, deep.text
+    assert list((settings.home / "incoming").iterdir()) == []
+
+
+def test_slow_and_vanished_clients(client, settings):
+    """Broken where a client that falls silent holds a request, or one that leaves leaves its file."""
+    head = b"POST /v1/scans?name=a.ply HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 1000\r\n\r\nply\n"
+    place = (client.base_url.host, client.base_url.port)
+    with socket.create_connection(place, timeout=10) as slow:
+        slow.sendall(head)
+        assert b" 408 " in slow.recv(4096)
+    with socket.create_connection(place, timeout=10) as gone:
+        gone.sendall(head)
+    deadline = time.monotonic() + 5
+    while list((settings.home / "incoming").iterdir()) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert list((settings.home / "incoming").iterdir()) == []
+    assert client.get("/healthz").status_code == 200
+
+
+def test_pages_of_others_cannot_ask(client):
+    """Broken where a page in the user's browser can queue jobs in a service without keys."""
+    for headers in ({"origin": "http://evil.example"}, {"host": "evil.example"}, {"origin": "null"}):
+        answer = client.get("/v1/jobs", headers=headers)
+        assert (answer.status_code, code_of(answer)) == (403, "request.foreign_origin"), headers
+    assert client.get("/v1/jobs", headers={"origin": "http://localhost:3000"}).status_code == 200
+
+
+def test_a_public_address_needs_a_key(settings, database):
+    """Broken where a service without keys listens to everybody, or a revoked key counts."""
+    with pytest.raises(AddressPublic):
+        serve(settings, "0.0.0.0", 1)
+    with serving(settings, is_open=False) as url:
+        assert httpx.get(f"{url}/v1/jobs").status_code == 401
+        header = make_key(database, "a")
+        assert httpx.get(f"{url}/v1/jobs", headers=header).status_code == 200
+
+
+def test_names_are_escaped_everywhere(client, cli, settings, database, store, tmp_path):
+    """Broken where a name carries terminal escapes, HTML or a formula into a log, a page or a table."""
+    evil = "=cmd|'/c calc'!A1<script>\x1b[31m\u202e.ply"
+    scan = client.post("/v1/scans", params={"name": evil}, content=make_ply()).json()
+    assert set(scan["name"]) <= set("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-")
+    job = client.post(
+        "/v1/jobs", json={"scan": scan["sha256"], "body": upload(client, -0.5, "bodies", "b.ply")}
+    ).json()["job"]
+    answer = client.get("/v1/jobs/\x1b[31m<script>alert(1)</script>".replace("\x1b", "%1b"))
+    assert answer.status_code == 404 and "\x1b" not in answer.text
+    assert answer.headers["content-type"] == "application/problem+json"
+    assert answer.headers["x-content-type-options"] == "nosniff"
+    finish(settings, database, store, job, tmp_path / "out")
+    svg = client.get(f"/v1/jobs/{job}/artifacts/pattern.svg")
+    assert svg.headers["content-type"] == "application/octet-stream"
+    assert svg.headers["content-disposition"].startswith("attachment")
+    for words in (("status",), ("query", "--csv"), ("logs", job)):
+        shown = cli(*words).stdout
+        assert "\x1b" not in shown and "<script>" not in shown
+        assert not any(cell.startswith(("=", "+", "@")) for line in shown.splitlines() for cell in line.split(","))
+
+
+def test_streams_are_counted(client, database):
+    """Broken where one key can hold any number of event streams."""
+    job = ask(client).json()["job"]
+    headers = {"accept": "text/event-stream"}
+    with client.stream("GET", f"/v1/jobs/{job}/events", headers=headers) as one:
+        first = one.iter_lines()  # held: a stream whose iterator is dropped is closed
+        next(first)
+        with client.stream("GET", f"/v1/jobs/{job}/events", headers=headers) as two:
+            second = two.iter_lines()
+            next(second)
+            third = client.get(f"/v1/jobs/{job}/events", headers=headers)
+            assert (third.status_code, code_of(third)) == (429, "request.streams_full")
+
+
+def test_a_full_disk_is_507(client, settings, monkeypatch):
+    """Broken where a disk without room is a fault, or leaves half a file."""
+
+    def full(descriptor):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    answer = client.post("/v1/scans", params={"name": "a.ply"}, content=make_ply(0.7))
+    assert (answer.status_code, code_of(answer)) == (507, "store.full")
+    assert list((settings.home / "incoming").iterdir()) == []
