@@ -51,7 +51,7 @@ def test_pattern_and_detail_are_recovered(straight: Recovery) -> None:
         assert detail < graded < 30.0
     assert (straight.metrics["body_penetration_mm"] or 0.0) <= 1.0
     height = np.ptp(straight.pattern.panels[0].points[:, 1])
-    assert height == pytest.approx(1.12 * np.ptp(load_template("skirt").panels[0].points[:, 1]), rel=0.05)
+    assert height == pytest.approx(1.12 * np.ptp(load_template("skirt").panels[0].points[:, 1]), rel=0.06)
 
 
 @pytest.mark.slow
