@@ -158,7 +158,7 @@ def test_proportions_are_those_of_the_base_pattern(scene: Scene) -> None:
 
 
 def test_the_pattern_of_our_own_drape_is_recovered(scene: Scene) -> None:
-    """Breaks where metric and simulator do not find the truth from the template: area 2 % (8 % at first), drape 2 mm."""
+    """Breaks where metric and simulator miss the truth from the template: area 2 % (8 % at first); drape 2 mm"""
     found = fit_pattern(scene.worn, scene.registered, scene.target, scene.template, scene.fabric, scene.body)
     assert area_errors(found.garment.pattern, scene.true).max() < 0.02
     # To the surface: registering again slides nodes within it.
