@@ -95,11 +95,11 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         with clock.stage("fit", "fitting the pattern through the simulator") as inner:
             fitted = fit_pattern(
                 garment, detail.nodes, target, base, fabric, body,
-                deforming=preset, locks=settings.locks, hooks=inner,
+                vertex_count=settings.vertex_count, deforming=preset, locks=settings.locks, hooks=inner,
             )  # fmt: skip
             detail = fitted.detail
         fabric = fitted.fabric
-        garment, simulation = fitted.garment.at(garment.nodes), fitted.simulation
+        garment, simulation = fitted.garment.at(fitted.graded), fitted.simulation
         warnings += fitted.warnings
     with clock.stage("measure", "measuring the result"):
         metrics = measure(scan, target, garment, detail, simulation, drape, body, settings)

@@ -26,7 +26,8 @@ class PatternFit:
     """Hold what the inverse fit found.
 
     Attributes:
-        garment: The recovered pattern on the detail mesh: its faces, its flat mesh moved along; nodes registered.
+        garment: The recovered pattern, meshed anew; nodes registered.
+        graded: The graded pattern's drape on that mesh [m], shape [node_count, 3].
         detail: The second registration, with the pattern and the place that isometry found.
         simulation: The recovered pattern's equilibrium on the same mesh [m], shape [node_count, 3].
         shape: The fit through the simulator.
@@ -38,6 +39,7 @@ class PatternFit:
     """
 
     garment: Garment
+    graded: np.ndarray
     detail: Deformation
     simulation: np.ndarray
     shape: ShapeFit
@@ -56,6 +58,7 @@ def fit_pattern(
     fabric: Fabric,
     body: Body,
     *,
+    vertex_count: int | None = None,
     settings: ShapeSettings | None = None,
     deforming: DeformSettings | None = None,
     locks: tuple[str, ...] = (),
@@ -70,6 +73,7 @@ def fit_pattern(
         like: The template: tells symmetry, proportions and gathered seams.
         fabric: The cloth.
         body: The wearer.
+        vertex_count: Vertices of the recovered pattern's mesh, or None for as many as there are.
         settings: How to fit through the simulator.
         deforming: How to register again.
         locks: What stays as it is given: `fabric`, `panel:NAME` (and its mirror image).
@@ -87,8 +91,11 @@ def fit_pattern(
     pattern = isometric.pattern
     if held.any():
         pattern = keep_held(pattern, garment.pattern, like, held)
-    refitted = move_pattern(garment, pattern)
-    refitted = refitted.at(resample(isometric, isometric.nodes, refitted))
+    # Meshed anew: triangles that moved along with so many points get thin in narrow corners.
+    refitted = mesh_pattern(pattern, vertex_count or len(registered))
+    graded = resample(garment, garment.nodes, refitted)
+    placed = resample(isometric, isometric.nodes, refitted)
+    refitted = refitted.at(placed, name_contours(placed, refitted.faces, body)[0])
     hooks.progress("fit", 0.2, "registering again")
     detail = deform(
         refitted, target, body, settings=deforming or DeformSettings(), hooks=replace(hooks, on_progress=_quiet)
@@ -123,7 +130,16 @@ def fit_pattern(
         warnings.append(f"the simulation mesh is {drape.message}")
     simulation = push_out(drape.nodes, body, recovered.faces)
     return PatternFit(
-        recovered, detail, simulation, shape, fabric, estimates, nearest_fabrics(fabric), point_std, tuple(warnings)
+        recovered,
+        graded,
+        detail,
+        simulation,
+        shape,
+        fabric,
+        estimates,
+        nearest_fabrics(fabric),
+        point_std,
+        tuple(warnings),
     )
 
 
