@@ -13,10 +13,6 @@ STAND_IN = {"long_sleeve_tshirt": "tshirt", "shorts": "trousers"}
 """The category whose templates serve where there is none of a target's own: sleeves and legs are graded longer or
 shorter, but no seam is added."""
 
-ONLY_BY_NAME = ("four_panel_skirt",)
-"""Templates that are used only where the user names them: graded to a nearly full circle, the four panels' drape
-diverged, while the two panels of `skirt`, whose hem has more control points, opened to it."""
-
 
 class TemplateMissing(BadInput):
     """No template fits this garment; name one with --template NAME or give a pattern file."""
@@ -38,7 +34,7 @@ def choose_template(target: Target, names: Sequence[str]) -> str:
     Raises:
         TemplateMissing: where there is none for the category.
     """
-    infos = [info for info in list_templates() if info.name in names and info.name not in ONLY_BY_NAME]
+    infos = [info for info in list_templates() if info.name in names]
     fitting = [info.name for info in infos if info.category == target.category]
     fitting = fitting or [info.name for info in infos if info.category == STAND_IN.get(target.category)]
     if not fitting:

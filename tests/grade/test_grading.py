@@ -204,7 +204,7 @@ LEGS = {"leg.left": 0.5, "leg.right": 0.5}
         ("jumpsuit", ARMS | LEGS, "jumpsuit"),
         ("skirt", {"waist": 0.75, "hem": 1.3}, "skirt"),
         ("skirt", {"waist": 0.9, "hem": 1.56}, "skirt"),
-        ("skirt", {"waist": 0.75, "hem": 3.0}, "skirt"),
+        ("skirt", {"waist": 0.75, "hem": 3.0}, "four_panel_skirt"),
         ("skirt", {"waist": 0.7, "hem": 0.95}, "pencil_skirt"),
         ("skirt", {"hem": 0.95}, "skirt"),
     ],
