@@ -1,6 +1,7 @@
 """From an untrusted file to a checked `Scan`."""
 
 from .cut import cut_garment
+from .header import check_header
 from .labels import read_labels
 from .limits import Limits
 from .load import lies_on, load_pair, load_scan, vertex_normals
@@ -15,6 +16,7 @@ __all__ = [
     "Pieces",
     "Scan",
     "Selection",
+    "check_header",
     "cut_garment",
     "find_units",
     "find_up",

@@ -112,8 +112,7 @@ def _check(kind: str, path: Path, name: str, rooms: Rooms) -> None:
         if path.stat().st_size == 0:
             raise FileRefused(f"{name} is empty.")
         return
-    from ...core.scan import Limits
-    from ...core.scan.header import check_header
+    from ...core.scan import Limits, check_header
 
     try:
         check_header(path, Limits(file_bytes=rooms.limits.upload_bytes))
