@@ -86,12 +86,12 @@ def _check_names(chosen: RecoverySettings) -> None:
 
 
 def _check_body(body: Path | str | None) -> Path | str:
-    from ..core.body import BodyMissing, builtin_body
+    from ..core.body import BodyMissing, parse_spec
 
     if body is None:
         raise BodyMissing()
     if isinstance(body, str) and body.startswith(BUILTIN):
-        builtin_body(body)
+        parse_spec(body)  # whoever can be described can be made; making takes 0.3 s
         return body
     path = Path(body)
     if not path.is_file():

@@ -76,6 +76,10 @@ class S3Store(Store):
                 os.replace(self.copy(sha256, Path(folder) / sha256), path)
         return path
 
+    def renew(self, known: Stored) -> bool:
+        """Say no: a bucket cannot make a file young, so every one is put again."""
+        return False
+
     def put_stream(self, stream: BinaryIO) -> Stored:
         """Hash the bytes into a temporary file, then upload it under its hash, in parts where it is large."""
         from boto3.s3.transfer import TransferConfig

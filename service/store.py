@@ -126,9 +126,24 @@ class Store:
         return path
 
     def put(self, source: Path) -> Stored:
-        """Keep a copy of a file."""
+        """Keep a copy of a file; one that is kept and sound is only made young again, which needs no write of it."""
+        known = hash_file(source)
+        if self.renew(known):
+            return known
         with source.open("rb") as stream:
             return self.put_stream(stream)
+
+    def renew(self, known: Stored) -> bool:
+        """Set a kept file's time to now, so that `remove` spares it; False where it is not there, or damaged."""
+        path = self.root / known.sha256[:2] / known.sha256[2:]
+        try:
+            os.utime(path)  # first: from here on `remove` puts back what it has set aside
+            if hash_file(path) != known:
+                return False
+            _flush_folder(path.parent)  # another process may have renamed it into place a moment ago
+        except OSError:
+            return False
+        return True
 
     def put_bytes(self, content: bytes) -> Stored:
         """Keep some bytes."""

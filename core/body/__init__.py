@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from .body import JOINTS, PARENTS, Body
 
 if TYPE_CHECKING:
-    from .builtin import BodyMissing, BodySpecBad, builtin_body, describe_bodies
+    from .builtin import BodyMissing, BodySpecBad, builtin_body, describe_bodies, parse_spec
     from .distance import DistanceBad, DistanceGrid, sample_distance
     from .model import BodyModel
     from .registration import NotHuman, register_body
@@ -28,6 +28,7 @@ _LAZY = {
     "describe_bodies": "builtin",
     "is_smpl": "smpl",
     "load_smpl": "smpl",
+    "parse_spec": "builtin",
     "register_body": "registration",
     "rest_body": "skinning",
     "sample_distance": "distance",
@@ -53,6 +54,7 @@ __all__ = [
     "describe_bodies",
     "is_smpl",
     "load_smpl",
+    "parse_spec",
     "register_body",
     "rest_body",
     "sample_distance",

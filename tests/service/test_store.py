@@ -35,6 +35,22 @@ def test_damage_is_seen(store, tmp_path):
     assert store.get_bytes(kept.sha256) == b"cloth", "putting it again must mend it"
 
 
+def test_putting_again_makes_young_and_mends(store, tmp_path):
+    """Broken where a kept file is written once more for every job, goes to `gc` all the same, or stays damaged."""
+    source = tmp_path / "file"
+    source.write_bytes(b"cloth")
+    path = store.path(store.put(source).sha256)
+    os.utime(path, (1.0, 1.0))
+    before = path.stat()
+    kept = store.put(source)
+    assert path.stat().st_ino == before.st_ino and path.stat().st_mtime > 1e9
+    assert store.remove(kept.sha256, before=1e9) is False, "it is young again"
+    path.write_bytes(b"clots")
+    assert store.put(source) == kept and store.get_bytes(kept.sha256) == b"cloth"
+    assert store.remove(kept.sha256, before=1e12) and store.put(source) == kept
+    assert store.get_bytes(kept.sha256) == b"cloth"
+
+
 @pytest.mark.parametrize("key", ["../../../etc/passwd", "A" * 64, "0" * 63, "", "0" * 64, "../" + "0" * 61])
 def test_a_key_is_a_hash_and_nothing_else(store, key):
     """Broken where a key could name a path outside the store."""
