@@ -80,7 +80,7 @@ def _recover(order: dict[str, Any]) -> dict[str, Any]:
     metrics, unmatched = measure_recovery(recovery, pack, own_template=template is not None, seed=settings.seed)
     if order["out"]:
         write_recovery(recovery, Path(order["out"]) / pack.name)
-    truth = read_true_pattern(pack) if template is not None else None
+    truth = read_true_pattern(pack) if metrics.get("panel_area_error_all") is not None else None
     fabric = {e.name: {"value": e.value, "std": e.std, "identifiable": e.identifiable} for e in recovery.estimates}
     line: dict[str, Any] = plain(
         {
@@ -95,7 +95,7 @@ def _recover(order: dict[str, Any]) -> dict[str, Any]:
             "warnings": recovery.warnings,
             "unmatched_panels": unmatched,
             "fabric": fabric,
-            "panels": {} if truth is None else measure_panels(recovery.pattern, truth),
+            "panels": {} if truth is None else measure_panels(recovery.pattern, truth, template is not None),
         }
     )
     return line

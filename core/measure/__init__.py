@@ -5,19 +5,18 @@ from .damage import DAMAGES, Damage
 from .fit import measure_distance, measure_fit
 from .gates import judge, overall
 from .intersections import self_intersections
+from .matching import PanelPair, is_same_cut, match_panels
 from .packs import Pack, read_packs, read_true_mesh, read_true_pattern
 from .patterns import (
     PATTERN_METRICS,
-    TruePanel,
-    TruePattern,
-    TrueSeam,
     measure_panels,
     measure_pattern,
     measure_seams,
     unmatched_panels,
 )
 from .surface import closest_points, penetration_depth
-from .truth import measure_recovery
+from .true_pattern import TruePanel, TruePattern, TrueSeam
+from .truth import measure_fabric, measure_recovery
 from .turning import turning_distance
 
 __all__ = [
@@ -25,13 +24,17 @@ __all__ = [
     "PATTERN_METRICS",
     "Damage",
     "Pack",
+    "PanelPair",
     "TruePanel",
     "TruePattern",
     "TrueSeam",
     "carry_contours",
     "closest_points",
+    "is_same_cut",
     "judge",
+    "match_panels",
     "measure_distance",
+    "measure_fabric",
     "measure_fit",
     "measure_panels",
     "measure_pattern",

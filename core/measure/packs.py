@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..errors import BadInput, NotFound
-from .patterns import TruePanel, TruePattern, TrueSeam
+from .true_pattern import TruePanel, TruePattern, TrueSeam
+
+STIFFNESSES = ("H00", "H01", "H11", "H22", "k", "density")
+"""Parameters of a fabric that a pack may know, in the simulator's units (N/m, N m, kg/m2)."""
 
 
 class PacksMissing(NotFound):
@@ -45,6 +48,8 @@ class Pack:
         scan: The fused scan of person and garment that is the input instead of `garment`, or None.
         labels: Which of its vertices are the garment (`is_garment`, 0 or 1), or None.
         truth_body: The person below the cloth, only to measure, or None.
+        fabric: What is known of the true cloth, by the names of the fabric's parameters (N/m, N m, kg/m2); only to
+            measure. Empty where the author has other units, or did not say.
     """
 
     name: str
@@ -56,6 +61,7 @@ class Pack:
     scan: Path | None = None
     labels: Path | None = None
     truth_body: Path | None = None
+    fabric: dict[str, float] = field(default_factory=dict)
 
 
 def read_packs(folder: Path, only: tuple[str, ...] = ()) -> tuple[Pack, ...]:
@@ -139,7 +145,8 @@ def _read_pack(folder: Path) -> Pack:
     try:
         meta = json.loads((folder / "meta.json").read_text(encoding="utf-8"))
         category = str(meta.get("category", ""))
-    except (ValueError, AttributeError, OSError) as error:
+        fabric = {name: float(meta["fabric"][name]) for name in STIFFNESSES if name in (meta.get("fabric") or {})}
+    except (ValueError, TypeError, AttributeError, OSError) as error:
         raise PackBad(f"'{folder / 'meta.json'}' is no JSON object; see docs/bench.md.") from error
 
     def find(name: str) -> Path | None:
@@ -155,4 +162,5 @@ def _read_pack(folder: Path) -> Pack:
         scan=find("scan.ply"),
         labels=find("labels.npz"),
         truth_body=find("truth_body.ply"),
+        fabric=fabric,
     )

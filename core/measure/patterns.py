@@ -2,55 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from ..pattern import EdgeRef, Panel, Pattern, edge_length, edge_points
-from .outlines import edge_rms, outline_rms, polygon_area, polygon_width, polyline_length
+from ..pattern import EdgeRef, Panel, Pattern, edge_length, edge_points, panel_outline
+from .matching import PanelPair, is_wide, match_panels, turn_over, upright
+from .outlines import edge_rms, outline_rms, polygon_area, polyline_length
+from .true_pattern import TruePanel, TruePattern
 from .turning import turning_distance
-
-WIDE = 0.12
-"""Panels narrower than this [m] are bands: a tight band's length cannot be told from its stretch (up to 20 %)."""
 
 CURVE_SEGMENTS = 100
 """Segments that stand for a drawn curve: its chord error on a 50 cm curve is then below 0.01 mm."""
 
 MM = 1e3
 
-PATTERN_METRICS = ("panel_area_error", "panel_area_error_all", "panel_outline_mm", "panel_turning")
-"""What `measure_pattern` finds whatever the pattern; all None where the true pattern's own template was not used."""
-
-
-@dataclass(frozen=True)
-class TruePanel:
-    """Hold one panel of a true pattern as its author drew it.
-
-    Attributes:
-        name: Its name.
-        outline: Closed polygon [m], shape [n, 2], either way round.
-        edges: Polyline [m] of each edge in the author's order, ends included; empty where nobody said.
-    """
-
-    name: str
-    outline: np.ndarray
-    edges: tuple[np.ndarray, ...] = ()
-
-
-@dataclass(frozen=True)
-class TrueSeam:
-    """Hold one seam of a true pattern: the author's panel name and edge index of both sides."""
-
-    a: tuple[str, int]
-    b: tuple[str, int]
-
-
-@dataclass(frozen=True)
-class TruePattern:
-    """Hold a true pattern: panels and seams."""
-
-    panels: tuple[TruePanel, ...]
-    seams: tuple[TrueSeam, ...] = ()
+PATTERN_METRICS = (
+    "panel_area_error",
+    "panel_area_error_all",
+    "panel_area_error_narrow",
+    "panel_outline_mm",
+    "panel_outline_narrow_mm",
+    "panel_turning",
+)
+"""What `measure_pattern` finds whatever the pattern; all None where the true pattern is cut another way."""
 
 
 def measure_seams(pattern: Pattern) -> dict[str, float | None]:
@@ -59,75 +32,90 @@ def measure_seams(pattern: Pattern) -> dict[str, float | None]:
     return {"seam_mismatch_mm": MM * max(gaps) if gaps else None}
 
 
-def measure_pattern(pattern: Pattern, truth: TruePattern) -> dict[str, float | None]:
-    """Measure a pattern against the truth that was drawn from the same template.
+def measure_pattern(pattern: Pattern, truth: TruePattern, same_template: bool = True) -> dict[str, float | None]:
+    """Measure a pattern against the truth.
 
     Args:
         pattern: The recovered pattern.
-        truth: The true one; panels correspond by name, edges by the author's order.
+        truth: The true one; panels correspond as `match_panels` finds.
+        same_template: True where both come from one template: edges of panels of one name then correspond, in the
+            author's order. Otherwise outlines are compared by closest points, and gathers not at all.
 
     Returns:
-        `panel_area_error` (panels at least 12 cm wide) and `_all`: mean of |dA| / A, an unmatched panel counts 1;
-        `panel_outline_mm` (at least 12 cm wide); `panel_turning` [rad]; `panels_unmatched`; `seam_mismatch_mm`;
-        `gather_ratio_error.SEAM`: |ratio / true ratio - 1| of every gathered seam.
+        `panel_area_error` (panels at least 12 cm wide), `_narrow` (the others) and `_all`: mean of |dA| / A, an
+        unmatched panel counts 1; `panel_outline_mm` and `panel_outline_narrow_mm` likewise; `panel_turning` [rad];
+        `panels_unmatched`; `seam_mismatch_mm`; `gather_ratio_error.SEAM`: |ratio / true ratio - 1| of every gathered
+        seam.
     """
-    unmatched = unmatched_panels(pattern, truth)
-    areas: list[float] = []
-    wide_areas: list[float] = []
-    outlines: list[float] = []
+    pairs = {pair.truth.name: pair for pair in match_panels(pattern, truth)}
+    areas: dict[bool, list[float]] = {True: [], False: []}
+    outlines: dict[bool, list[float]] = {True: [], False: []}
     turnings: list[float] = []
     for panel in truth.panels:
-        wide = polygon_width(panel.outline) >= WIDE
-        area = 1.0
-        if panel.name not in unmatched:
-            area, outline, turning = _compare(pattern.panel(panel.name), panel)
+        wide, area = is_wide(panel.outline), 1.0
+        if panel.name in pairs:
+            area, outline, turning = _compare(pairs[panel.name], same_template)
             turnings.append(turning)
-            outlines += [outline] * wide
-        areas.append(area)
-        wide_areas += [area] * wide
-    known = {panel.name for panel in truth.panels}
-    for extra in pattern.panels:
-        if extra.name not in known:
-            areas.append(1.0)
-            wide_areas += [1.0] * (polygon_width(_join(_edges(extra))) >= WIDE)
+            outlines[wide].append(MM * outline)
+        areas[wide].append(area)
+    matched = {pair.ours.name for pair in pairs.values()}
+    extra = [panel for panel in pattern.panels if panel.name not in matched]
+    for ours in extra:
+        areas[is_wide(panel_outline(ours))].append(1.0)
     found: dict[str, float | None] = {
-        "panel_area_error": _mean(wide_areas),
-        "panel_area_error_all": _mean(areas),
-        "panel_outline_mm": MM * float(np.mean(outlines)) if outlines else None,
+        "panel_area_error": _mean(areas[True]),
+        "panel_area_error_all": _mean(areas[True] + areas[False]),
+        "panel_area_error_narrow": _mean(areas[False]),
+        "panel_outline_mm": _mean(outlines[True]),
+        "panel_outline_narrow_mm": _mean(outlines[False]),
         "panel_turning": _mean(turnings),
-        "panels_unmatched": float(len(unmatched)),
+        "panels_unmatched": float(len(extra) + len(truth.panels) - len(pairs)),
     }
-    return found | measure_seams(pattern) | _measure_gathers(pattern, truth)
+    return found | measure_seams(pattern) | (_measure_gathers(pattern, truth) if same_template else {})
 
 
-def measure_panels(pattern: Pattern, truth: TruePattern) -> dict[str, dict[str, float]]:
-    """Measure each panel that both patterns have, by name: `area_error`, `outline_mm` and `turning` [rad]."""
-    unmatched = unmatched_panels(pattern, truth)
+def measure_panels(pattern: Pattern, truth: TruePattern, same_template: bool = True) -> dict[str, dict[str, float]]:
+    """Measure each panel that has a counterpart, by its true name: `area_error`, `outline_mm` and `turning` [rad]."""
     found = {}
-    for panel in truth.panels:
-        if panel.name not in unmatched:
-            area, outline, turning = _compare(pattern.panel(panel.name), panel)
-            found[panel.name] = {"area_error": area, "outline_mm": MM * outline, "turning": turning}
+    for pair in match_panels(pattern, truth):
+        area, outline, turning = _compare(pair, same_template)
+        found[pair.truth.name] = {"area_error": area, "outline_mm": MM * outline, "turning": turning}
     return found
 
 
 def unmatched_panels(pattern: Pattern, truth: TruePattern) -> tuple[str, ...]:
-    """List the panels that only one of the two patterns has, by name."""
-    return tuple(sorted({panel.name for panel in pattern.panels} ^ {panel.name for panel in truth.panels}))
+    """List the panels of either pattern that have no counterpart in the other, by name."""
+    pairs = match_panels(pattern, truth)
+    ours = {panel.name for panel in pattern.panels} - {pair.ours.name for pair in pairs}
+    return tuple(sorted(ours | ({panel.name for panel in truth.panels} - {pair.truth.name for pair in pairs})))
 
 
-def _compare(ours: Panel, truth: TruePanel) -> tuple[float, float, float]:
+def _compare(pair: PanelPair, same_template: bool) -> tuple[float, float, float]:
     """Give relative error of area, RMS distance of the outlines [m] and turning distance [rad] of two panels."""
-    edges = _authors_edges(ours, truth)
+    if not (pair.by_name and same_template):
+        return _compare_shapes(pair.ours, pair.truth)
+    truth = pair.truth
+    edges = _authors_edges(pair.ours, truth)
     # The same mirror on both sides makes both counter-clockwise, which the turning function asks for.
     mirror = np.array([1.0 if polygon_area(truth.outline) > 0.0 else -1.0, 1.0])
     edges, true_edges = [line * mirror for line in edges], [line * mirror for line in truth.edges]
     outline, true_outline = _join(edges), truth.outline * mirror
-    true_area = polygon_area(true_outline)
-    error = abs(polygon_area(outline) - true_area) / true_area
     matched = len(edges) == len(true_edges)
     distance = edge_rms(edges, true_edges) if matched else outline_rms(outline, true_outline)
-    return error, distance, turning_distance(outline, true_outline)
+    return _area_error(outline, true_outline), distance, turning_distance(outline, true_outline)
+
+
+def _compare_shapes(ours: Panel, truth: TruePanel) -> tuple[float, float, float]:
+    """Compare panels whose edges do not correspond, ours turned over where it then turns more alike."""
+    outline, true_outline = upright(_join(_edges(ours))), upright(truth.outline)
+    turnings = [(turning_distance(either, true_outline), either) for either in (outline, turn_over(outline))]
+    turning, outline = min(turnings, key=lambda found: found[0])
+    return _area_error(outline, true_outline), outline_rms(outline, true_outline), turning
+
+
+def _area_error(outline: np.ndarray, true_outline: np.ndarray) -> float:
+    true_area = polygon_area(true_outline)
+    return abs(polygon_area(outline) - true_area) / true_area
 
 
 def _measure_gathers(pattern: Pattern, truth: TruePattern) -> dict[str, float | None]:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from ..recovery import Recovery
+from ..simulate import Fabric
 from .contours import carry_contours
 from .fit import MM, SURFACE_SAMPLES, measure_fit
+from .matching import is_same_cut
 from .packs import Pack, read_true_mesh, read_true_pattern
 from .patterns import PATTERN_METRICS, measure_pattern, measure_seams, unmatched_panels
 from .surface import closest_points, penetration_depth, sample_surface
@@ -26,7 +30,8 @@ def measure_recovery(
     Args:
         recovery: What was recovered; its contours' names are carried over to the truth's own boundary loops.
         pack: The target.
-        own_template: True where the pack's own template was the base pattern; the 2D metrics are None otherwise.
+        own_template: True where the pack's own template was the base pattern; otherwise the 2D metrics are None unless
+            the wide panels of both patterns correspond one to one (`is_same_cut`).
         seed: Seeds the samples.
         samples: Surface samples per direction.
 
@@ -44,14 +49,30 @@ def measure_recovery(
     if pack.truth_body is not None:
         found |= _measure_body(recovery, pack)
     unmatched: tuple[str, ...] = ()
-    truth = read_true_pattern(pack) if own_template else None
-    if truth is None:
+    truth = read_true_pattern(pack)
+    if truth is not None:
+        unmatched = unmatched_panels(recovery.pattern, truth)
+    if truth is None or not (own_template or is_same_cut(recovery.pattern, truth)):
         found |= dict.fromkeys(PATTERN_METRICS) | measure_seams(recovery.pattern)
     else:
-        found |= measure_pattern(recovery.pattern, truth)
-        unmatched = unmatched_panels(recovery.pattern, truth)
+        found |= measure_pattern(recovery.pattern, truth, own_template)
+    found |= measure_fabric(recovery.fabric, pack.fabric)
     own = {name: value for name, value in recovery.metrics.items() if name.split(".")[0] not in FIT_FAMILIES}
     return dict(sorted((own | found).items())), unmatched
+
+
+def measure_fabric(fabric: Fabric, truth: Mapping[str, float]) -> dict[str, float | None]:
+    """Measure `material_log_error.NAME`, ln(estimate / truth), of each parameter that is known in truth.
+
+    Where the true weight is known too, also `material_log_error.NAME_by_density`, that of the ratio to the weight: all
+    that a drape at rest can tell.
+    """
+    errors = {name: float(np.log(getattr(fabric, name) / value)) for name, value in truth.items() if value > 0.0}
+    found: dict[str, float | None] = {f"material_log_error.{name}": error for name, error in errors.items()}
+    if "density" in errors:
+        ratios = {name: error - errors["density"] for name, error in errors.items() if name != "density"}
+        found |= {f"material_log_error.{name}_by_density": error for name, error in ratios.items()}
+    return found
 
 
 def _measure_body(recovery: Recovery, pack: Pack) -> dict[str, float | None]:

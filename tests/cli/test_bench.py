@@ -14,10 +14,11 @@ from garmentq.cli.bench_table import mean, print_tables
 from garmentq.core.errors import BadInput
 from garmentq.core.export import write_ply
 from garmentq.core.pattern import edge_points, save_pattern
+from garmentq.core.simulate import FabricEstimate
 
 KEYS = {
     "target", "category", "template", "method", "ok", "error", "metrics", "cpu_seconds", "stage_seconds", "peak_mb",
-    "vertices",
+    "vertices", "fabric", "panels",
 }  # fmt: skip
 
 
@@ -53,7 +54,7 @@ def requests(monkeypatch: pytest.MonkeyPatch, tube_recovery) -> list:
         seen.append(request)
         if "refused" in str(request.scan):
             raise BadInput("the scan is a teapot.")
-        return tube_recovery()
+        return tube_recovery(estimates=(FabricEstimate("k", 2e-5, 0.3, 1.9, True, "found"),))
 
     monkeypatch.setitem(sys.modules, "garmentq.core.pipeline", SimpleNamespace(recover=recover))
     monkeypatch.setattr(bench, "run_target", lambda pack, order, timeout: bench_target.recover_target(order))
@@ -95,9 +96,34 @@ def test_the_recovery_sees_only_garment_body_and_template(packs: Path, requests:
     result = run(packs, "--only", "good", "--library", "--preset", "thesis", "--json")
     assert requests[1].template is None
     assert requests[1].settings.preset == "thesis"
-    metrics = json.loads(result.stdout)["metrics"]
-    assert metrics["panel_outline_mm"] is None and metrics["panel_area_error"] is None
-    assert metrics["seam_mismatch_mm"] == pytest.approx(0.0, abs=1e-6)
+    line = json.loads(result.stdout)
+    # The tube's two panels are the truth's in number and shape, so they are compared even so.
+    assert line["metrics"]["panel_area_error"] == pytest.approx(0.0, abs=1e-6)
+    assert line["metrics"]["seam_mismatch_mm"] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_another_cut_has_no_panel_figures(packs: Path, requests: list) -> None:
+    """Fails if a shipped template cut otherwise than the truth were given an error of area that means nothing."""
+    path = packs / "good" / "pattern.json"
+    data = json.loads(path.read_text())
+    del data["panels"]["back"]
+    path.write_text(json.dumps(data))
+    line = json.loads(run(packs, "--only", "good", "--library", "--json").stdout)
+    assert line["metrics"]["panel_outline_mm"] is None and line["metrics"]["panel_area_error"] is None
+    assert line["panels"] == {} and line["unmatched_panels"] == ["back"]
+
+
+def test_fabric_and_panels_of_a_line(packs: Path, requests: list) -> None:
+    """Fails if a reader of the lines did not find fabric and panels under the documented keys."""
+    path = packs / "good" / "meta.json"
+    path.write_text(json.dumps({"name": "good", "category": "dress", "fabric": {"k": 1e-5, "newton_tri_ke": 3000}}))
+    line = json.loads(run(packs, "--only", "good", "--json").stdout)
+    assert line["fabric"] == {"k": {"value": 2e-5, "std": 0.3, "identifiable": True}}
+    assert set(line["panels"]) == {"front", "back"}
+    for panel in line["panels"].values():
+        assert set(panel) == {"area_error", "outline_mm", "turning"}
+        assert max(panel.values()) < 1e-6
+    assert [name for name in line["metrics"] if name.startswith("material_log_error")] == ["material_log_error.k"]
 
 
 def test_results_are_kept(packs: Path, requests: list, tmp_path: Path) -> None:

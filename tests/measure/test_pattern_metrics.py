@@ -10,6 +10,10 @@ from garmentq.core.measure import (
     TruePanel,
     TruePattern,
     TrueSeam,
+    is_same_cut,
+    match_panels,
+    measure_fabric,
+    measure_panels,
     measure_pattern,
     measure_seams,
     turning_distance,
@@ -17,6 +21,7 @@ from garmentq.core.measure import (
 )
 from garmentq.core.measure.outlines import outline_rms, polygon_width
 from garmentq.core.pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from garmentq.core.simulate import Fabric
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 TRAPEZOID = np.array([[0.0, 0.0], [0.5, 0.0], [0.4, 0.6], [0.1, 0.5]])
@@ -126,6 +131,12 @@ def test_errors_of_a_widened_panel() -> None:
     assert found["panel_outline_mm"] == pytest.approx(100.0 * np.sqrt(0.5 * (0.25 + np.mean(spread**2))), rel=1e-6)
 
 
+def edge_rms_of_longer_band() -> float:
+    """Give the RMS of a band of 0.8 m by 5 cm against one 20 % longer: off by 0.2 (x - 0.4) along it [m]."""
+    spread = np.linspace(-0.4, 0.4, 50)
+    return float(0.2 * np.sqrt(0.5 * (0.4**2 + np.mean(spread**2))))
+
+
 def test_bands_count_only_in_the_error_over_all_panels() -> None:
     """Fails if a waistband, whose stretch nobody can see, spoilt the error of the panels that matter."""
     band = SQUARE * [0.8, 0.05]
@@ -133,17 +144,70 @@ def test_bands_count_only_in_the_error_over_all_panels() -> None:
     found = measure_pattern(pattern, TruePattern((as_truth(piece("a", SQUARE)), as_truth(piece("band", band)))))
     assert found["panel_area_error"] == pytest.approx(0.0, abs=1e-12)
     assert found["panel_area_error_all"] == pytest.approx(0.1)
+    assert found["panel_area_error_narrow"] == pytest.approx(0.2)
+    assert found["panel_outline_narrow_mm"] == pytest.approx(1e3 * edge_rms_of_longer_band(), rel=1e-6)
     assert found["panel_outline_mm"] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_panel_without_counterpart_counts_one() -> None:
     """Fails if a lost or an invented panel were passed over."""
-    pattern = Pattern("p", (piece("a", SQUARE), piece("new", SQUARE)), ())
+    pattern = Pattern("p", (piece("a", SQUARE), piece("new", 1.5 * SQUARE)), ())
     truth = TruePattern((as_truth(piece("a", SQUARE)), as_truth(piece("lost", SQUARE))))
     assert unmatched_panels(pattern, truth) == ("lost", "new")
     found = measure_pattern(pattern, truth)
     assert found["panel_area_error"] == pytest.approx(2.0 / 3.0)
     assert found["panels_unmatched"] == 2.0
+
+
+@pytest.mark.parametrize("is_turned_over", [False, True])
+def test_panels_of_other_names_are_matched_by_shape(is_turned_over: bool) -> None:
+    """Fails if matching took the order, met a mirror image as another piece, or a rigid motion as an error."""
+    long = TRAPEZOID * [1.0, 1.6]
+    mirror = np.array([-1.0, 1.0])
+    first = (1.05 * long * mirror)[::-1] if is_turned_over else 1.05 * long
+    pattern = Pattern("p", (piece("x", turned(first, 1.0)), piece("y", SQUARE * 0.6 + 3.0)), ())
+    truth = TruePattern((as_truth(piece("square", 0.6 * SQUARE)), as_truth(piece("long", long))))
+    pairs = match_panels(pattern, truth)
+    assert [(pair.truth.name, pair.ours.name, pair.by_name) for pair in pairs] == [
+        ("square", "y", False),
+        ("long", "x", False),
+    ]
+    assert is_same_cut(pattern, truth)
+    assert unmatched_panels(pattern, truth) == ()
+    found = measure_panels(pattern, truth)
+    assert set(found["long"]) == {"area_error", "outline_mm", "turning"}
+    assert found["long"]["area_error"] == pytest.approx(1.05**2 - 1.0, rel=1e-6)
+    assert found["square"]["outline_mm"] < 0.1
+    assert max(panel["turning"] for panel in found.values()) < 1e-6
+
+
+def test_a_name_beats_a_shape() -> None:
+    """Fails if two panels of one name were torn apart because others look more alike."""
+    pattern = Pattern("p", (piece("a", TRAPEZOID), piece("b", SQUARE)), ())
+    truth = TruePattern((as_truth(piece("a", SQUARE)), as_truth(piece("c", TRAPEZOID * 1.1))))
+    pairs = {pair.truth.name: (pair.ours.name, pair.by_name) for pair in match_panels(pattern, truth)}
+    assert pairs["a"] == ("a", True)
+    assert "c" not in pairs  # a square metre is no counterpart of a quarter
+
+
+def test_another_cut_is_not_compared() -> None:
+    """Fails if a front in one piece were held against one half of it, or a band's absence counted as another cut."""
+    halves = tuple(piece(name, SQUARE * [0.5, 1.0]) for name in ("left", "right"))
+    whole, band = piece("front", SQUARE), piece("band", SQUARE * [0.8, 0.05])
+    assert not is_same_cut(Pattern("p", halves, ()), TruePattern((as_truth(whole),)))
+    assert is_same_cut(Pattern("p", (piece("body", SQUARE), band), ()), TruePattern((as_truth(whole),)))
+
+
+def test_errors_of_the_cloth_are_logarithms() -> None:
+    """Fails if an error of the fabric were turned round, or the ratio to the weight forgot the weight's own error."""
+    cloth = Fabric("c", 500.0, 100.0, 400.0, 50.0, 2e-5, 0.2)
+    found = measure_fabric(cloth, {"k": 1e-5, "density": 0.1})
+    assert found == {
+        "material_log_error.k": pytest.approx(np.log(2.0)),
+        "material_log_error.density": pytest.approx(np.log(2.0)),
+        "material_log_error.k_by_density": pytest.approx(0.0, abs=1e-12),
+    }
+    assert measure_fabric(cloth, {}) == {}
 
 
 def test_other_edge_counts_fall_back_to_closest_points() -> None:

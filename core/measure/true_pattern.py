@@ -1,0 +1,38 @@
+"""What a true pattern is: panels and seams as their author drew them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class TruePanel:
+    """Hold one panel of a true pattern as its author drew it.
+
+    Attributes:
+        name: Its name.
+        outline: Closed polygon [m], shape [n, 2], either way round.
+        edges: Polyline [m] of each edge in the author's order, ends included; empty where nobody said.
+    """
+
+    name: str
+    outline: np.ndarray
+    edges: tuple[np.ndarray, ...] = ()
+
+
+@dataclass(frozen=True)
+class TrueSeam:
+    """Hold one seam of a true pattern: the author's panel name and edge index of both sides."""
+
+    a: tuple[str, int]
+    b: tuple[str, int]
+
+
+@dataclass(frozen=True)
+class TruePattern:
+    """Hold a true pattern: panels and seams."""
+
+    panels: tuple[TruePanel, ...]
+    seams: tuple[TrueSeam, ...] = ()
