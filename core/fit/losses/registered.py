@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..pattern import Garment
-from ..scan import vertex_normals
+from ...pattern import Garment
+from ...scan import vertex_normals
 
 
 @dataclass(frozen=True)
@@ -52,6 +52,10 @@ class RegisteredLoss:
     def gradient(self, nodes: np.ndarray) -> np.ndarray:
         """Give dL/dx [m], shape [node_count, 3]."""
         return np.einsum("vij,vj->vi", self.weights, nodes - self.target)
+
+    def evaluate(self, nodes: np.ndarray) -> tuple[float, np.ndarray]:
+        """Give L [m2] and dL/dx [m], shape [node_count, 3]."""
+        return self.value(nodes), self.gradient(nodes)
 
     def curvature(self, moves: np.ndarray) -> np.ndarray:
         """Give J^T W J, shape [p, p], for the moves J of the nodes by p parameters, shape [node_count, 3, p]."""
