@@ -26,9 +26,7 @@ def command() -> None:
     "--scope", "scopes", multiple=True, default=("read", "submit"), show_default=True,
     type=click.Choice(["read", "submit", "admin"]), help="What it allows; may be given repeatedly.",
 )  # fmt: skip
-@click.option(
-    "--quota", type=click.IntRange(1, 1_000_000), default=100, show_default=True, help="Queued jobs at a time."
-)
+@click.option("--quota", type=click.IntRange(1, 1_000_000), default=100, show_default=True, help="Open jobs at a time.")
 @home_option
 @json_option
 def create_command(name: str, scopes: tuple[str, ...], quota: int, home: Path | None, as_json: bool) -> None:
@@ -45,7 +43,7 @@ def create_command(name: str, scopes: tuple[str, ...], quota: int, home: Path | 
     if as_json:
         print_json(_show(row) | {"token": token})
         return
-    note(f"key {row.id} for {name}: {', '.join(row.scopes)}, {quota} jobs queued at most; its token is not shown again")
+    note(f"key {row.id} for {name}: {', '.join(row.scopes)}, {quota} open jobs at most; its token is not shown again")
     click.echo(token)
 
 

@@ -225,7 +225,7 @@ def retry(database: Database, job: str, key: str = "", quota: int = 0) -> None:
     Raises:
         JobUnknown: where there is none of that id.
         JobNotEnded: where it is queued or running.
-        QueueFull: where the API key that asks has as many jobs queued as it may.
+        QueueFull: where the API key that asks has as many open jobs as it may.
     """
     with database.write() as session:
         row = _row(session, job)

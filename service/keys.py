@@ -17,11 +17,15 @@ from .models import ApiKeyRow, JobRow, OwnerRow
 SCOPES = ("read", "submit", "admin")
 """`read`: see own jobs and the libraries; `submit`: upload, queue, cancel; `admin`: all jobs, templates and keys."""
 
+OPEN = ("queued", "running")
+"""States of a job that counts against the quota."""
+
 TOKEN_BYTES = 32
 """Random bytes of a token: beyond any guessing, so that a plain hash of it is safe to keep."""
 
 QUOTA = 100
-"""Queued jobs of a new key; a batch of a studio's day, and less than what hides the jobs of others for hours."""
+"""Jobs that a new key may have queued or running; a studio's day, and less than what hides the jobs of others
+for hours."""
 
 
 class KeyMissing(GarmentqError):
@@ -43,7 +47,7 @@ class ScopeMissing(GarmentqError):
 
 
 class QueueFull(GarmentqError):
-    """The key has as many jobs queued as it may; wait until some have run, or cancel them."""
+    """The key has as many jobs queued or running as it may; wait until some have run, or cancel them."""
 
     code = "key.queue_full"
 
@@ -67,7 +71,7 @@ class Caller:
     Attributes:
         key: The key's id; empty for the local user of a service without keys.
         scopes: What is allowed, of `SCOPES`.
-        quota: Jobs that may be queued at a time; 0: any number.
+        quota: Jobs that may be queued or running at a time; 0: any number.
     """
 
     key: str
@@ -175,17 +179,22 @@ def own(session: Session, key: str, job: str) -> None:
 
 
 def check_quota(session: Session, key: str, quota: int) -> None:
-    """Count a key's queued jobs, with the key's row locked so that two requests at once cannot both pass.
+    """Count a key's open jobs, with the key's row locked so that two requests at once cannot both pass.
 
     Raises:
         QueueFull: where it has as many as it may.
     """
     if not key:
         return
+    lock_key(session, key)
+    jobs = select(func.count()).select_from(OwnerRow).join(JobRow, JobRow.id == OwnerRow.job)
+    if (session.execute(jobs.where(OwnerRow.key == key, JobRow.state.in_(OPEN))).scalar() or 0) >= quota:
+        raise QueueFull(f"the key has {quota} jobs queued or running, as many as it may; wait, or cancel some.")
+
+
+def lock_key(session: Session, key: str) -> None:
+    """Let no other transaction of this key past this point until this one ends."""
     session.execute(select(ApiKeyRow.id).where(ApiKeyRow.id == key).with_for_update())
-    queued = select(func.count()).select_from(OwnerRow).join(JobRow, JobRow.id == OwnerRow.job)
-    if (session.execute(queued.where(OwnerRow.key == key, JobRow.state == "queued")).scalar() or 0) >= quota:
-        raise QueueFull(f"the key has {quota} jobs queued, as many as it may; wait, or cancel some.")
 
 
 def _hash(token: str) -> str:

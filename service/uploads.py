@@ -5,14 +5,19 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
-from sqlalchemy import select
+from sqlalchemy import func, select
 from sqlalchemy.exc import IntegrityError
+from sqlalchemy.orm import Session
 
-from ..core.errors import BadInput, NotFound
+from ..core.errors import BadInput, GarmentqError, NotFound
 from .database import Database, clock
+from .keys import lock_key
 from .models import IdempotencyRow, UploadRow
 from .store import Store, Stored
 from .submission import clean_name
+
+DAY_SECONDS = 86400.0
+"""Over how long uploads are added up [s]."""
 
 
 class UploadUnknown(NotFound):
@@ -21,19 +26,60 @@ class UploadUnknown(NotFound):
     code = "upload.unknown"
 
 
+class DayFull(GarmentqError):
+    """The key has uploaded as many bytes within 24 hours as it may; wait until the first are a day old."""
+
+    code = "key.day_bytes"
+
+    def __init__(self, message: str, seconds: float) -> None:
+        """Refuse for some seconds."""
+        super().__init__(message)
+        self.retry_seconds = max(1.0, seconds)
+
+
 class IdempotencyMismatch(BadInput):
     """The Idempotency-Key was used for another request; send a new one."""
 
     code = "request.idempotency_mismatch"
 
 
-def keep_upload(database: Database, store: Store, key: str, path: Path, name: str) -> Stored:
-    """Keep an uploaded file, and that this key may use it; the newest name counts."""
+def keep_upload(
+    database: Database, store: Store, key: str, path: Path, name: str, day_bytes: int | None = None
+) -> Stored:
+    """Keep an uploaded file, and that this key may use it; the newest name counts.
+
+    Raises:
+        DayFull: where the files of the key's last 24 hours would be more than `day_bytes`; None: any number.
+    """
     kept = store.put(path)
     row = UploadRow(key=key, sha256=kept.sha256, name=clean_name(name), size=kept.size, created=clock())
     with database.write() as session:
+        if day_bytes is not None:
+            lock_key(session, key)
+            _check_day(session, key, kept.size, day_bytes, kept.sha256)
         session.merge(row)
     return kept
+
+
+def check_day(database: Database, key: str, size: int, day_bytes: int | None) -> None:
+    """Look whether a key may upload a file of a size [bytes] before it is sent; the same file again costs nothing.
+
+    Raises:
+        DayFull: where it may not.
+    """
+    if day_bytes is not None:
+        with database.read() as session:
+            _check_day(session, key, size, day_bytes)
+
+
+def _check_day(session: Session, key: str, size: int, day_bytes: int, sha256: str = "") -> None:
+    """Add up what the key uploaded within a day; a file that comes again counts once, by its latest time."""
+    latest = (UploadRow.key == key) & (UploadRow.created > clock() - DAY_SECONDS) & (UploadRow.sha256 != sha256)
+    found = select(func.coalesce(func.sum(UploadRow.size), 0), clock() - func.min(UploadRow.created)).where(latest)
+    used, age = session.execute(found).one()
+    if used + max(size, 1) > day_bytes:
+        left = DAY_SECONDS - float(age or 0.0)
+        raise DayFull(f"the key uploaded {used} of {day_bytes} bytes a day; wait until the first are a day old.", left)
 
 
 def find_upload(database: Database, key: str, sha256: str) -> UploadRow:

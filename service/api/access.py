@@ -18,6 +18,7 @@ from ..models import JobRow, OwnerRow
 from ..settings import ServiceSettings
 from ..store import Store
 from .limits import ApiLimits
+from .meter import Meter
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,7 @@ class Rooms:
         store: Its files.
         limits: What a request may cost.
         is_open: True where a caller without a key may be the local user.
-        streams: Open event streams by key.
+        meter: Counts what each key asks for.
         checks: Lets a few scans be checked at a time.
     """
 
@@ -39,7 +40,7 @@ class Rooms:
     store: Store
     limits: ApiLimits
     is_open: bool
-    streams: dict[str, int] = field(default_factory=dict)
+    meter: Meter
     checks: list[CapacityLimiter] = field(default_factory=list)
 
     @property
@@ -65,8 +66,11 @@ def get_caller(
 
     Raises:
         KeyMissing, KeyBad: where nobody may.
+        TooManyRequests: where the key asks too often.
     """
-    return admit(rooms.database, credentials.credentials if credentials else None, rooms.is_open)
+    caller = admit(rooms.database, credentials.credentials if credentials else None, rooms.is_open)
+    rooms.meter.take(caller.key)
+    return caller
 
 
 def get_reader(caller: Annotated[Caller, Depends(get_caller)]) -> Caller:

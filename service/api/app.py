@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from fastapi import FastAPI
 
 from ... import __version__
 from ..database import open_database
 from ..settings import ServiceSettings
 from ..store import open_store
-from . import events, health, jobs, keys, materials, questions, results, templates, uploads
+from . import batches, events, health, jobs, keys, materials, questions, results, templates, uploads
 from .access import Rooms
+from .answers import Problem
 from .guard import Guard
 from .limits import ApiLimits
+from .meter import Meter
 from .problems import add_handlers
 
 DESCRIPTION = """From the 3D scan of a garment to a sewing pattern, a simulation mesh and a detailed mesh.
@@ -33,10 +37,21 @@ def make_app(settings: ServiceSettings, limits: ApiLimits | None = None, is_open
     """
     limits = limits or ApiLimits()
     app = FastAPI(title="garmentq", version=__version__, description=DESCRIPTION, redoc_url=None)
-    app.state.rooms = Rooms(settings, open_database(settings), open_store(settings), limits, is_open)
-    for module in (uploads, jobs, events, results, questions, templates, materials, keys):
+    meter = Meter(limits)
+    app.state.rooms = Rooms(settings, open_database(settings), open_store(settings), limits, is_open, meter)
+    for module in (uploads, batches, jobs, events, results, questions, templates, materials, keys):
         app.include_router(module.router, prefix="/v1")
     app.include_router(health.router)
     add_handlers(app)
     app.add_middleware(Guard, limits=limits, is_open=is_open)
+    app.openapi = lambda: describe(app)  # type: ignore[method-assign]
     return app
+
+
+def describe(app: FastAPI) -> dict[str, Any]:
+    """Give the OpenAPI document, with the schema that every refusal refers to."""
+    if not app.openapi_schema:
+        found = FastAPI.openapi(app)
+        found["components"]["schemas"]["Problem"] = Problem.model_json_schema()
+    assert app.openapi_schema is not None
+    return app.openapi_schema

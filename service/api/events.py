@@ -11,11 +11,13 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Header, Query, Request
 from fastapi.responses import StreamingResponse
 from starlette.concurrency import run_in_threadpool
+from starlette.types import Receive, Scope, Send
 
 from ...core.errors import GarmentqError
 from ..jobs import ENDED, find_job, read_events
 from ..models import EventRow
 from .access import Reader, Rooms, RoomsOf, find_own
+from .answers import Events
 from .problems import show_answer
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
@@ -30,13 +32,10 @@ LARGEST_ID = 2**63 - 1
 EXAMPLE = {"id": 17, "at": 1795250000.5, "kind": "progress", "data": {"stage": "drape", "fraction": 0.4, "message": ""}}
 
 
-class StreamsFull(GarmentqError):
-    """The key has as many event streams open as it may; close one."""
-
-    code = "request.streams_full"
-
-
-@router.get("/{job}/events", summary="Follow a job.", responses=show_answer({"events": [EXAMPLE], "state": "running"}))
+@router.get(
+    "/{job}/events", summary="Follow a job.",
+    responses=show_answer({"events": [EXAMPLE], "state": "running"}, model=Events),
+)  # fmt: skip
 async def follow_job(
     job: str,
     request: Request,
@@ -52,32 +51,38 @@ async def follow_job(
     if "text/event-stream" not in request.headers.get("accept", ""):
         state, events = await run_in_threadpool(_look, rooms, row.id, after)
         return {"events": [_show(event) for event in events], "state": state}
-    if rooms.streams.get(caller.key, 0) >= rooms.limits.streams:
-        raise StreamsFull()
-    return StreamingResponse(_stream(rooms, caller.key, row.id, after), media_type="text/event-stream")
+    return _Counted(rooms, caller.key, row.id, after)
 
 
-async def _stream(rooms: Rooms, key: str, job: str, after: int) -> AsyncIterator[str]:
-    rooms.streams[key] = rooms.streams.get(key, 0) + 1
+class _Counted(StreamingResponse):
+    """Stream a job's events; counted while it is sent, so that a client that leaves is counted no longer."""
+
+    def __init__(self, rooms: Rooms, key: str, job: str, after: int) -> None:
+        super().__init__(_stream(rooms, job, after), media_type="text/event-stream")
+        self._counted = rooms.meter.streaming(key)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        with self._counted:
+            await super().__call__(scope, receive, send)
+
+
+async def _stream(rooms: Rooms, job: str, after: int) -> AsyncIterator[str]:
     spoke = time.monotonic()
-    try:
-        while True:
-            try:
-                state, events = await run_in_threadpool(_look, rooms, job, after)
-            except GarmentqError:
-                return  # the database is away; the client comes back with Last-Event-ID
-            for event in events:
-                after, spoke = event.id, time.monotonic()
-                yield f"id: {event.id}\nevent: {event.kind}\ndata: {json.dumps(_show(event))}\n\n"
-            if state in ENDED:
-                yield f"event: end\ndata: {json.dumps({'state': state})}\n\n"
-                return
-            if time.monotonic() - spoke > ALIVE_SECONDS:
-                spoke = time.monotonic()
-                yield ": alive\n\n"
-            await asyncio.sleep(PERIOD_SECONDS)
-    finally:
-        rooms.streams[key] -= 1
+    while True:
+        try:
+            state, events = await run_in_threadpool(_look, rooms, job, after)
+        except GarmentqError:
+            return  # the database is away; the client comes back with Last-Event-ID
+        for event in events:
+            after, spoke = event.id, time.monotonic()
+            yield f"id: {event.id}\nevent: {event.kind}\ndata: {json.dumps(_show(event))}\n\n"
+        if state in ENDED:
+            yield f"event: end\ndata: {json.dumps({'state': state})}\n\n"
+            return
+        if time.monotonic() - spoke > ALIVE_SECONDS:
+            spoke = time.monotonic()
+            yield ": alive\n\n"
+        await asyncio.sleep(PERIOD_SECONDS)
 
 
 def _look(rooms: Rooms, job: str, after: int) -> tuple[str, list[EventRow]]:

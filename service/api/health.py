@@ -9,10 +9,12 @@ from typing import Any
 from fastapi import APIRouter
 from fastapi.responses import JSONResponse, PlainTextResponse, Response
 
+from ... import __version__
 from ...core.errors import GarmentqError
 from ..query import count_states
 from .access import Reader, RoomsOf
-from .problems import make_problem, show_answer
+from .answers import Health, Readiness
+from .problems import ALWAYS, make_problem, show_answer, show_refusals
 
 log = logging.getLogger(__name__)
 
@@ -21,18 +23,24 @@ router = APIRouter(tags=["health"])
 METRICS = "garmentq.service.metrics"
 """Module that gives the Prometheus text, by its function `prometheus_text(database)`."""
 
+READY: dict[str, Any] = {
+    "model": Readiness, "description": "Answer.",
+    "content": {"application/json": {"example": {"database": "ok", "store": "ok"}}},
+}  # fmt: skip
+HEALTHY: dict[int | str, dict[str, Any]] = {200: show_answer({"status": "ok", "version": "0.1.0"}, 200, Health)[200]}
+
 PROBE = b"garmentq is ready\n"
 
 
-@router.get("/healthz", summary="Tell that the process lives.", responses=show_answer({"status": "ok"}))
+@router.get("/healthz", summary="Tell that the process lives.", responses={**HEALTHY, **show_refusals(403)})
 async def tell_health() -> Any:
     """Answer without touching anything."""
-    return {"status": "ok"}
+    return {"status": "ok", "version": __version__}
 
 
 @router.get(
     "/readyz", summary="Tell whether database and store can be used.",
-    responses=show_answer({"database": "ok", "store": "ok"}),
+    responses={200: READY, 503: READY | {"description": "Not ready."}, **show_refusals(403)},
 )  # fmt: skip
 def tell_readiness(rooms: RoomsOf) -> Response:
     """Answer 503 where database or store is away. Submitting needs no broker, so that is not asked."""
@@ -53,7 +61,7 @@ def tell_readiness(rooms: RoomsOf) -> Response:
     "/metrics", summary="Give the Prometheus metrics.", response_class=PlainTextResponse,
     responses={
         200: {"description": "Metrics.", "content": {"text/plain": {"example": 'garmentq_jobs{state="queued"} 3'}}},
-        "default": show_answer(None)["default"],
+        **show_refusals(*ALWAYS),
     },
 )  # fmt: skip
 def give_metrics(rooms: RoomsOf, caller: Reader) -> Response:

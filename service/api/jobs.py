@@ -22,6 +22,7 @@ from ..results import describe_job
 from ..submission import Order, Submitted, submit
 from ..uploads import begin_once, end_once, find_upload
 from .access import Reader, Rooms, RoomsOf, Submitter, find_own
+from .answers import Asked, Changed, Job, Jobs
 from .problems import RequestBad, show_answer
 from .schemas import JobIn
 
@@ -31,15 +32,22 @@ EXAMPLE = {
     "job": "3685ecfd4f81", "name": "skirt", "state": "succeeded", "stage": "measure", "progress": 1.0, "attempts": 1,
     "created": 1795250000.1, "started": 1795250000.4, "finished": 1795250071.9, "error": None, "garment": "skirt",
     "template": "skirt", "fabric": "cotton_poplin", "body": "builtin:female,height=1.70", "bad_input": False,
-    "queue": "cpu", "priority": 0,
-    "metrics": {"surface_rms_mm.t2s": 0.41}, "gates": [], "warnings": [],
+    "queue": "cpu", "priority": 0, "settings": {"method": "deform", "fabric": "cotton_poplin"}, "version": "0.1.0",
+    "metrics": {"surface_rms_mm.t2s": 0.41}, "gates": [], "warnings": [], "stage_seconds": {"drape": 12.3},
+    "cpu_seconds": 71.2, "peak_mb": 900.0,
 }  # fmt: skip
 ASKED = {"job": "3685ecfd4f81", "state": "queued", "is_new": True}
 
 Token = Annotated[str | None, Header(max_length=128, pattern=r"^[!-~]+$", description="Makes a repeated request safe.")]
 
 
-@router.post("", status_code=202, summary="Ask for a recovery.", responses=show_answer(ASKED, 202))
+def show_created() -> dict[int | str, dict[str, Any]]:
+    """Describe the two good answers of `create_job`."""
+    known = show_answer(ASKED | {"is_new": False}, 200, Asked)[200] | {"description": "An equal job existed."}
+    return {**show_answer(ASKED, 202, Asked, (408, 507)), 200: known}
+
+
+@router.post("", status_code=202, summary="Ask for a recovery.", responses=show_created())
 async def create_job(
     wanted: JobIn, response: Response, rooms: RoomsOf, caller: Submitter, idempotency_key: Token = None
 ) -> Any:
@@ -52,7 +60,7 @@ async def create_job(
     return {"job": done.job, "state": done.state, "is_new": done.is_new}
 
 
-@router.get("", summary="List the newest jobs.", responses=show_answer({"jobs": [EXAMPLE]}))
+@router.get("", summary="List the newest jobs.", responses=show_answer({"jobs": [EXAMPLE]}, model=Jobs))
 def list_jobs(rooms: RoomsOf, caller: Reader, limit: Annotated[int, Query(ge=1, le=1000)] = 50) -> Any:
     """Give the caller's jobs, newest first."""
     statement = select(JobRow).order_by(JobRow.created.desc(), JobRow.id).limit(limit)
@@ -63,13 +71,16 @@ def list_jobs(rooms: RoomsOf, caller: Reader, limit: Annotated[int, Query(ge=1, 
     return {"jobs": [show_job(rooms, row) for row in rows]}
 
 
-@router.get("/{job}", summary="Show a job and what it found.", responses=show_answer(EXAMPLE))
+@router.get("/{job}", summary="Show a job and what it found.", responses=show_answer(EXAMPLE, model=Job))
 def show_one(job: str, rooms: RoomsOf, caller: Reader) -> Any:
     """Give one job; a local user may name it by its first letters."""
     return show_job(rooms, find_own(rooms, caller, job))
 
 
-@router.post("/{job}/cancel", summary="Stop a job.", responses=show_answer({"job": "3685ecfd4f81", "state": "running"}))
+@router.post(
+    "/{job}/cancel", summary="Stop a job.",
+    responses=show_answer({"job": "3685ecfd4f81", "state": "running"}, model=Changed),
+)  # fmt: skip
 def cancel_job(job: str, rooms: RoomsOf, caller: Submitter) -> Any:
     """Stop a queued job at once, a running one within a second or two; one that has ended stays as it is."""
     row = find_own(rooms, caller, job)
@@ -78,7 +89,7 @@ def cancel_job(job: str, rooms: RoomsOf, caller: Submitter) -> Any:
 
 @router.post(
     "/{job}/retry", status_code=202, summary="Queue an ended job again.",
-    responses=show_answer({"job": "3685ecfd4f81", "state": "queued"}, 202),
+    responses=show_answer({"job": "3685ecfd4f81", "state": "queued"}, 202, Changed, (409,)),
 )  # fmt: skip
 def retry_job(job: str, rooms: RoomsOf, caller: Submitter) -> Any:
     """Give an ended job all its attempts once more."""

@@ -9,6 +9,7 @@ from fastapi import APIRouter, Path
 from ..keys import create_key, list_keys, revoke_key
 from ..models import ApiKeyRow
 from .access import Admin, RoomsOf
+from .answers import Key, Keys, NewKey
 from .problems import show_answer
 from .schemas import KeyIn
 
@@ -22,20 +23,22 @@ EXAMPLE = {
 KeyId = Annotated[str, Path(pattern="^[0-9a-f]{12}$")]
 
 
-@router.post("", status_code=201, summary="Make a key.", responses=show_answer(EXAMPLE | {"token": "gq_..."}, 201))
+@router.post(
+    "", status_code=201, summary="Make a key.", responses=show_answer(EXAMPLE | {"token": "gq_..."}, 201, NewKey)
+)
 def create(wanted: KeyIn, rooms: RoomsOf, caller: Admin) -> Any:
     """Make a key; the token is in this answer and never again."""
     row, token = create_key(rooms.database, wanted.name, tuple(wanted.scopes), wanted.quota)
     return show_key(row) | {"token": token}
 
 
-@router.get("", summary="List the keys.", responses=show_answer({"keys": [EXAMPLE]}))
+@router.get("", summary="List the keys.", responses=show_answer({"keys": [EXAMPLE]}, model=Keys))
 def list_all(rooms: RoomsOf, caller: Admin) -> Any:
     """Give every key, without its token."""
     return {"keys": [show_key(row) for row in list_keys(rooms.database)]}
 
 
-@router.delete("/{key}", summary="Revoke a key.", responses=show_answer(EXAMPLE | {"revoked": 1795250900.0}))
+@router.delete("/{key}", summary="Revoke a key.", responses=show_answer(EXAMPLE | {"revoked": 1795250900.0}, model=Key))
 def revoke(key: KeyId, rooms: RoomsOf, caller: Admin) -> Any:
     """Take a key back; its jobs stay."""
     return show_key(revoke_key(rooms.database, key))

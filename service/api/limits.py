@@ -1,23 +1,38 @@
-"""What one request may cost."""
+"""What one request, and one key, may cost."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+from ..settings import ServiceSettingBad
+
+PREFIX = "GARMENTQ_API_"
+"""How the variable of a limit begins: GARMENTQ_API_UPLOAD_BYTES and so on."""
 
 
 @dataclass(frozen=True)
 class ApiLimits:
-    """Bound requests.
+    """Bound requests. What is counted by key does not bind the local user of a service without keys, but for streams.
+
+    Rates, uploads and streams are counted by each API process for itself; bytes of a day and jobs in the database.
 
     Attributes:
         upload_bytes: Largest upload [bytes]; 512 MiB as for files on disk (`core.scan.Limits`).
-        body_bytes: Largest JSON body [bytes]; a job's request is below 2 kB.
+        body_bytes: Largest JSON body [bytes]; a job's request is below 2 kB, a question for 1000 jobs 15 kB.
         template_bytes: Largest pattern file [bytes]; a GarmentCode pattern is below 100 kB.
         chunk_seconds: Longest silence of a client that sends [s]; a phone network pauses for a few seconds.
         upload_seconds: Longest time of one upload [s]; 512 MiB at 1 MB/s.
         answer_seconds: Longest time until an answer begins [s]; a large scan is checked in about 30 s.
         checks: Scans checked at a time; each runs a parsing process and holds its arrays.
         streams: Event streams that one key may hold open; each asks the database twice a second.
+        requests_per_second: Requests of one key in the long run [1/s]; `garmentq submit` of a folder asks about 20
+            times a second, and a core answers about 200.
+        burst: Requests of one key at once, after a silence; a page that shows a result and its files asks for 20.
+        uploads: Uploads of one key at a time; fifty were measured within 300 MB of memory.
+        day_bytes: Bytes of the files that one key uploads in 24 hours; a studio's 1000 scans of 20 MB are 20 GB.
     """
 
     upload_bytes: int = 512 * 1024**2
@@ -28,3 +43,31 @@ class ApiLimits:
     answer_seconds: float = 120.0
     checks: int = 2
     streams: int = 32
+    requests_per_second: float = 50.0
+    burst: int = 200
+    uploads: int = 50
+    day_bytes: int = 64 * 1024**3
+
+
+def read_limits(environment: Mapping[str, str] | None = None) -> ApiLimits:
+    """Read the limits from the environment, each from `GARMENTQ_API_` + NAME.
+
+    Raises:
+        ServiceSettingBad: where a value is no positive number.
+    """
+    environment = os.environ if environment is None else environment
+    chosen: dict[str, Any] = {}
+    default = ApiLimits()
+    for field in fields(ApiLimits):
+        name = PREFIX + field.name.upper()
+        text = environment.get(name, "")
+        if not text:
+            continue
+        try:
+            value = type(getattr(default, field.name))(text)
+        except ValueError:
+            raise ServiceSettingBad(f"{name} is '{text[:80]}', which is no number.") from None
+        if not 0 < value < float("inf"):
+            raise ServiceSettingBad(f"{name} is '{text[:80]}'; it must be a positive number.")
+        chosen[field.name] = value
+    return ApiLimits(**chosen)

@@ -8,15 +8,19 @@ from typing import Any
 from fastapi import APIRouter
 
 from .access import Reader
+from .answers import Material, Materials
 from .problems import show_answer
 from .schemas import Text
 
 router = APIRouter(prefix="/materials", tags=["libraries"])
 
-EXAMPLE = {"name": "denim", "title": "Denim", "density": 0.4, "thickness": 0.0008, "friction": 0.5}
+EXAMPLE = {
+    "name": "denim", "title": "Denim", "density": 0.4, "thickness": 0.0008, "friction": 0.5, "H00": 1000.0,
+    "H01": 100.0, "H11": 900.0, "H22": 300.0, "k": 1e-5, "sources": {"density": "measured"},
+}  # fmt: skip
 
 
-@router.get("", summary="List the fabrics.", responses=show_answer({"materials": [EXAMPLE]}))
+@router.get("", summary="List the fabrics.", responses=show_answer({"materials": [EXAMPLE]}, model=Materials))
 def list_all(caller: Reader) -> Any:
     """Give every fabric in SI units."""
     from ...core.simulate import load_fabrics
@@ -24,7 +28,7 @@ def list_all(caller: Reader) -> Any:
     return {"materials": [_show(fabric) for fabric in load_fabrics()]}
 
 
-@router.get("/{name}", summary="Show a fabric.", responses=show_answer(EXAMPLE))
+@router.get("/{name}", summary="Show a fabric.", responses=show_answer(EXAMPLE, model=Material))
 def show(name: Text, caller: Reader) -> Any:
     """Give one fabric, with the source of every number."""
     from ...core.simulate import get_fabric

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 from typing import Any
 
 from fastapi import FastAPI, Request
@@ -21,14 +22,17 @@ STATUSES = {
     "key.bad": 401,
     "key.scope_missing": 403,
     "key.queue_full": 429,
+    "key.too_many_requests": 429,
+    "key.uploads_open": 429,
+    "key.day_bytes": 429,
     "job.not_ended": 409,
     "request.streams_full": 429,
     "store.full": 507,
 }
 """Statuses of codes whose class does not tell."""
 
-RETRY_SECONDS = "10"
-"""When to ask again after 429 or 503: a job takes a minute or two, a restart some seconds."""
+RETRY_SECONDS = 10.0
+"""When to ask again after 429 or 503 where the error does not tell [s]: a restart takes some seconds."""
 
 CODES = {404: "request.no_such_page", 405: "request.method_not_allowed"}
 
@@ -50,9 +54,9 @@ def error_status(error: GarmentqError) -> int:
     return 503 if error.code.startswith(("service.", "store.")) else 500
 
 
-def make_problem(status: int, code: str, detail: str) -> JSONResponse:
+def make_problem(status: int, code: str, detail: str, retry_seconds: float = RETRY_SECONDS) -> JSONResponse:
     """Answer with one problem."""
-    headers = {"retry-after": RETRY_SECONDS} if status in (429, 503) else {}
+    headers = {"retry-after": str(max(1, math.ceil(retry_seconds)))} if status in (429, 503) else {}
     if status == 401:
         headers["www-authenticate"] = "Bearer"
     clean = "".join(letter if letter.isprintable() else "?" for letter in detail)[:2000]
@@ -65,7 +69,8 @@ def add_handlers(app: FastAPI) -> None:
 
     def on_ours(request: Request, error: Exception) -> JSONResponse:
         assert isinstance(error, GarmentqError)
-        return make_problem(error_status(error), error.code, error.message)
+        seconds = getattr(error, "retry_seconds", RETRY_SECONDS)
+        return make_problem(error_status(error), error.code, error.message, seconds)
 
     def on_invalid(request: Request, error: Exception) -> JSONResponse:
         assert isinstance(error, RequestValidationError)
@@ -96,10 +101,42 @@ def refuse(status: int, code: str, message: str) -> HTTPException:
     return HTTPException(status, {"code": code, "message": message})  # type: ignore[arg-type]
 
 
-def show_answer(value: object, status: int = 200, description: str = "Answer.") -> dict[int | str, dict[str, Any]]:
-    """Describe an answer by an example, for the OpenAPI page."""
+REASONS = {
+    400: "The body or a header cannot be read.",
+    401: "No key, or one that is not known.",
+    403: "The key lacks the scope, or a page of another origin asks.",
+    404: "Unknown, or another key's.",
+    408: "The client fell silent.",
+    409: "The job is in another state.",
+    413: "The body is too large.",
+    416: "The file has no such range.",
+    422: "Bad input.",
+    429: "The key asks for more than it may; wait as long as Retry-After says.",
+    503: "Database or store is away, or there was no answer in time; Retry-After says when to ask again.",
+    507: "There is no room for the file.",
+}
+"""What the refusals mean."""
+
+ALWAYS = (400, 401, 403, 404, 413, 422, 429, 503)
+"""Refusals that any route under /v1 may give: each reads a key, a query and the database."""
+
+PROBLEM = {"$ref": "#/components/schemas/Problem"}
+"""Where `app.describe` puts the schema of a problem."""
+
+
+def show_answer(
+    value: object, status: int = 200, model: type | None = None, refusals: tuple[int, ...] = ()
+) -> dict[int | str, dict[str, Any]]:
+    """Describe a route's answers for the OpenAPI page: a good one by example and schema, and every refusal."""
+    good: dict[str, Any] = {"description": "Answer.", "content": {"application/json": {"example": value}}}
+    if model is not None:
+        good["model"] = model
+    return {status: good, **show_refusals(*ALWAYS, *refusals)}
+
+
+def show_refusals(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """Describe refusals for the OpenAPI page."""
     problem = {"type": "urn:garmentq:job.unknown", "title": "job.unknown", "status": 404, "code": "job.unknown"}
-    text = {"detail": "there is no job 'nosuch'; `garmentq status` lists them all."}
-    refusal = {"description": "Refused; `code` is stable.", "content": {MEDIA: {"example": problem | text}}}
-    content = {"application/json": {"example": value}}
-    return {status: {"description": description, "content": content}, "default": refusal}
+    example = problem | {"detail": "there is no job 'nosuch'; `garmentq status` lists them all."}
+    content = {MEDIA: {"schema": PROBLEM, "example": example}}
+    return {status: {"description": REASONS[status], "content": content} for status in sorted(set(statuses))}

@@ -8,6 +8,7 @@ from fastapi import APIRouter, Query
 
 from ..query import MOST, Condition, find_jobs, parse_conditions
 from .access import Reader, RoomsOf
+from .answers import Jobs
 from .jobs import EXAMPLE, show_job
 from .problems import show_answer
 
@@ -16,7 +17,7 @@ router = APIRouter(tags=["results"])
 Words = Annotated[str | None, Query(max_length=255)]
 
 
-@router.get("/query", summary="Find jobs by what they found.", responses=show_answer({"jobs": [EXAMPLE]}))
+@router.get("/query", summary="Find jobs by what they found.", responses=show_answer({"jobs": [EXAMPLE]}, model=Jobs))
 def query(
     rooms: RoomsOf,
     caller: Reader,

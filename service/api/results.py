@@ -9,22 +9,35 @@ from typing import Any
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import FileResponse
-from starlette.types import Receive, Scope, Send
+from starlette.types import Message, Receive, Scope, Send
 
 from ..jobs import ENDED
 from ..models import ArtifactRow, BodyRow
 from ..results import ResultMissing, list_files
 from .access import Reader, Rooms, RoomsOf, find_own
+from .answers import Files, Result, Wearer
 from .jobs import EXAMPLE as JOB
 from .jobs import show_job
-from .problems import show_answer
+from .problems import ALWAYS, make_problem, show_answer, show_refusals
 
 router = APIRouter(tags=["results"])
 
 FILE = {"name": "pattern.svg", "sha256": "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08", "size": 90}
 
 
-@router.get("/jobs/{job}/result", summary="Show what a job found.", responses=show_answer(JOB | {"files": [FILE]}))
+WEARER = {
+    "job": "3685ecfd4f81",
+    "source": "mesh:body",
+    "fit_rms": 0.003,
+    "joints": {"pelvis": [0, 0.9, 0]},
+    "parameters": {},
+}
+
+
+@router.get(
+    "/jobs/{job}/result", summary="Show what a job found.",
+    responses=show_answer(JOB | {"files": [FILE]}, model=Result),
+)  # fmt: skip
 def show_result(job: str, rooms: RoomsOf, caller: Reader) -> Any:
     """Give an ended job with its files."""
     row = find_own(rooms, caller, job)
@@ -33,7 +46,9 @@ def show_result(job: str, rooms: RoomsOf, caller: Reader) -> Any:
     return show_job(rooms, row) | {"files": _files(rooms, row.id)}
 
 
-@router.get("/jobs/{job}/artifacts", summary="List a job's files.", responses=show_answer({"files": [FILE]}))
+@router.get(
+    "/jobs/{job}/artifacts", summary="List a job's files.", responses=show_answer({"files": [FILE]}, model=Files)
+)
 def list_artifacts(job: str, rooms: RoomsOf, caller: Reader) -> Any:
     """Give the names, hashes and sizes of a job's files."""
     return {"files": _files(rooms, find_own(rooms, caller, job).id)}
@@ -45,9 +60,9 @@ def list_artifacts(job: str, rooms: RoomsOf, caller: Reader) -> Any:
     response_class=FileResponse,
     responses={
         200: {"description": "The file.", "content": {"application/octet-stream": {"example": "(bytes)"}}},
-        206: {"description": "The bytes that `Range` asked for."},
+        206: {"description": "The bytes that `Range` asked for.", "content": {"application/octet-stream": {}}},
         304: {"description": "`If-None-Match` names the file's hash."},
-        "default": show_answer(None)["default"],
+        **show_refusals(*ALWAYS, 416),
     },
 )
 def download(job: str, name: str, request: Request, rooms: RoomsOf, caller: Reader) -> Response:
@@ -61,7 +76,7 @@ def download(job: str, name: str, request: Request, rooms: RoomsOf, caller: Read
 
 @router.get(
     "/bodies/of/{job}", summary="Show the wearer as a job saw it.",
-    responses=show_answer({"job": "3685ecfd4f81", "source": "mesh:body", "fit_rms": 0.003, "joints": {}}),
+    responses=show_answer(WEARER, model=Wearer),
 )  # fmt: skip
 def show_body(job: str, rooms: RoomsOf, caller: Reader) -> Any:
     """Give joints [m] by name and the fitted model's parameters."""
@@ -80,7 +95,7 @@ def _files(rooms: Rooms, job: str) -> list[dict[str, Any]]:
 
 def _send(rooms: Rooms, file: ArtifactRow, request: Request) -> Response:
     etag = f'"{file.sha256}"'
-    if etag in request.headers.get("if-none-match", ""):
+    if request.headers.get("if-none-match", "").strip() == "*" or etag in request.headers.get("if-none-match", ""):
         return Response(status_code=304, headers={"etag": etag})
     rooms.incoming.mkdir(parents=True, exist_ok=True, mode=0o700)
     descriptor, temporary = tempfile.mkstemp(dir=rooms.incoming)
@@ -99,10 +114,24 @@ def _send(rooms: Rooms, file: ArtifactRow, request: Request) -> Response:
 
 
 class _Passing(FileResponse):
-    """Send a temporary file and remove it, whatever becomes of the sending."""
+    """Send a temporary file and remove it, whatever becomes of the sending; a range that cannot be is a problem."""
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        refused: Message | None = None
+
+        async def watch(message: Message) -> None:
+            nonlocal refused
+            if message["type"] == "http.response.start" and message["status"] >= 400:
+                refused = message
+            if refused is None:
+                await send(message)
+
         try:
-            await super().__call__(scope, receive, send)
+            await super().__call__(scope, receive, watch)
         finally:
             Path(self.path).unlink(missing_ok=True)
+        if refused is not None:
+            answer = make_problem(refused["status"], "request.range", "the file has no such range; ask for its list.")
+            kept = {n.decode(): v.decode() for n, v in refused["headers"] if n == b"content-range"}
+            answer.headers.update(kept)
+            await answer(scope, receive, send)

@@ -14,6 +14,8 @@ Sha256 = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
 BodySource = Annotated[str, StringConstraints(max_length=255, pattern=r"^([0-9a-f]{64}|builtin:[A-Za-z0-9_=.,-]*)$")]
 TemplateName = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_.-]{0,63}$")]
 LARGEST_SEED = 2**31 - 1
+MOST_JOBS = 1000
+"""Jobs of one question; a larger batch asks more than once."""
 
 
 def _field(name: str, hint: Any) -> Any:
@@ -56,6 +58,13 @@ class JobIn(BaseModel):
     priority: int = Field(0, ge=-100, le=100)
     queue: str = Field("cpu", pattern="^(cpu|gpu)$")
     force: bool = False
+
+
+class JobsIn(BaseModel):
+    """Name some jobs by their ids."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"example": {"jobs": ["3685ecfd4f81", "5f1d0c9b7a3e"]}})
+    jobs: list[Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{12}$")]] = Field(min_length=1, max_length=MOST_JOBS)
 
 
 class KeyIn(BaseModel):

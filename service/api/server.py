@@ -7,7 +7,7 @@ from ..database import open_database
 from ..keys import list_keys
 from ..settings import ServiceSettings
 from .guard import is_loopback
-from .limits import ApiLimits
+from .limits import ApiLimits, read_limits
 
 IDLE_SECONDS = 30
 """How long a connection without a request is kept [s]; a client that follows a job asks more often."""
@@ -27,6 +27,7 @@ def serve(settings: ServiceSettings, host: str, port: int, limits: ApiLimits | N
 
     Raises:
         AddressPublic: where the address is public and nobody has a key.
+        ServiceSettingBad: where the environment names a limit that is none.
     """
     import uvicorn
 
@@ -38,7 +39,7 @@ def serve(settings: ServiceSettings, host: str, port: int, limits: ApiLimits | N
     from .app import make_app
 
     uvicorn.run(
-        make_app(settings, limits, is_open=is_near),
+        make_app(settings, limits or read_limits(), is_open=is_near),
         host=host,
         port=port,
         log_level="warning",

@@ -11,6 +11,7 @@ from starlette.concurrency import run_in_threadpool
 
 from ..templates import TemplateNameBad, describe_templates, find_template, keep_template
 from .access import Admin, Reader, Rooms, RoomsOf
+from .answers import Imported, Templates
 from .problems import show_answer
 from .schemas import TemplateName
 
@@ -20,7 +21,7 @@ EXAMPLE = {"name": "skirt", "category": "skirt", "source": "shipped", "title": "
 IMPORTED = {"name": "jacket", "panels": 7, "seams": 12, "category": "jacket"}
 
 
-@router.get("", summary="List the templates.", responses=show_answer({"templates": [EXAMPLE]}))
+@router.get("", summary="List the templates.", responses=show_answer({"templates": [EXAMPLE]}, model=Templates))
 def list_all(rooms: RoomsOf, caller: Reader) -> Any:
     """Give shipped and imported templates."""
     return {"templates": describe_templates(rooms.database)}
@@ -41,7 +42,8 @@ def show(name: TemplateName, rooms: RoomsOf, caller: Reader) -> Response:
 
 
 @router.put(
-    "/{name}", status_code=201, summary="Import a pattern file as a template.", responses=show_answer(IMPORTED, 201),
+    "/{name}", status_code=201, summary="Import a pattern file as a template.",
+    responses=show_answer(IMPORTED, 201, Imported, (408, 507)),
     openapi_extra={
         "requestBody": {"required": True, "content": {"application/octet-stream": {"schema": {"type": "string"}}}}
     },

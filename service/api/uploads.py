@@ -17,8 +17,9 @@ from starlette.requests import ClientDisconnect
 from ...core.errors import BadInput, NotFound
 from ..store import StorageFull
 from ..submission import clean_name
-from ..uploads import find_upload, keep_upload
+from ..uploads import check_day, find_upload, keep_upload
 from .access import Reader, Rooms, RoomsOf, Submitter
+from .answers import Upload
 from .problems import refuse, show_answer
 from .schemas import Sha256
 
@@ -43,10 +44,14 @@ def _add(kind: str) -> None:
 
     async def upload(request: Request, response: Response, rooms: RoomsOf, caller: Submitter, name: Name) -> Any:
         cleaned = clean_name(name)
-        _refuse_length(request, rooms)
-        async with _received(request, rooms, Path(cleaned).suffix.lower()) as path:
-            await run_in_threadpool(_check, kind, path, cleaned, rooms)
-            kept = await run_in_threadpool(keep_upload, rooms.database, rooms.store, caller.key, path, cleaned)
+        length = _refuse_length(request, rooms)
+        most = rooms.limits.day_bytes if caller.key else None
+        with rooms.meter.uploading(caller.key):
+            await run_in_threadpool(check_day, rooms.database, caller.key, length, most)
+            async with _received(request, rooms, Path(cleaned).suffix.lower()) as path:
+                await run_in_threadpool(_check, kind, path, cleaned, rooms)
+                keep = (rooms.database, rooms.store, caller.key, path, cleaned, most)
+                kept = await run_in_threadpool(keep_upload, *keep)
         response.headers["location"] = f"/v1/{kind}/{kept.sha256}"
         response.headers["etag"] = f'"{kept.sha256}"'
         return {"sha256": kept.sha256, "name": cleaned, "size": kept.size}
@@ -61,23 +66,26 @@ def _add(kind: str) -> None:
         f"/{kind}",
         status_code=201,
         summary=f"Upload {what} as the raw body of the request.",
-        responses=show_answer(EXAMPLE, 201),
+        responses=show_answer(EXAMPLE, 201, Upload, (408, 507)),
         openapi_extra={"requestBody": {"required": True, **body}},
         name=f"upload_{kind}",
     )(upload)
     router.get(f"/{kind}/{{sha256}}", summary=f"Tell of {what} that this key uploaded.", name=f"show_{kind}",
-               responses=show_answer(EXAMPLE))(show)  # fmt: skip
+               responses=show_answer(EXAMPLE, model=Upload))(show)  # fmt: skip
 
 
 for _kind in KINDS:
     _add(_kind)
 
 
-def _refuse_length(request: Request, rooms: Rooms) -> None:
-    length = request.headers.get("content-length", "0")
-    if length.isascii() and length.isdigit() and int(length[:20]) > rooms.limits.upload_bytes:
+def _refuse_length(request: Request, rooms: Rooms) -> int:
+    """Refuse a body that says itself that it is too large; give the size that it tells, or 0."""
+    text = request.headers.get("content-length", "0")
+    length = int(text[:20]) if text.isascii() and text.isdigit() else 0
+    if length > rooms.limits.upload_bytes:
         most = rooms.limits.upload_bytes
         raise refuse(413, "request.too_large", f"the body is larger than {most} bytes; send a smaller file.")
+    return length
 
 
 @asynccontextmanager

@@ -1,0 +1,72 @@
+"""`/v1/jobs/states` and `/v1/queue`: how far many jobs are, in one request."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastapi import APIRouter
+from sqlalchemy import func, select
+
+from ..jobs import find_jobs_by_id
+from ..models import JobRow, OwnerRow
+from ..query import count_states
+from ..reaper import list_workers
+from .access import Reader, Rooms, RoomsOf
+from .answers import Briefs, Queue
+from .problems import show_answer
+from .schemas import JobsIn
+
+router = APIRouter(tags=["jobs"])
+
+BRIEF = {
+    "job": "3685ecfd4f81", "name": "skirt", "state": "running", "stage": "drape", "progress": 0.4, "attempts": 1,
+    "created": 1795250000.1, "started": 1795250000.4, "finished": None, "error": None, "bad_input": False,
+    "queue": "cpu", "priority": 0,
+}  # fmt: skip
+WORKER = {"name": "worker 1", "queues": "cpu", "concurrency": 2, "started": 1795240000.0, "seen": 1795250000.0}
+QUEUE = {"states": {"queued": 3, "running": 2}, "workers": [WORKER]}
+
+
+@router.post(
+    "/jobs/states", summary="Tell how far many jobs are.", responses=show_answer({"jobs": [BRIEF]}, 200, Briefs)
+)
+def tell_states(wanted: JobsIn, rooms: RoomsOf, caller: Reader) -> Any:
+    """Give the jobs of some ids in their order; those that are unknown, or another key's, are left out."""
+    ids = wanted.jobs
+    if not caller.sees_all:
+        with rooms.database.read() as session:
+            own = select(OwnerRow.job).where(OwnerRow.key == caller.key, OwnerRow.job.in_(ids))
+            seen = set(session.scalars(own))
+        ids = [job for job in ids if job in seen]
+    return {"jobs": [show_brief(row) for row in find_jobs_by_id(rooms.database, ids)]}
+
+
+@router.get("/queue", summary="Count the jobs and list the workers.", responses=show_answer(QUEUE, 200, Queue))
+def tell_queue(rooms: RoomsOf, caller: Reader) -> Any:
+    """Count the caller's jobs by state, and give the living workers; their names to the scope `admin` only."""
+    workers = [
+        {
+            "name": row.name if caller.sees_all else f"worker {number}",
+            "queues": row.queues,
+            "concurrency": row.concurrency,
+            "started": row.started,
+            "seen": row.seen,
+        }
+        for number, row in enumerate(list_workers(rooms.database), 1)
+    ]
+    states = count_states(rooms.database) if caller.sees_all else _count_own(rooms, caller.key)
+    return {"states": states, "workers": workers}
+
+
+def show_brief(row: JobRow) -> dict[str, Any]:
+    """Give how far a job is as JSON values, from its row alone."""
+    names = ("name", "state", "stage", "attempts", "created", "started", "finished", "bad_input", "queue", "priority")
+    error = {"code": row.error_code, "message": row.error_message or ""} if row.error_code else None
+    shown = {name: getattr(row, name) for name in names}
+    return {"job": row.id, "progress": round(row.progress, 4), "error": error, **shown}
+
+
+def _count_own(rooms: Rooms, key: str) -> dict[str, int]:
+    own = select(JobRow.state, func.count()).join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == key)
+    with rooms.database.read() as session:
+        return {row[0]: row[1] for row in session.execute(own.group_by(JobRow.state)).all()}

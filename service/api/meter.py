@@ -1,0 +1,113 @@
+"""What each key has asked for lately, as far as this process knows."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from ...core.errors import GarmentqError
+from .limits import ApiLimits
+
+
+class TooManyRequests(GarmentqError):
+    """The key asks more often than it may; wait as long as Retry-After says."""
+
+    code = "key.too_many_requests"
+
+    def __init__(self, message: str, seconds: float) -> None:
+        """Refuse for some seconds."""
+        super().__init__(message)
+        self.retry_seconds = seconds
+
+
+class UploadsOpen(GarmentqError):
+    """The key has as many uploads under way as it may; wait until one has ended."""
+
+    code = "key.uploads_open"
+
+
+class StreamsFull(GarmentqError):
+    """The key has as many event streams open as it may; close one."""
+
+    code = "request.streams_full"
+
+
+class Meter:
+    """Count requests, uploads and event streams by key."""
+
+    def __init__(self, limits: ApiLimits, now: Callable[[], float] = time.monotonic) -> None:
+        """Begin with every key at rest.
+
+        Args:
+            limits: What a key may do.
+            now: A clock that only goes forward [s].
+        """
+        self._limits = limits
+        self._now = now
+        self._lock = threading.Lock()
+        self._left: dict[str, tuple[float, float]] = {}
+        self._open: dict[tuple[str, str], int] = {}
+
+    def take(self, key: str) -> None:
+        """Count one request: a bucket of `burst` that fills by `requests_per_second`.
+
+        Raises:
+            TooManyRequests: where the bucket is empty.
+        """
+        if not key:
+            return
+        now, rate = self._now(), self._limits.requests_per_second
+        with self._lock:
+            left, then = self._left.get(key, (float(self._limits.burst), now))
+            left = min(float(self._limits.burst), left + rate * (now - then))
+            self._left[key] = (left - 1.0 if left >= 1.0 else left, now)
+        if left < 1.0:
+            raise TooManyRequests(
+                f"the key asks more than {rate:g} times a second; wait as long as Retry-After says.",
+                (1.0 - left) / rate,
+            )
+
+    @contextmanager
+    def uploading(self, key: str) -> Iterator[None]:
+        """Hold one upload for the block.
+
+        Raises:
+            UploadsOpen: where the key has as many under way as it may.
+        """
+        most = self._limits.uploads if key else None
+        if not self._begin("upload", key, most):
+            raise UploadsOpen(f"the key has {most} uploads under way, as many as it may; wait until one has ended.")
+        try:
+            yield
+        finally:
+            self._end("upload", key)
+
+    @contextmanager
+    def streaming(self, key: str) -> Iterator[None]:
+        """Hold one event stream for the block.
+
+        Raises:
+            StreamsFull: where the key has as many open as it may.
+        """
+        if not self._begin("stream", key, self._limits.streams):
+            raise StreamsFull(f"the key has {self._limits.streams} event streams open, as many as it may; close one.")
+        try:
+            yield
+        finally:
+            self._end("stream", key)
+
+    def _begin(self, what: str, key: str, most: int | None) -> bool:
+        with self._lock:
+            held = self._open.get((what, key), 0)
+            if most is not None and held >= most:
+                return False
+            self._open[what, key] = held + 1
+            return True
+
+    def _end(self, what: str, key: str) -> None:
+        with self._lock:
+            self._open[what, key] -= 1
+            if not self._open[what, key]:
+                del self._open[what, key]
