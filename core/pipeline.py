@@ -18,7 +18,7 @@ from .body import Body, BodyMissing, builtin_body, is_smpl, load_smpl, register_
 from .checkpoints import keep_body, keep_drape, kept_body, kept_drape
 from .deform import Deformation, DeformSettings, deform
 from .drape import Stand, drape_graded, drape_template
-from .fit import fit_pattern
+from .fit import InverseFit, PatternFit, fit_inverse, fit_pattern
 from .grade import choose_template, grade_pattern
 from .hooks import SILENT, Hooks
 from .measure import judge, measure_fit, measure_seams
@@ -86,11 +86,22 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     template, base = find_template(request, target)
     garment, drape, notes = drape_to_scan(base, body, target, settings, clock)
     warnings = [*scan.repairs, *notes]
+    simulation: np.ndarray | None = None
+    fitted: PatternFit | InverseFit | None = None
+    graded = garment.nodes
+    if settings.method == "inverse":
+        with clock.stage("fit", "descending through the simulator") as inner:
+            fitted = fit_inverse(
+                garment, target, base, fabric, body,
+                vertex_count=settings.vertex_count, locks=settings.locks, hooks=inner,
+            )  # fmt: skip
+        fabric, garment, graded, simulation = fitted.fabric, fitted.garment, fitted.graded, fitted.simulation
+        warnings += fitted.warnings
     with clock.stage("deform", "deforming the drape onto the scan") as inner:
         preset = DeformSettings.thesis() if settings.preset == "thesis" else DeformSettings()
         detail = deform(garment, target, body, settings=preset, hooks=inner)
         warnings += detail.warnings
-    simulation, fitted = None, None
+    garment = garment.at(graded)
     if settings.method == "hybrid":
         with clock.stage("fit", "fitting the pattern through the simulator") as inner:
             fitted = fit_pattern(
@@ -123,7 +134,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         manifest=describe(request, scan, body, template, target),
         estimates=() if fitted is None else fitted.estimates,
         nearest_fabrics=() if fitted is None else fitted.nearest,
-        point_std=None if fitted is None else fitted.point_std,
+        point_std=fitted.point_std if isinstance(fitted, PatternFit) else None,
     )
 
 

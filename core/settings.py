@@ -7,7 +7,7 @@ from typing import Any
 
 from .errors import BadInput
 
-METHODS = ("deform", "hybrid")
+METHODS = ("deform", "inverse", "hybrid")
 PRESETS = ("default", "thesis")
 
 
@@ -23,7 +23,8 @@ class RecoverySettings:
 
     Attributes:
         method: `deform`: grade, drape, then deform onto the scan. `hybrid`: then refit the pattern to the deformed mesh
-            and through the simulator, and drape it again as the simulation mesh.
+            and through the simulator, and drape it again as the simulation mesh. `inverse`: descend from the graded
+            pattern through the simulator (the thesis' loop), drape what it ends at, and deform that onto the scan.
         preset: Deformer preset; `default`, or `thesis` for the published weights in the reading that works.
         garment: Category that overrides the one chosen from the contours, or None.
         template: Name of a shipped or imported template that overrides the chosen one, or None.

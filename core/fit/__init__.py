@@ -1,25 +1,39 @@
 """The inverse fit: the pattern from a registered garment, by its metric and through the simulator."""
 
+from .descent import Descent, DescentProblem, InverseSettings, descend
 from .hybrid import PatternFit, fit_pattern
+from .inverse import InverseFit, fit_inverse
 from .isometry import IsometrySettings, fit_isometry
 from .locks import LockUnknown, find_held, keep_held
-from .losses import RegisteredLoss
+from .losses import ChamferLoss, ContourLoss, PanelLoss, PlaneLoss, RangeLoss, RegisteredLoss, SeamLoss
 from .material import fit_bending, folding, nearest_fabrics, posterior, ratio_prior
 from .metric import move_pattern
 from .settings import MaterialSettings, ShapeSettings
 from .shape import ShapeFit, ShapeProblem, fit_shape, keep_seams
 
 __all__ = [
+    "ChamferLoss",
+    "ContourLoss",
+    "Descent",
+    "DescentProblem",
+    "InverseFit",
+    "InverseSettings",
     "IsometrySettings",
     "LockUnknown",
     "MaterialSettings",
+    "PanelLoss",
     "PatternFit",
+    "PlaneLoss",
+    "RangeLoss",
     "RegisteredLoss",
+    "SeamLoss",
     "ShapeFit",
     "ShapeProblem",
     "ShapeSettings",
+    "descend",
     "find_held",
     "fit_bending",
+    "fit_inverse",
     "fit_isometry",
     "fit_pattern",
     "fit_shape",

@@ -73,6 +73,11 @@ class PanelLoss:
             np.add.at(gradient, self.after, by_two)
         return value, gradient
 
+    def least_share(self, points: np.ndarray) -> float:
+        """Give the smallest share of its first area that a flat triangle has; negative where one has turned over."""
+        at = self.control.apply(points - self.control.points) + self.uv
+        return float((_double_areas(at[self.uv_faces]) / _double_areas(self.uv[self.uv_faces])).min())
+
     def _folds(self, points: np.ndarray) -> tuple[float, np.ndarray]:
         """Give the first sum and its gradient."""
         at = self.control.apply(points - self.control.points) + self.uv

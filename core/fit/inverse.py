@@ -1,0 +1,134 @@
+"""The inverse method: the thesis' loop on a coarse mesh, then the recovered pattern's drape at full resolution."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..body import Body, DistanceGrid
+from ..drape import tie_contour, waist_loop
+from ..hooks import SILENT, Hooks
+from ..pattern import Garment, Pattern, mesh_pattern, resample
+from ..segment import Target, name_contours
+from ..simulate import Fabric, FabricEstimate
+from .descent import Descent, DescentProblem, InverseSettings, descend
+from .locks import find_held
+from .losses.range import STIFFNESSES
+from .material import nearest_fabrics, ratio_prior, state_density
+from .settings import MaterialSettings
+
+if TYPE_CHECKING:
+    from ..simulate import Hold
+
+
+@dataclass(frozen=True)
+class InverseFit:
+    """Hold what the thesis' inverse fit found.
+
+    Attributes:
+        garment: The recovered pattern, meshed; nodes at its drape, contours named.
+        graded: The graded pattern's drape on that mesh [m], shape [node_count, 3].
+        simulation: The recovered pattern's equilibrium [m], shape [node_count, 3].
+        descent: The loop's end: its losses and what it found.
+        fabric: The cloth, descended to, or the given one where it is locked.
+        estimates: What is known of each parameter of the fabric: descent tells no posterior.
+        nearest: Fabrics of the library that bend most alike, by name.
+        warnings: What the user should know, one sentence each.
+    """
+
+    garment: Garment
+    graded: np.ndarray
+    simulation: np.ndarray
+    descent: Descent
+    fabric: Fabric
+    estimates: tuple[FabricEstimate, ...]
+    nearest: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+
+def fit_inverse(
+    garment: Garment,
+    target: Target,
+    like: Pattern,
+    fabric: Fabric,
+    body: Body,
+    *,
+    vertex_count: int | None = None,
+    settings: InverseSettings | None = None,
+    locks: tuple[str, ...] = (),
+    hooks: Hooks = SILENT,
+) -> InverseFit:
+    """Recover a pattern as the thesis does: descend through the simulator from the graded pattern's drape.
+
+    Args:
+        garment: The graded pattern's mesh, nodes at its drape, contours named.
+        target: The scan's surface with named contours.
+        like: The template: tells symmetry and the ratios of gathered seams.
+        fabric: The cloth to begin with.
+        body: The wearer.
+        vertex_count: Vertices of the recovered pattern's mesh, or None for as many as there are.
+        settings: Weights and steps.
+        locks: What stays as it is given: `fabric`, `panel:NAME` (and its mirror image).
+        hooks: Progress, cancellation and checkpoints.
+
+    Raises:
+        LockUnknown: where a lock names no panel of the pattern.
+    """
+    from ..simulate import Topology, equilibrium, push_out
+
+    settings = settings or InverseSettings()
+    held = find_held(garment.pattern, like, locks)
+    hooks.progress("fit", 0.0, "distances to the body")
+    grid = DistanceGrid.from_mesh(body.vertices, body.faces)
+    coarse = _stand(garment, garment.nodes, garment.pattern, min(settings.vertices, len(garment.nodes)), body)
+    hold = _hold_waist(coarse, target)
+    problem = DescentProblem.of(coarse, target, like, fabric, grid, hold, settings, held)
+    fit_fabric = "fabric" not in locks and settings.fabric_iterations > 0
+    descent = descend(problem, hooks, fit_fabric)
+    hooks.progress("fit", 0.9, "draping the recovered pattern")
+    count = vertex_count or len(garment.nodes)
+    fine = _stand(coarse, descent.best_nodes, problem.pattern_of(descent.best), count, body)
+    found = problem.fabric_of(descent.best) if fit_fabric else fabric
+    drape = equilibrium(
+        Topology.from_garment(fine), found, fine.nodes, grid=grid, hold=_hold_waist(fine, target), hooks=hooks
+    )
+    warnings = () if drape.converged else (f"the simulation mesh is {drape.message}",)
+    simulation = push_out(drape.nodes, body, fine.faces)
+    return InverseFit(
+        garment=fine.at(simulation),
+        graded=resample(garment, garment.nodes, fine),
+        simulation=simulation,
+        descent=descent,
+        fabric=found,
+        estimates=_state_fabric(found) if fit_fabric else (),
+        nearest=nearest_fabrics(found),
+        warnings=warnings,
+    )
+
+
+def _stand(garment: Garment, nodes: np.ndarray, pattern: Pattern, count: int, body: Body) -> Garment:
+    """Mesh a pattern and stand it where another mesh of it stands, contours named."""
+    mesh = mesh_pattern(pattern, count)
+    placed = resample(garment, nodes, mesh)
+    return mesh.at(placed, name_contours(placed, mesh.faces, body)[0])
+
+
+def _hold_waist(garment: Garment, target: Target) -> Hold | None:
+    """Hold what hangs from the waist by the target's waist; None for what hangs from the shoulders."""
+    from ..simulate import Hold
+
+    waist, wanted = waist_loop(garment), target.contour("waist")
+    if waist is None:
+        return None
+    points = garment.nodes[waist]
+    return Hold(waist, points if wanted is None else tie_contour(points, target.vertices[wanted.vertices]))
+
+
+def _state_fabric(fabric: Fabric) -> tuple[FabricEstimate, ...]:
+    """State the found stiffnesses with the prior's spread: a descent says where it ended, not how sure that is."""
+    note = "descended to; how well it is known was not asked (the hybrid method tells)"
+    spreads = {name: ratio_prior(name, MaterialSettings())[1] for name in STIFFNESSES}
+    found = (FabricEstimate(n, getattr(fabric, n), spreads[n], spreads[n], False, note) for n in STIFFNESSES)
+    return (*found, state_density(fabric))
