@@ -19,6 +19,7 @@ from ..settings import ServiceSettings
 from ..store import Store
 from .limits import ApiLimits
 from .meter import Meter
+from .problems import RequestBad
 
 
 @dataclass(frozen=True)
@@ -89,6 +90,18 @@ def get_admin(caller: Annotated[Caller, Depends(get_caller)]) -> Caller:
     """Ask for the scope `admin`."""
     caller.must("admin")
     return caller
+
+
+def refuse_unknown(request: Request) -> None:
+    """Refuse a query parameter that the route does not have: a misspelt filter would answer another question.
+
+    Raises:
+        RequestBad: where there is one.
+    """
+    known = {field.alias for field in request.scope["route"].dependant.query_params}
+    unknown = sorted(set(request.query_params) - known)
+    if unknown:
+        raise RequestBad(f"there is no parameter '{unknown[0][:60]}'; there are {', '.join(sorted(known)) or 'none'}.")
 
 
 RoomsOf = Annotated[Rooms, Depends(get_rooms)]

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 
 from ... import __version__
 from ..database import open_database
 from ..settings import ServiceSettings
 from ..store import open_store
 from . import batches, events, health, jobs, keys, materials, questions, results, templates, uploads
-from .access import Rooms
+from .access import Rooms, refuse_unknown
 from .answers import Problem
 from .guard import Guard
 from .limits import ApiLimits
@@ -40,7 +40,7 @@ def make_app(settings: ServiceSettings, limits: ApiLimits | None = None, is_open
     meter = Meter(limits)
     app.state.rooms = Rooms(settings, open_database(settings), open_store(settings), limits, is_open, meter)
     for module in (uploads, batches, jobs, events, results, questions, templates, materials, keys):
-        app.include_router(module.router, prefix="/v1")
+        app.include_router(module.router, prefix="/v1", dependencies=[Depends(refuse_unknown)])
     app.include_router(health.router)
     add_handlers(app)
     app.add_middleware(Guard, limits=limits, is_open=is_open)
