@@ -17,7 +17,7 @@ import numpy as np
 from .body import Body, BodyMissing, builtin_body, is_smpl, load_smpl, register_body
 from .checkpoints import keep_body, keep_drape, kept_body, kept_drape
 from .deform import Deformation, DeformSettings, deform
-from .drape import Stand, drape_graded, drape_template
+from .drape import Stand, drape_graded, drape_template, redrape
 from .fit import InverseFit, PatternFit, fit_inverse, fit_pattern
 from .grade import choose_template, grade_pattern
 from .hooks import SILENT, Hooks
@@ -112,8 +112,14 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         fabric = fitted.fabric
         garment, simulation = fitted.garment.at(fitted.graded), fitted.simulation
         warnings += fitted.warnings
+    redraped = None
+    if fitted is not None:
+        with clock.stage("redrape", "dressing the body in the recovered pattern") as inner:
+            redraped, again = redrape(garment, Stand.of(body), fabric, target, hooks=inner)
+        if not again.converged:
+            warnings.append(f"the re-draped mesh is {again.message}")
     with clock.stage("measure", "measuring the result"):
-        metrics = measure(scan, target, garment, detail, simulation, drape, body, settings)
+        metrics = measure(scan, target, garment, detail, simulation, drape, body, settings, redraped)
     return Recovery(
         scan=scan,
         body=body,
@@ -135,6 +141,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         estimates=() if fitted is None else fitted.estimates,
         nearest_fabrics=() if fitted is None else fitted.nearest,
         point_std=fitted.point_std if isinstance(fitted, PatternFit) else None,
+        redraped=redraped,
     )
 
 
@@ -233,8 +240,9 @@ def measure(
     drape: Drape,
     body: Body,
     settings: RecoverySettings,
+    redraped: np.ndarray | None = None,
 ) -> dict[str, float | None]:
-    """Measure the detail mesh, simulation mesh and graded drape against the scan; the truth is what the user gave."""
+    """Measure all meshes against the scan; the truth is what the user gave."""
     metrics = measure_fit(
         garment,
         garment.nodes,
@@ -245,6 +253,7 @@ def measure(
         target.contours,
         body,
         seed=settings.seed,
+        redraped=redraped,
     )
     metrics |= measure_seams(garment.pattern)
     metrics["drape.residual"] = drape.residual

@@ -15,8 +15,9 @@ from .segment import Target
 from .settings import RecoverySettings
 from .simulate import Fabric, FabricEstimate
 
-STAGES = ("scan", "body", "segment", "template", "grade", "drape", "deform", "fit", "measure")
-"""The stages of a recovery in order; progress and seconds are reported by these names. Only `hybrid` has a `fit`."""
+STAGES = ("scan", "body", "segment", "template", "grade", "drape", "deform", "fit", "redrape", "measure")
+"""The stages of a recovery in order; progress and seconds are reported by these names. Only methods that recover the
+pattern through the simulator have `fit` and `redrape`."""
 
 
 @dataclass(frozen=True)
@@ -95,6 +96,8 @@ class Recovery:
         estimates: What the fit knows of each parameter of the fabric; empty where the method fits none.
         nearest_fabrics: Fabrics of the library that bend most alike, by name; empty likewise.
         point_std: Posterior standard deviation of the control points [m], shape [point_count, 2], or None.
+        redraped: Nodes of the recovered pattern draped anew from its rest placement [m], shape [node_count, 3], or None
+            where the method makes no simulation mesh.
     """
 
     scan: Scan
@@ -117,3 +120,4 @@ class Recovery:
     estimates: tuple[FabricEstimate, ...] = ()
     nearest_fabrics: tuple[str, ...] = ()
     point_std: np.ndarray | None = None
+    redraped: np.ndarray | None = None

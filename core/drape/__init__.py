@@ -3,7 +3,7 @@
 from .carry import CarrySettings, carry
 from .dress import DressSettings, dress, place, waist_loop
 from .follow import FollowSettings, Threads, follow, lay_threads
-from .stage import DrapeSettings, Stand, drape_graded, drape_template, waist_height
+from .stage import DrapeSettings, Stand, drape_graded, drape_template, redrape, waist_height
 from .tie import tie_contour
 
 __all__ = [
@@ -20,6 +20,7 @@ __all__ = [
     "follow",
     "lay_threads",
     "place",
+    "redrape",
     "tie_contour",
     "waist_height",
     "waist_loop",

@@ -155,6 +155,7 @@ def drape_graded(
     target: Target,
     *,
     vertex_count: int = 4000,
+    mesh: Garment | None = None,
     settings: DrapeSettings = DrapeSettings(),
     hooks: Hooks = SILENT,
 ) -> tuple[Garment, Drape]:
@@ -166,13 +167,14 @@ def drape_graded(
         fabric: The cloth.
         target: Where its waist, if any, holds the garment's.
         vertex_count: Vertices of the mesh.
+        mesh: The pattern's mesh where there is one already, wherever its nodes are; `vertex_count` then says nothing.
         settings: Steps.
         hooks: Progress and cancellation.
 
     Returns:
         The garment at rest with named contours, and the drape with its residual.
     """
-    garment = mesh_pattern(graded.pattern, vertex_count)
+    garment = mesh_pattern(graded.pattern, vertex_count) if mesh is None else mesh
     nodes = resample(graded, graded.nodes, garment)
     waist = waist_loop(garment.at(nodes))
     wanted = target.contour("waist")
@@ -198,3 +200,33 @@ def drape_graded(
     nodes = push_out(drape.nodes, stand.body, garment.faces)
     contours, _ = name_contours(nodes, garment.faces, stand.body)
     return garment.at(nodes, contours), drape
+
+
+def redrape(
+    garment: Garment,
+    stand: Stand,
+    fabric: Fabric,
+    target: Target,
+    *,
+    settings: DrapeSettings = DrapeSettings(),
+    hooks: Hooks = SILENT,
+) -> tuple[np.ndarray, Drape]:
+    """Dress the wearer in a recovered pattern from its rest placement, as somebody does who has only the pattern.
+
+    Nothing is taken from the scan but the waist by which the garment hangs. What settles so may hang in other folds
+    than a drape that starts on the scan, and shows what the pattern is worth on its own.
+
+    Args:
+        garment: The pattern's mesh; the result is of its topology, its nodes do not matter.
+        stand: The wearer.
+        fabric: The cloth.
+        target: Where its waist, if any, holds the garment's.
+        settings: Steps.
+        hooks: Progress and cancellation.
+
+    Returns:
+        Nodes at rest [m], shape [node_count, 3], outside the wearer's exact mesh, and the drape with its residual.
+    """
+    worn = drape_template(garment.pattern, stand, target, settings=settings, hooks=hooks)
+    draped, drape = drape_graded(worn, stand, fabric, target, mesh=garment, settings=settings, hooks=hooks)
+    return draped.nodes, drape

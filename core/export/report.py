@@ -46,7 +46,7 @@ TITLES = {
 }
 """Names of metrics for people, in the order of the table; others follow under their own names."""
 
-COLUMNS = (("", "Detail mesh"), ("sim.", "Simulation mesh"), ("graded.", "Graded drape"))
+COLUMNS = (("", "Detail mesh"), ("sim.", "Simulation mesh"), ("redrape.", "Re-draped"), ("graded.", "Graded drape"))
 
 
 UNITS = {"H00": "N/m", "H01": "N/m", "H11": "N/m", "H22": "N/m", "k": "N m", "density": "kg/m²"}

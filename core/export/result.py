@@ -25,8 +25,8 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
         folder: Where to; made where it is not there, files of the same names are replaced.
 
     Returns:
-        The files: graded.ply, detail.ply, detail.obj, detail.glb, simulation.ply (if the method makes one), body.ply,
-        body_joints.json, pattern.json, pattern.svg, fit.json (likewise), metrics.json, manifest.json, report.html.
+        The files: graded.ply, detail.ply, detail.obj, detail.glb, simulation.ply and redrape.ply (if the method makes them),
+        body.ply, body_joints.json, pattern.json, pattern.svg, fit.json (likewise), metrics.json, manifest.json, report.html.
     """
     folder.mkdir(parents=True, exist_ok=True)
     garment = recovery.garment
@@ -34,6 +34,8 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
     files += write_meshes(garment, recovery.detail, folder, "detail")
     if recovery.simulation is not None:
         files += write_meshes(garment, recovery.simulation, folder, "simulation", ("ply",))
+    if recovery.redraped is not None:
+        files += write_meshes(garment, recovery.redraped, folder, "redrape", ("ply",))
     files.append(write_ply(recovery.body.vertices, recovery.body.faces, folder / "body.ply"))
     files.append(_write_json(_joints(recovery.body), folder / "body_joints.json"))
     files.append(_write_json(write_pattern(recovery.pattern), folder / "pattern.json"))

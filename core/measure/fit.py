@@ -39,8 +39,9 @@ def measure_fit(
     body: Body | None,
     seed: int = 0,
     samples: int = SURFACE_SAMPLES,
+    redraped: np.ndarray | None = None,
 ) -> dict[str, float | None]:
-    """Measure the detail mesh, the simulation mesh (prefix `sim.`) and the graded drape (prefix `graded.`).
+    """Measure the detail mesh, simulation mesh (prefix `sim.`), re-draped mesh (`redrape.`) and graded drape (`graded.`).
 
     Args:
         garment: The recovered pattern, meshed and sewn; gives faces, rest triangles and contours.
@@ -53,6 +54,7 @@ def measure_fit(
         body: The wearer, whose given mesh is what must not be penetrated, or None.
         seed: Seeds the samples and the floor.
         samples: Surface samples per direction.
+        redraped: Nodes of the pattern draped from its rest placement [m], shape [node_count, 3], or None.
 
     Returns:
         Flat dotted names to numbers, units in the name; None where a metric does not apply.
@@ -63,9 +65,10 @@ def measure_fit(
     chamfer_floor, normal_floor = meshing_floor(*truth, len(detail), np.random.default_rng(seed))
     found["chamfer_vertex_floor_m2e3"] = 1e3 * chamfer_floor
     found["normal_cosine_floor"] = normal_floor
-    if simulation is not None:
-        simulated = _measure_mesh(garment, simulation, *truth, truth_contours, body, seed, samples)
-        found |= {f"sim.{name}": value for name, value in simulated.items()}
+    for prefix, nodes in (("sim.", simulation), ("redrape.", redraped)):
+        if nodes is not None:
+            draped = _measure_mesh(garment, nodes, *truth, truth_contours, body, seed, samples)
+            found |= {prefix + name: value for name, value in draped.items()}
     drape = measure_distance(graded, garment.faces, *truth, seed=seed, samples=samples)
     found |= {f"graded.{name}": value for name, value in drape.items()}
     found |= _measure_contours(garment, graded, truth_vertices, truth_contours, "graded.")

@@ -15,7 +15,7 @@ from .packs import Pack, read_true_mesh, read_true_pattern
 from .patterns import PATTERN_METRICS, measure_pattern, measure_seams, unmatched_panels
 from .surface import closest_points, penetration_depth, sample_surface
 
-FIT_FAMILIES = ("graded", "sim", "surface_rms_mm", "surface_p95_mm", "contour_rms_mm", "gather_ratio_error")
+FIT_FAMILIES = ("graded", "sim", "redrape", "surface_rms_mm", "surface_p95_mm", "contour_rms_mm", "gather_ratio_error")
 """First words of metrics whose names depend on the truth: a recovery's own values never stay beside ours."""
 
 BODY_SAMPLES = 10_000
@@ -44,7 +44,7 @@ def measure_recovery(
     contours = carry_contours(target.contours, target.vertices, vertices, faces)
     found = measure_fit(
         recovery.garment, recovery.graded, recovery.detail, recovery.simulation, vertices, faces, contours,
-        recovery.body, seed, samples,
+        recovery.body, seed, samples, recovery.redraped,
     )  # fmt: skip
     if pack.truth_body is not None:
         found |= _measure_body(recovery, pack)

@@ -85,8 +85,12 @@ def test_every_file_is_written_and_listed(tube_recovery, tmp_path: Path) -> None
 def test_a_simulation_mesh_is_written_where_there_is_one(tube_recovery, tmp_path: Path) -> None:
     """Fails if the simulation mesh were forgotten, or the detail mesh written in its place."""
     recovery = tube_recovery()
-    names = [path.name for path in write_recovery(tube_recovery(simulation=recovery.graded + 0.5), tmp_path)]
-    assert names == [*FILES[:4], "simulation.ply", *FILES[4:]]
+    fitted = tube_recovery(simulation=recovery.graded + 0.5, redraped=recovery.graded - 0.5)
+    names = [path.name for path in write_recovery(fitted, tmp_path)]
+    assert names == [*FILES[:4], "simulation.ply", "redrape.ply", *FILES[4:]]
+    meshes = [trimesh.load(tmp_path / f"{name}.ply", process=False) for name in ("simulation", "redrape", "detail")]
+    assert all(np.array_equal(mesh.faces, meshes[2].faces) for mesh in meshes)
+    assert np.array_equal(meshes[1].vertices, recovery.graded - 0.5)
     assert np.array_equal(trimesh.load(tmp_path / "simulation.ply", process=False).vertices, recovery.graded + 0.5)
 
 
