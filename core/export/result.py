@@ -25,8 +25,9 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
         folder: Where to; made where it is not there, files of the same names are replaced.
 
     Returns:
-        The files: graded.ply, detail.ply, detail.obj, detail.glb, simulation.ply and redrape.ply (if the method makes them),
-        body.ply, body_joints.json, pattern.json, pattern.svg, fit.json (likewise), metrics.json, manifest.json, report.html.
+        The files: graded.ply, detail.ply, detail.obj, detail.glb, simulation.ply and redrape.ply (if the method makes
+        them), body.ply, body_joints.json, pattern.json, pattern.svg, fit.json (likewise), metrics.json, manifest.json,
+        report.html.
     """
     folder.mkdir(parents=True, exist_ok=True)
     garment = recovery.garment

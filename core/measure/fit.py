@@ -41,7 +41,7 @@ def measure_fit(
     samples: int = SURFACE_SAMPLES,
     redraped: np.ndarray | None = None,
 ) -> dict[str, float | None]:
-    """Measure the detail mesh, simulation mesh (prefix `sim.`), re-draped mesh (`redrape.`) and graded drape (`graded.`).
+    """Measure the detail mesh, and with a prefix: simulation mesh `sim.`, re-draped `redrape.`, graded drape `graded.`.
 
     Args:
         garment: The recovered pattern, meshed and sewn; gives faces, rest triangles and contours.
