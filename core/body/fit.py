@@ -75,7 +75,7 @@ class Stage:
     """Say how one stage of the fit goes.
 
     Attributes:
-        steps: Gauss-Newton steps.
+        steps: Gauss-Newton steps at most.
         scale: Distance [m] beyond which a pair of points counts little, and the noise that the priors are weighed by.
         normal_length: Length [m] that a unit of difference in normals counts as in the search for pairs.
         plane: Measure pairs along the normal; else in all three axes, which pulls from further away.
@@ -99,6 +99,11 @@ CLOTH_REACH = 3.0
 is never what the wearer looks like."""
 
 
+CALM = 0.02
+"""A stage ends early where a step moves the points by less than this share of its scale (RMS): what is left of its way
+is then a fraction of what the next, nearer stage corrects, or in the last one 0.2 mm."""
+
+
 class Fitter:
     """Fit a template, seen at a subset of its vertices, to a surface."""
 
@@ -116,8 +121,13 @@ class Fitter:
         """Improve a state by one stage."""
         s = self.surface
         tree = cKDTree(np.hstack([s.points, stage.normal_length * s.normals]))
+        last = None
         for _ in range(stage.steps):
-            state = self._step(state, stage, tree)
+            placed = self._place(state)
+            if last is not None and np.sqrt(((placed[0] - last) ** 2).sum(axis=1).mean()) < CALM * stage.scale:
+                break
+            last = placed[0]
+            state = self._step(state, stage, tree, placed)
         return state
 
     def residual(self, state: State, scale: float, normal_length: float) -> float:
@@ -130,46 +140,61 @@ class Fitter:
         return float(np.minimum(there, scale).mean() + np.minimum(back, scale).mean()) / 2
 
     def _place(self, state: State) -> tuple[np.ndarray, ...]:
-        """Give points [m, 3], normals [m, 3], copies per joint [m, 24, 3], world rotations, joints, rest joints."""
+        """Give points [m, 3], normals [m, 3], weighted copies per joint [m, 24, 3], world rotations and joints."""
         k = len(state.shape)
         rest = self.vertices + self.directions[:, :, :k] @ state.shape
         joints = self.template.joints + np.tensordot(state.shape, self.template.joint_directions[:k], axes=1)
         world, posed = articulate(state.rotations, joints, state.translation)
         shift = posed - np.einsum("jab,jb->ja", world, joints)
-        moved = np.einsum("jab,mb->mja", world, rest, optimize=True) + shift
-        points = np.einsum("mj,mja->ma", self.weights, moved)
-        normals = np.einsum("mab,mb->ma", np.tensordot(self.weights, world, axes=1), self.normals)
+        moved = (rest @ world.reshape(72, 3).T + shift.ravel()).reshape(-1, 24, 3) * self.weights[:, :, None]
+        normals = np.einsum("mab,mb->ma", (self.weights @ world.reshape(24, 9)).reshape(-1, 3, 3), self.normals)
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-        return points, normals, moved, world, posed, joints
+        return moved.sum(axis=1), normals, moved, world, posed
 
-    def _step(self, state: State, stage: Stage, tree: cKDTree) -> State:
-        points, normals, moved, world, posed, _ = self._place(state)
+    def _step(self, state: State, stage: Stage, tree: cKDTree, placed: tuple[np.ndarray, ...]) -> State:
+        """Take one Gauss-Newton step.
+
+        Pairs are gathered at our points: with J_i the derivative of point i, its pairs add J_i^T M_i J_i to the normal
+        equations and J_i^T h_i to the gradient, M_i = sum of w n n^T (or of w, in all three axes), h_i = M_i offset.
+        """
+        points, normals, moved, world, posed = placed
         row, chosen = self._pairs(points, normals, stage, tree)
         direction = self.surface.normals[chosen]
         offset = points[row] - self.surface.points[chosen]
-        robust = self._trust(offset, direction, chosen, stage)
-        blocks, rhs = [], []
-        pose_block, shape_block = self._derivatives(state, stage.shape_count, moved, world, posed)
-        axes = [direction] if stage.plane else [np.tile(e, (len(row), 1)) for e in np.eye(3)]
-        for n in axes:
-            value = np.einsum("ra,ra->r", n, offset)
-            blocks.append(
-                np.hstack(
-                    [
-                        np.einsum("ra,rap->rp", n, pose_block[row], optimize=True),
-                        n,
-                        np.einsum("ra,rak->rk", n, shape_block[row], optimize=True),
-                    ]
-                )
-            )
-            rhs.append(value)
-        jacobian, value = np.vstack(blocks), np.concatenate(rhs)
-        weight = np.tile(robust, len(axes)) * (EVIDENCE / len(row) / stage.scale**2)
-        normal = (jacobian * weight[:, None]).T @ jacobian
-        gradient = jacobian.T @ (weight * value)
+        weight = self._trust(offset, direction, chosen, stage) * (EVIDENCE / len(row) / stage.scale**2)
+        slopes = np.concatenate(
+            [
+                self._turn_slopes(moved, world, posed),
+                np.broadcast_to(np.eye(3)[:, None, :], (3, len(points), 3)),
+                self._shape_slopes(stage.shape_count, world),
+            ],
+            axis=2,
+        )
+        if stage.plane:
+            pull = (weight * np.einsum("ra,ra->r", direction, offset))[:, None] * direction
+            scaled = self._scale_rows(slopes, row, weight, direction)
+        else:
+            pull = weight[:, None] * offset
+            scaled = np.sqrt(np.bincount(row, weight, len(points)))[None, :, None] * slopes
+        pulls = np.stack([np.bincount(row, pull[:, a], len(points)) for a in range(3)])
+        gradient = slopes.reshape(-1, slopes.shape[2]).T @ pulls.ravel()
+        scaled = scaled.reshape(-1, slopes.shape[2])
+        normal = scaled.T @ scaled
         self._add_priors(state, stage.shape_count, normal, gradient)
         step = cho_solve(cho_factor(normal + 1e-9 * np.trace(normal) / len(normal) * np.eye(len(normal))), -gradient)
         return _advance(state, step, stage.shape_count)
+
+    def _scale_rows(self, slopes: np.ndarray, row: np.ndarray, weight: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """Give L_i^T J_i, where L_i L_i^T is the sum of w n n^T over the pairs of point i; shape as `slopes`."""
+        count = slopes.shape[1]
+        sums = np.zeros((count, 3, 3))
+        for a in range(3):
+            for b in range(a + 1):
+                sums[:, a, b] = sums[:, b, a] = np.bincount(row, weight * direction[:, a] * direction[:, b], count)
+        # One pair alone has rank 1; a millionth of the weight makes Cholesky's factor exist and moves nothing.
+        ease = 1e-6 * np.trace(sums, axis1=1, axis2=2) + 1e-300
+        lower = np.linalg.cholesky(sums + ease[:, None, None] * np.eye(3))
+        return np.asarray(np.einsum("mab,amp->bmp", lower, slopes, optimize=True))
 
     def _pairs(
         self, points: np.ndarray, normals: np.ndarray, stage: Stage, tree: cKDTree
@@ -196,48 +221,49 @@ class Fitter:
         weight = np.where(cloth & ~outside, stage.cloth_pull, 1.0)
         return np.asarray(weight * (scale2 / (scale2 + length2)) ** 2)
 
-    def _derivatives(
-        self, state: State, shape_count: int, moved: np.ndarray, world: np.ndarray, posed: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Give the derivatives of our points by rotations in the parents' frames [m, 3, 72] and by shape [m, 3, k].
+    def _turn_slopes(self, moved: np.ndarray, world: np.ndarray, posed: np.ndarray) -> np.ndarray:
+        """Give the derivatives of our points by rotations in the parents' frames, shape [3, m, 72].
 
         A small turn w about joint j moves the part of a point that hangs below it: dx = w x (S - C p_j), with S the
-        weighted sum of its moved copies below j and C the sum of those weights.
+        sum of its weighted copies below j and C the sum of those weights.
         """
-        parts = np.matmul(_BELOW, self.weights[:, :, None] * moved)
-        share = self.weights @ _BELOW.T
-        arms = parts - share[:, :, None] * posed
+        arms = np.matmul(_BELOW, moved) - (self.weights @ _BELOW.T)[:, :, None] * posed
         frames = np.stack([np.eye(3) if p < 0 else world[p] for p in PARENTS])
-        turn = -np.einsum("mjab,jbc->majc", cross_matrices(arms), frames, optimize=True)
-        t = self.template
-        joint_slopes = t.joint_directions[:shape_count].transpose(1, 2, 0)
+        slopes = np.zeros((3, len(moved), 24, 3))
+        for a, b, c in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+            slopes[a] = frames[:, b] * arms[:, :, c, None] - frames[:, c] * arms[:, :, b, None]
+        return slopes.reshape(3, len(moved), 72)
+
+    def _shape_slopes(self, count: int, world: np.ndarray) -> np.ndarray:
+        """Give the derivatives of our points by the first shape coefficients, shape [3, m, count]."""
+        joint_slopes = self.template.joint_directions[:count].transpose(1, 2, 0)
         posed_slopes = np.zeros_like(joint_slopes)
         for j, p in enumerate(PARENTS):
             posed_slopes[j] = (
                 joint_slopes[j] if p < 0 else posed_slopes[p] + world[p] @ (joint_slopes[j] - joint_slopes[p])
             )
         shift = posed_slopes - world @ joint_slopes
-        blended = np.tensordot(self.weights, world, axes=1)
-        shape = blended @ self.directions[:, :, :shape_count] + np.tensordot(self.weights, shift, axes=1)
-        return turn.reshape(len(moved), 3, 72), shape
+        blended = (self.weights @ world.reshape(24, 9)).reshape(-1, 3, 3)
+        carried = (self.weights @ shift.reshape(24, -1)).reshape(-1, 3, count)
+        return np.asarray((blended @ self.directions[:, :, :count] + carried).transpose(1, 0, 2))
 
     def _add_priors(self, state: State, shape_count: int, normal: np.ndarray, gradient: np.ndarray) -> None:
         """Add the Gaussian priors of pose and shape and the hinges' one-sided limits to the normal equations."""
         angles = vectors_of(state.rotations)
-        for j in range(1, 24):
-            block = slice(3 * j, 3 * j + 3)
-            precision = np.diag(1 / SPREADS[j] ** 2)
-            value = precision @ angles[j]
-            for name, axis, sign in HINGES:
-                over = -sign * angles[j, axis] - HINGE_SLACK
-                if JOINTS[j] == name and over > 0:
-                    precision[axis, axis] += 1 / HINGE_SLACK**2
-                    value[axis] -= sign * over / HINGE_SLACK**2
-            slope = _left_jacobian_inverse(angles[j])
-            normal[block, block] += slope.T @ precision @ slope
-            gradient[block] += slope.T @ value
-        tail = slice(75, 75 + shape_count)
-        normal[tail, tail] += np.eye(shape_count)
+        precision = 1.0 / SPREADS**2  # none for the root, whose spread is infinite
+        value = precision * angles
+        for name, axis, sign in HINGES:
+            j = JOINTS.index(name)
+            over = -sign * angles[j, axis] - HINGE_SLACK
+            if over > 0:
+                precision[j, axis] += 1 / HINGE_SLACK**2
+                value[j, axis] -= sign * over / HINGE_SLACK**2
+        slope = _left_jacobian_inverse(angles)
+        place = np.arange(72).reshape(24, 3)
+        normal[place[:, :, None], place[:, None, :]] += np.einsum("jab,ja,jac->jbc", slope, precision, slope)
+        gradient[:72] += np.einsum("jab,ja->jb", slope, value).ravel()
+        tail = np.arange(75, 75 + shape_count)
+        normal[tail, tail] += 1.0
         gradient[tail] += np.pad(state.shape, (0, max(shape_count - len(state.shape), 0)))[:shape_count]
 
 
@@ -259,13 +285,12 @@ def vectors_of(rotations: np.ndarray) -> np.ndarray:
     return Rotation.from_matrix(rotations).as_rotvec()
 
 
-def _left_jacobian_inverse(vector: np.ndarray) -> np.ndarray:
-    """Give d log(exp(w) R) / dw at w = 0, shape [3, 3], for log R = vector."""
-    angle = float(np.linalg.norm(vector))
-    k = cross_matrices(vector)
-    if angle < 1e-4:
-        return np.eye(3) - 0.5 * k
-    return np.eye(3) - 0.5 * k + (1 / angle**2) * (1 - 0.5 * angle / np.tan(0.5 * angle)) * (k @ k)
+def _left_jacobian_inverse(vectors: np.ndarray) -> np.ndarray:
+    """Give d log(exp(w) R) / dw at w = 0, shape [n, 3, 3], for log R = vectors, shape [n, 3]."""
+    angle = np.maximum(np.linalg.norm(vectors, axis=1), 1e-4)  # below it the quadratic term is lost in rounding
+    k = cross_matrices(vectors)
+    factor = (1 - 0.5 * angle / np.tan(0.5 * angle)) / angle**2
+    return np.asarray(np.eye(3) - 0.5 * k + factor[:, None, None] * (k @ k))
 
 
 def vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
