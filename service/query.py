@@ -58,6 +58,9 @@ CONDITION = re.compile(
 )
 """One comparison: NAME OPERATOR VALUE."""
 
+UNKEPT = re.compile("[\x00-\x1f\x7f\ud800-\udfff]")
+"""Control characters and lone surrogates: in no name that is kept, and PostgreSQL takes no NUL even in a question."""
+
 AND = re.compile(r"and\s", re.ASCII | re.IGNORECASE)
 
 MANY = 2_000
@@ -183,6 +186,8 @@ def _meets(session: Session, condition: Condition) -> ColumnElement[bool]:
     compare, name = OPERATORS[condition.operator], condition.name
     field = TEXTS.get(name, NUMBERS.get(name))
     if field is not None:
+        if isinstance(condition.value, str) and UNKEPT.search(condition.value):
+            raise QueryBad(f"the value of '{name}' holds a character that no text has; leave it out.")
         return cast(ColumnElement[bool], compare(_as_text(name, field), condition.value))
     _check_metric(session, name)
     metric = aliased(MetricRow)
@@ -204,7 +209,8 @@ def _check_metric(session: Session, name: str) -> None:
     Raises:
         QueryBad: where it is unknown.
     """
-    if not session.execute(select(exists().where(MetricRow.name == name))).scalar():
+    is_text = not UNKEPT.search(name)
+    if not (is_text and session.execute(select(exists().where(MetricRow.name == name))).scalar()):
         known = session.scalars(select(MetricRow.name).distinct()).all()  # slow with many results, so only to tell
         if known or not CONDITION.match(f"{name} = 0"):
             raise QueryBad(f"there is no '{name[:60]}'; there are {', '.join(sorted([*TEXTS, *NUMBERS, *known]))}.")

@@ -11,10 +11,11 @@ from .access import Reader, RoomsOf
 from .answers import Jobs
 from .jobs import EXAMPLE, show_job
 from .problems import show_answer
+from .schemas import Text
 
 router = APIRouter(tags=["results"])
 
-Words = Annotated[str | None, Query(max_length=255)]
+Words = Annotated[Text | None, Query(max_length=255)]
 
 
 @router.get("/query", summary="Find jobs by what they found.", responses=show_answer({"jobs": [EXAMPLE]}, model=Jobs))
