@@ -32,6 +32,12 @@ from .submission import BUILTIN, BodyUnreadable, Order, Submitted
 SECONDS = httpx.Timeout(150.0, connect=5.0)
 """The service answers within 120 s or says that it cannot; a connection takes milliseconds."""
 
+PATIENT = ("key.too_many_requests", "key.uploads_open")
+"""Refusals that pass by themselves within seconds: the client waits as long as it is told, and asks again."""
+
+PATIENCE_SECONDS = 60.0
+"""How long it waits in all for one request [s]."""
+
 TRIES = 3
 """Times that a question is asked again where the connection breaks; every one of them is safe to repeat."""
 
@@ -148,10 +154,8 @@ class Client:
         with suppress(NotFound):
             if self._ask("GET", f"/v1/{kind}/{digest}")["name"].endswith(path.suffix):
                 return digest
-        with path.open("rb") as stream:
-            sent = iter(lambda: stream.read(BLOCK), b"")
-            headers = {"x-content-sha256": digest, "content-length": str(path.stat().st_size)}
-            found = self._ask("POST", f"/v1/{kind}", tries=1, params={"name": path.name}, content=sent, headers=headers)
+        headers = {"x-content-sha256": digest, "content-length": str(path.stat().st_size)}
+        found = self._ask("POST", f"/v1/{kind}", tries=1, params={"name": path.name}, content=path, headers=headers)
         return str(found["sha256"])
 
     def find_job(self, job: str) -> Job:
@@ -273,20 +277,36 @@ class Client:
             raise ServiceUnreachable(f"what answers at {self._http.base_url} is no garmentq service.") from None
 
     def _send(self, method: str, url: str, tries: int = TRIES, **options: Any) -> httpx.Response:
+        """Ask, and wait where the service says that the key asks too often."""
+        deadline = time.monotonic() + PATIENCE_SECONDS
+        while True:
+            answer = self._send_now(method, url, tries, **options)
+            if answer.status_code < 400:
+                return answer
+            error, pause = _make_error(answer), _pause_of(answer)
+            if error.code not in PATIENT or time.monotonic() + pause > deadline:
+                raise error
+            time.sleep(pause)
+
+    def _send_now(
+        self, method: str, url: str, tries: int, content: bytes | Path | None = None, **options: Any
+    ) -> httpx.Response:
+        """Ask at once; a file is streamed, and a broken connection is tried again `tries` times in all."""
         with self._reach():
-            for left in reversed(range(tries)):
+            while True:
                 try:
-                    answer = self._http.request(method, url, **options)
-                    break
+                    if not isinstance(content, Path):
+                        return self._http.request(method, url, content=content, **options)
+                    with content.open("rb") as stream:
+                        blocks = iter(lambda: stream.read(BLOCK), b"")
+                        return self._http.request(method, url, content=blocks, **options)
                 except httpx.ConnectError:
                     raise
                 except httpx.TransportError:
-                    if not left:
+                    tries -= 1
+                    if tries <= 0:
                         raise
                     time.sleep(0.2)
-        if answer.status_code >= 400:
-            raise _make_error(answer)
-        return answer
 
     @contextmanager
     def _reach(self) -> Iterator[None]:
@@ -297,6 +317,12 @@ class Client:
                 f"the service at {self._http.base_url} does not answer ({type(error).__name__}); "
                 "check GARMENTQ_URL, or start it by `garmentq serve`."
             ) from error
+
+
+def _pause_of(answer: httpx.Response) -> float:
+    """Read how long to wait [s]; a second where the service does not tell."""
+    text = answer.headers.get("retry-after", "")
+    return float(text) if text.isascii() and text.isdigit() else 1.0
 
 
 def _make_error(answer: httpx.Response) -> GarmentqError:
