@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .friction import Friction
     from .hold import Hold, HoldBad
     from .newton import factor_blend
-    from .parameters import Parameters, map_rest, stretch_edge
+    from .parameters import Parameters, list_gathers, map_rest, stretch_edge
     from .penetration import push_out
     from .sensitivity import FABRIC, Sensitivity, fabric_forces, pull_forces, push_forces
     from .solver import Solver, SuperLU, make_solver
@@ -50,6 +50,7 @@ _LAZY = {
     "equilibrium": "statics",
     "fabric_forces": "sensitivity",
     "factor_blend": "newton",
+    "list_gathers": "parameters",
     "make_solver": "solver",
     "map_rest": "parameters",
     "pull_forces": "sensitivity",
@@ -94,6 +95,7 @@ __all__ = [
     "fabric_forces",
     "factor_blend",
     "get_fabric",
+    "list_gathers",
     "load_fabrics",
     "make_solver",
     "map_rest",

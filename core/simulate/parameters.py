@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_matrix, hstack
 
-from ..pattern import ControlMap, EdgeRef, Garment, Pattern, Symmetry
+from ..pattern import ControlMap, EdgeRef, Garment, Pattern, Symmetry, edge_length
 from .energy import Energy
 from .sensitivity import FABRIC, Sensitivity
 
@@ -30,11 +31,23 @@ class Parameters:
 
     @classmethod
     def of_garment(
-        cls, garment: Garment, control: ControlMap, symmetry: Symmetry | None = None, fabric: tuple[str, ...] = ()
+        cls,
+        garment: Garment,
+        control: ControlMap,
+        symmetry: Symmetry | None = None,
+        fabric: tuple[str, ...] = (),
+        gathers: Sequence[Sequence[EdgeRef]] = (),
     ) -> Parameters:
-        """Take all control points, or the effective ones of a symmetry, as x0, y0, x1, y1, ... [m]."""
-        shape = map_rest(garment) @ control.matrix
-        return cls(csr_matrix(shape if symmetry is None else shape @ symmetry.matrix), fabric)
+        """Take all control points, or the effective ones of a symmetry, as x0, y0, x1, y1, ... [m]; then gathers.
+
+        Each gather is a ratio, by its logarithm: the edges that it lengthens, mirror images together (`list_gathers`).
+        """
+        points = map_rest(garment) @ control.matrix
+        shape = [points if symmetry is None else points @ symmetry.matrix]
+        for edges in gathers:
+            motion = sum(stretch_edge(garment.pattern, edge) for edge in edges)
+            shape.append(csr_matrix((points @ np.ravel(motion))[:, None]))
+        return cls(csr_matrix(hstack(shape)), fabric)
 
     @property
     def count(self) -> int:
@@ -81,6 +94,38 @@ def map_rest(garment: Garment) -> csr_matrix:
     columns = np.broadcast_to(2 * garment.uv_faces[:, :, None, None] + np.arange(2), values.shape)
     size = (6 * len(angles), 2 * len(garment.uv))
     return csr_matrix((values.ravel(), (rows.ravel(), columns.ravel())), shape=size)
+
+
+def list_gathers(pattern: Pattern, symmetry: Symmetry) -> tuple[tuple[EdgeRef, ...], ...]:
+    """Give the gathered seams' longer edges, mirror images together: each group has one free ratio.
+
+    The longer edge of a gathered seam is the one whose cloth is gathered; the other keeps its length.
+    """
+    leader: dict[EdgeRef, EdgeRef] = {}
+    for seam in pattern.seams:
+        if seam.gathered:
+            a, b = (edge_length(pattern.panel(ref.panel), ref.edge) for ref in (seam.a, seam.b))
+            edge = seam.a if a >= b else seam.b
+            leader[edge] = edge
+    for edge in leader:
+        for image in _mirror_images(pattern, symmetry, edge):
+            if image in leader:
+                leader = {other: leader[edge] if first == leader[image] else first for other, first in leader.items()}
+    firsts = dict.fromkeys(leader.values())
+    return tuple(tuple(edge for edge in leader if leader[edge] == first) for first in firsts)
+
+
+def _mirror_images(pattern: Pattern, symmetry: Symmetry, edge: EdgeRef) -> list[EdgeRef]:
+    """Give the images of an edge under the mirrors that start from its panel."""
+    found = []
+    for mirror in symmetry.mirrors:
+        count = len(mirror.order)
+        if pattern.panels[mirror.source].name == edge.panel:
+            # An image runs the other way round: it begins with the image of the edge's end.
+            end = (edge.edge + 1) % count
+            first = int(np.flatnonzero(mirror.order == end)[0])
+            found.append(EdgeRef(pattern.panels[mirror.target].name, first))
+    return found
 
 
 def stretch_edge(pattern: Pattern, edge: EdgeRef) -> np.ndarray:

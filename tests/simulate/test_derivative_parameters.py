@@ -26,6 +26,7 @@ from garmentq.core.simulate import (
     Parameters,
     Topology,
     Unrolled,
+    list_gathers,
     map_rest,
     pull_forces,
     stretch_edge,
@@ -111,6 +112,48 @@ def test_stretched_edge_lengthens_by_its_ratio(garment, panel, edge):
         lengths.append(edge_length(moved, edge))
     mean = 0.5 * sum(lengths)
     assert (lengths[0] - lengths[1]) / 2e-6 == pytest.approx(mean, rel=1e-6)
+
+
+def draw_ruffles() -> Pattern:
+    """A bib with a ruffle gathered to each side of it, mirror images, and one below."""
+    line, bib = Edge(), np.array([[-0.1, 0.0], [0.1, 0.0], [0.1, 0.2], [-0.1, 0.2]])
+    side = np.array([[0.1, -0.02], [0.16, -0.02], [0.15, 0.24], [0.1, 0.24]])
+    left = (side * [-1.0, 1.0])[[1, 0, 3, 2]]
+    below = np.array([[-0.13, -0.1], [0.13, -0.1], [0.13, 0.0], [-0.13, 0.0]])
+    panels = tuple(Panel(n, p, (line,) * 4) for n, p in (("bib", bib), ("r", side), ("l", left), ("hem", below)))
+    seams = [(("bib", 1), ("r", 3)), (("l", 1), ("bib", 3)), (("bib", 0), ("hem", 2))]
+    return Pattern("bib", panels, tuple(Seam(EdgeRef(*a), EdgeRef(*b), gathered=True) for a, b in seams))
+
+
+def test_mirror_images_share_their_gather_ratio():
+    """A ruffle that may differ from its mirror image, or the shorter edge taken for the gathered one, breaks this."""
+    pattern = draw_ruffles()
+    gathers = list_gathers(pattern, find_symmetry(pattern))
+    assert gathers == ((EdgeRef("r", 3), EdgeRef("l", 1)), (EdgeRef("hem", 2),))
+
+
+@pytest.mark.parametrize("index", [0, 1])
+def test_gather_ratios_are_parameters(cloth, index):
+    """A column that is not the logarithm of the ratio breaks this: forces and lengths by differences."""
+    pattern = draw_ruffles()
+    garment = mesh_pattern(pattern, edge_length=0.03)
+    gathers = list_gathers(pattern, find_symmetry(pattern))
+    parameters = Parameters.of_garment(garment, map_controls(garment), gathers=gathers)
+    assert parameters.count == 2 * len(pattern.points) + 2
+    rng = np.random.default_rng(1)
+    nodes = garment.nodes + rng.normal(0, 2e-3, garment.nodes.shape)
+    energy, weights = Energy(Topology.from_garment(garment), cloth), rng.normal(size=garment.nodes.shape)
+    rest, _ = pull_forces(energy, nodes, weights)
+    way = np.zeros(parameters.count)
+    way[-2 + index] = 1e-6
+    ends = [parameters.move(energy, s * way) for s in (1, -1)]
+    change = sum(s * float((weights * end.gradient(nodes)[1]).sum()) for s, end in zip((1, -1), ends, strict=True))
+    assert float((parameters.shape.T @ rest.ravel())[-2 + index]) == pytest.approx(change / 2e-6, rel=1e-6)
+    on_edge = garment.edge_uv[gathers[index][0]]
+    corner = int(np.flatnonzero(garment.uv_faces.ravel() == on_edge[0])[0])
+    other = int(np.flatnonzero(garment.uv_faces.ravel() == on_edge[-1])[0])
+    lengths = [np.linalg.norm(np.subtract(*end.topology.rest.reshape(-1, 2)[[corner, other]])) for end in ends]
+    assert np.log(lengths[0] / lengths[1]) / 2e-6 == pytest.approx(1.0, rel=1e-6)
 
 
 @pytest.mark.parametrize("derivative", [Implicit(tolerance=0.0), Unrolled(steps=3, tolerance=0.0)])

@@ -1,0 +1,128 @@
+"""Hold the simulator's derivatives against central differences, one figure for each kind of parameter.
+
+Run with one thread: OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 python benchmarks/derivative_kinds.py
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+
+import numpy as np
+from garmentq.core.body import DistanceGrid
+from garmentq.core.pattern import Edge, EdgeRef, Panel, Pattern, Seam, find_symmetry, map_controls, mesh_pattern
+from garmentq.core.simulate import (
+    FABRIC,
+    Derivative,
+    Energy,
+    Implicit,
+    NotAtRest,
+    Parameters,
+    SimulateSettings,
+    Topology,
+    Unrolled,
+    equilibrium,
+    get_fabric,
+    list_gathers,
+    make_solver,
+    settle,
+    with_friction_frozen,
+)
+
+SIZES = {"1K": 1000, "3K": 3000, "8K": 8000}
+"""Vertices of the mesh."""
+
+STEPS = (1e-6, 1e-7)
+"""Steps of the control points [m] that are tried, of logarithms a hundred times as much. The quotient errs with
+the square of the step, down to round-off, so the smaller difference counts."""
+
+
+def draw_pattern() -> Pattern:
+    """Draw a yoke and a ruffle that is gathered to it by a tenth, with a curved hem: 60 cm wide, 60 cm long."""
+    line, hem = Edge(), Edge("quadratic", np.array([[0.5, -0.08]]))
+    yoke = np.array([[-0.3, 0.0], [0.3, 0.0], [0.3, 0.28], [-0.3, 0.28]])
+    ruffle = np.array([[-0.33, -0.3], [0.33, -0.3], [0.33, 0.0], [-0.33, 0.0]])
+    panels = (Panel("yoke", yoke, (line,) * 4), Panel("ruffle", ruffle, (hem, line, line, line)))
+    return Pattern("apron", panels, (Seam(EdgeRef("yoke", 0), EdgeRef("ruffle", 2), gathered=True),))
+
+
+def drape(count: int) -> tuple[Energy, np.ndarray, Parameters, dict[str, slice]]:
+    """Lay the apron off-centre over a ball of 15 cm, bring it to rest, and name its parameters by kind."""
+    garment = mesh_pattern(draw_pattern(), count)
+    cells = np.arange(-0.45, 0.455, 0.01)
+    points = np.stack(np.meshgrid(cells, cells, cells, indexing="ij"), axis=-1)
+    grid = DistanceGrid.from_values(np.full(3, -0.45), 0.01, np.linalg.norm(points, axis=-1) - 0.15)
+    topology, fabric = Topology.from_garment(garment), get_fabric("cotton_poplin")
+    # A flat sheet that is pressed in its plane does not know which way to fold: half a millimetre tells it.
+    height = 0.153 + 5e-4 * np.random.default_rng(0).random(len(garment.nodes))
+    nodes = np.column_stack([garment.nodes[:, 0] + 0.02, height, 0.01 - garment.nodes[:, 1]])
+    moving = settle(topology, fabric, nodes, grid=grid, steps=25)
+    settings = SimulateSettings(max_iterations=400)
+    rest = equilibrium(topology, fabric, moving.nodes, grid=grid, anchors=moving.anchors, settings=settings)
+    energy = with_friction_frozen(Energy(topology, fabric, grid), rest.nodes, rest.anchors)
+    gathers = list_gathers(garment.pattern, find_symmetry(garment.pattern))
+    parameters = Parameters.of_garment(garment, map_controls(garment), fabric=FABRIC, gathers=gathers)
+    points_end = 2 * len(garment.pattern.points)
+    first = points_end + len(gathers)
+    kinds = {"control points": slice(0, points_end), "gather ratios": slice(points_end, first)}
+    return (
+        energy,
+        rest.nodes,
+        parameters,
+        kinds | {name: slice(first + n, first + n + 1) for n, name in enumerate(FABRIC)},
+    )
+
+
+def differ(
+    energy: Energy, start: np.ndarray, parameters: Parameters, derivative: Derivative, up: np.ndarray, step: float
+) -> np.ndarray:
+    """Give the central differences of up . x by every parameter; nan where a drape does not come to rest."""
+    solver, shape = make_solver(energy.topology), 2 * 8
+    found = np.full(parameters.count, np.nan)
+    for n in range(parameters.count):
+        way = np.zeros(parameters.count)
+        way[n] = step if n < shape else 100.0 * step
+        try:
+            ends = [derivative.solve(parameters.move(energy, s * way), start, solver).nodes for s in (1, -1)]
+        except NotAtRest:
+            continue
+        found[n] = float((up * (ends[0] - ends[1])).sum()) / (2 * way[n])
+    return found
+
+
+def errors(found: np.ndarray, quotients: list[np.ndarray], kinds: dict[str, slice]) -> dict[str, float]:
+    """Give for each kind the largest relative error of a parameter, against the nearest of the quotients."""
+    off = np.nanmin([np.abs(found - quotient) / np.abs(quotient) for quotient in quotients], axis=0)
+    return {kind: float(off[part].max()) for kind, part in kinds.items()}
+
+
+def measure(count: int, derivative: Derivative, steps: tuple[float, ...]) -> dict[str, float]:
+    """Measure one size."""
+    energy, start, parameters, kinds = drape(count)
+    solver = make_solver(energy.topology)
+    if isinstance(derivative, Implicit):
+        start = derivative.solve(energy, start, solver).nodes
+    at = derivative.solve(energy, start, solver)
+    up = np.sin(9 * at.nodes[:, [1, 2, 0]] + [0.3, 0.5, 0.7])
+    found = parameters.pull(energy, at.pull(up))
+    touching = float((energy.touch(at.nodes)[0] > 0).sum())
+    return errors(found, [differ(energy, start, parameters, derivative, up, s) for s in steps], kinds) | {
+        "touching": touching
+    }
+
+
+def main(names: list[str]) -> None:
+    """Print a row for each size and way."""
+    for name in names:
+        ways: dict[str, tuple[Derivative, tuple[float, ...]]] = {"Implicit": (Implicit(tolerance=0.0), STEPS)}
+        if name == "1K":
+            ways["Unrolled"] = (Unrolled(steps=6, tolerance=0.0), STEPS)
+        for way, (derivative, steps) in ways.items():
+            begun = time.process_time()
+            row = measure(SIZES[name], derivative, steps)
+            print(name, way, {key: float(f"{value:.2g}") for key, value in row.items()}, flush=True)
+            print(f"  {time.process_time() - begun:.0f} s of CPU", flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:] or list(SIZES))
