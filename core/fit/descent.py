@@ -30,7 +30,7 @@ class InverseSettings:
     """Set the thesis' inverse fit.
 
     Attributes:
-        vertices: Vertices of the mesh that the loop runs on; with 1000 one iteration takes 0.2 to 0.4 s.
+        vertices: Vertices of the mesh that the loop runs on; with 1000 one iteration takes 0.1 to 0.3 s.
         iterations: Steps of Adam over the control points at most.
         fabric_iterations: Steps over control points and fabric, after the first ones have come to a plateau; 0 leaves
             the fabric as it is given.
@@ -38,8 +38,8 @@ class InverseSettings:
         fabric_rate: Adam's step of a stiffness' logarithm; 5 % a step, so that a factor of 10 takes 46.
         curvature: How much strongly curved places of the target count more (eq. 3.9); 0 is the plain distance (3.8).
         contour: Weight of the open contours, lambda_open of eq. 3.7.
-        seam: Weight of unequal seams, lambda_seam of eq. 3.6; 0 leaves seams as unequal as they get. At 10 a millimetre
-            in ten seams costs as much as 3 mm of distance; the thesis' 0.01 does not hold centimetres in check.
+        seam: Weight of unequal seams, lambda_seam of eq. 3.6; 0 leaves seams as unequal as they get. At 1 a millimetre
+            in ten seams of ten edges costs as much as 1 mm of distance; the thesis' 0.01 does not hold centimetres.
         panel: Weight of fold-over and of corners that should stay: a centimetre of swing counts as 3 mm of distance.
         material: Weight of a fabric outside the library's range [m2]: a factor of e costs as much as 10 mm of distance.
         plateau: Gain, as a share of the loss, that has to be made within `patience` steps.
@@ -56,7 +56,7 @@ class InverseSettings:
     fabric_rate: float = 0.05
     curvature: float = 1.0
     contour: float = 0.1
-    seam: float = 10.0
+    seam: float = 1.0
     panel: float = 0.1
     material: float = 1e-4
     plateau: float = 0.01
