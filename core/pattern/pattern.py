@@ -92,6 +92,7 @@ class Pattern:
         seams: The seams.
         category: One of `segment.CATEGORIES`, or an empty text where nobody said.
         extra: What a file held beyond this (parameters, properties), kept for export.
+        symmetric: False where left and right are to be free of each other: `find_symmetry` then finds nothing.
     """
 
     name: str
@@ -99,6 +100,7 @@ class Pattern:
     seams: tuple[Seam, ...]
     category: str = ""
     extra: dict[str, Any] = field(default_factory=dict)
+    symmetric: bool = True
 
     def panel(self, name: str) -> Panel:
         """Give a panel by name.

@@ -88,7 +88,11 @@ def find_symmetry(pattern: Pattern) -> Symmetry:
     **Deviation** Algorithm 2 accepts any congruent pair. On a T-shirt that ties all four half sleeves together, and a
     skirt's back to its front, which grading then cannot tell apart. So where the file places the panels, a mirror image
     must also stand across the garment's middle plane; the placement also decides between several fitting shifts.
+
+    A pattern that is freed of its symmetry (`Pattern.symmetric`) has none: every control point is effective.
     """
+    if not pattern.symmetric:
+        return _assemble(pattern, [])
     middle = _middle(pattern)
     panels = pattern.panels
     mirrors: list[Mirror] = []

@@ -10,6 +10,7 @@ from garmentq.core.body import Body, DistanceGrid, builtin_body
 from garmentq.core.drape import DrapeSettings, Stand, drape_template, waist_loop
 from garmentq.core.errors import Cancelled
 from garmentq.core.fit import (
+    IsometrySettings,
     LockUnknown,
     RegisteredLoss,
     ShapeProblem,
@@ -25,8 +26,7 @@ from garmentq.core.fit import (
     nearest_fabrics,
     posterior,
 )
-from garmentq.core.fit.proportion import find_proportions
-from garmentq.core.grade import Surface
+from garmentq.core.grade import Surface, find_proportions
 from garmentq.core.hooks import Arrays, Hooks
 from garmentq.core.pattern import (
     Garment,
@@ -255,3 +255,47 @@ def test_locked_panels_stay(scene: Scene) -> None:
     np.testing.assert_allclose(free[held], 0.0, atol=1e-9)
     with pytest.raises(LockUnknown):
         find_held(scene.template, scene.template, ("panel:nowhere",))
+
+
+def test_locked_points_stay_exactly(scene: Scene) -> None:
+    """Breaks where a step or the seams move a locked point, or a panel that only lies elsewhere is bent."""
+    name = scene.template.panels[0].name
+    held = find_held(scene.template, scene.template, (f"point:{name}/1",))
+    assert 0 < held.sum() < len(held)
+    kept = keep_held(scene.true, scene.template, scene.template, held)
+    np.testing.assert_allclose(kept.points[1], scene.template.points[1], atol=1e-9)
+    assert seam_mismatch(kept) < 1e-6
+    own = slice(0, len(scene.template.panels[0].points))
+    moved = scene.template.points.copy()
+    moved[own] += [0.03, -0.02]
+    again = keep_held(scene.template.with_points(moved), scene.template, scene.template, held)
+    np.testing.assert_allclose(again.points[own], scene.template.points[own], atol=1e-9)
+    fit = fit_shape(replace(state(scene, ShapeSettings(iterations=1)), held=held))
+    np.testing.assert_allclose(fit.pattern.points[1], scene.template.points[1], atol=1e-9)
+    assert np.abs(fit.pattern.points - scene.template.points).max() > 1e-3
+    for wrong in (f"point:{name}/99", "point:nowhere/0", f"point:{name}/x"):
+        with pytest.raises(LockUnknown):
+            find_held(scene.template, scene.template, (wrong,))
+
+
+def test_left_and_right_may_be_freed(scene: Scene) -> None:
+    """Breaks where a freed pattern is still forced to be symmetric, or a symmetric one is not."""
+    front = scene.template.panels[0]
+    middle = float(front.points[:, 0].mean())
+    lopsided = scene.template.points.copy()
+    lopsided[lopsided[:, 0] > middle + 0.05] += [0.04, 0.0]
+    free = replace(scene.template, symmetric=False)
+    assert not find_symmetry(free).mirrors
+    np.testing.assert_allclose(find_symmetry(free).matrix.toarray(), np.eye(2 * len(free.points)))
+    asked = equalise_seams(free.with_points(lopsided), like=free)
+
+    def skew(pattern: Pattern) -> float:
+        points = pattern.panels[0].points
+        return abs(float(points[:, 0].max() + points[:, 0].min() - 2.0 * middle))
+
+    assert skew(scene.template) < 1e-6
+    assert skew(asked) > 0.03
+    settings = IsometrySettings(vertices=300, steps=3)
+    for like, limit in ((free, 1e-4), (scene.template, 0.0)):
+        found = fit_isometry(scene.worn, scene.registered, scene.target, scene.body, like, settings)
+        assert (skew(found.pattern) > limit) if like is free else (skew(found.pattern) < 1e-6)
