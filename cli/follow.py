@@ -6,16 +6,19 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from typing import Any
+from typing import Any, cast
 
 import click
 
 from ..core.recovery import STAGES
-from ..service.anywhere import ENDED, Place, find_job, read_events
+from ..service.anywhere import ENDED, Place, find_job, is_remote, look
 from ..service.models import EventRow, JobRow
 
 PERIOD_SECONDS = 0.2
 """How often the database is asked [s]; a person sees no difference below."""
+
+REMOTE_SECONDS = 0.5
+"""How often a service is asked [s]; progress is written twice a second."""
 
 
 SILENT_SECONDS = 5.0
@@ -49,19 +52,18 @@ def follow(
     seen, heard = 0, time.monotonic()
     with _choose_display(is_quiet) as display:
         while True:
-            row = find_job(database, job)
-            events = read_events(database, job, seen)
+            state, events = look(database, job, seen)
             for event in _latest_run(events) if not seen else events:
                 seen, heard = event.id, time.monotonic()
                 display.show(event)
-            if row.state in ENDED:
-                return row
+            if state in ENDED:
+                return cast(JobRow, find_job(database, job))
             if deadline is not None and time.monotonic() > deadline:
                 raise WaitTimedOut()
             if keep_up is not None and time.monotonic() - heard > SILENT_SECONDS:
                 keep_up()
                 heard = time.monotonic()
-            time.sleep(PERIOD_SECONDS)
+            time.sleep(REMOTE_SECONDS if is_remote() else PERIOD_SECONDS)
 
 
 def _latest_run(events: list[EventRow]) -> list[EventRow]:

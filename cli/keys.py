@@ -36,7 +36,7 @@ def create_command(name: str, scopes: tuple[str, ...], quota: int, home: Path | 
     Example:
       garmentq keys create atelier --quota 500
     """
-    from ..service.keys import create_key
+    from ..service.anywhere import create_key
     from .terminal import note, print_json
 
     row, token = create_key(_open(home), name, scopes, quota)
@@ -57,7 +57,7 @@ def list_command(home: Path | None, as_json: bool) -> None:
     Example:
       garmentq keys list
     """
-    from ..service.keys import list_keys
+    from ..service.anywhere import list_keys
     from .terminal import print_json, print_table, show_time
 
     rows = list_keys(_open(home))
@@ -82,7 +82,7 @@ def revoke_command(key: str, home: Path | None, as_json: bool) -> None:
     Example:
       garmentq keys revoke 5f1d0c9b7a3e
     """
-    from ..service.keys import revoke_key
+    from ..service.anywhere import revoke_key
     from .terminal import note, print_json
 
     row = revoke_key(_open(home), key)
@@ -93,7 +93,7 @@ def revoke_command(key: str, home: Path | None, as_json: bool) -> None:
 
 
 def _open(home: Path | None) -> Any:
-    from ..service.database import open_database
+    from ..service.anywhere import open_database
     from ..service.settings import read_settings
 
     return open_database(read_settings(home=home))

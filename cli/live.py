@@ -10,11 +10,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..service.anywhere import ENDED, Place, find_job, find_jobs_by_id, list_jobs
-from ..service.database import Database
+from ..service.anywhere import ENDED, Place, find_job, find_jobs_by_id, list_jobs, read_queue
 from ..service.models import JobRow
-from ..service.query import count_states
-from ..service.reaper import list_workers
 from .follow import WaitTimedOut
 from .terminal import show, show_time
 
@@ -54,13 +51,9 @@ def draw_queue(database: Place, rows: Sequence[JobRow]) -> RenderableType:
     from rich.console import Group
     from rich.text import Text
 
-    is_local = isinstance(database, Database)
-    counts = count_states(database) if is_local else Counter(row.state for row in rows)
+    counts, living = read_queue(database)
     title = "  ".join(f"{state} {counts[state]}" for state in sorted(counts)) or "no jobs"
-    workers = [
-        [row.name, row.queues, row.concurrency, show_time(row.started), show_time(row.seen)]
-        for row in (list_workers(database) if is_local else ())
-    ]
+    workers = [[row.name, row.queues, row.concurrency, show_time(row.started), show_time(row.seen)] for row in living]
     jobs = [
         [row.id, row.name, row.queue, row.priority, row.state, row.stage, round(100 * row.progress), row.attempts]
         for row in rows
@@ -86,9 +79,12 @@ def follow_batch(database: Place, jobs: Sequence[str], timeout: float | None) ->
     deadline = None if timeout is None else time.monotonic() + timeout
     console = Console(stderr=True)
     ended = -1
+    known: dict[str, JobRow] = {}
     with Live(console=console, auto_refresh=False, transient=not sys.stderr.isatty()) as live:
         while True:
-            rows = find_jobs_by_id(database, jobs)
+            left = [job for job in jobs if job not in known or known[job].state not in ENDED]
+            known |= {row.id: row for row in find_jobs_by_id(database, left)}
+            rows = [known[job] for job in jobs if job in known]
             done = sum(row.state in ENDED for row in rows)
             if console.is_terminal:
                 live.update(draw_batch(rows), refresh=True)

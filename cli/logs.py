@@ -25,22 +25,22 @@ def command(context: click.Context, job: str, follows: bool, home: Path | None, 
     Example:
       garmentq logs -f 3685ecfd4f81
     """
-    from ..service.anywhere import ENDED, find_job, open_database, read_events
+    from ..service.anywhere import ENDED, find_job, is_remote, look, open_database
     from ..service.settings import read_settings
-    from .follow import PERIOD_SECONDS
+    from .follow import PERIOD_SECONDS, REMOTE_SECONDS
 
     database = open_database(read_settings(home=home))
     found = find_job(database, job)
     seen = 0
     try:
         while True:
-            row = find_job(database, found.id)
-            for event in read_events(database, found.id, seen):
+            state, events = look(database, found.id, seen)
+            for event in events:
                 seen = event.id
                 _print(event, as_json)
-            if not follows or row.state in ENDED:
+            if not follows or state in ENDED:
                 return
-            time.sleep(PERIOD_SECONDS)
+            time.sleep(REMOTE_SECONDS if is_remote() else PERIOD_SECONDS)
     except KeyboardInterrupt:
         context.exit(exits.DETACHED)
 

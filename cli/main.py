@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import importlib
+import os
 import sys
+from copy import copy
 
 import click
 
@@ -40,6 +42,10 @@ COMMANDS = {
 """Every command with its line in `garmentq --help`; a test compares it with the command's own help."""
 
 
+LOCAL = ("worker", "serve", "up", "down", "db", "gc", "backup", "restore")
+"""Commands that work on a home of this machine, and so not where GARMENTQ_URL names a service."""
+
+
 class LazyGroup(click.Group):
     """List the commands without importing them."""
 
@@ -52,12 +58,27 @@ class LazyGroup(click.Group):
         if cmd_name not in COMMANDS:
             return None
         command: click.Command = importlib.import_module(f".{cmd_name}", __package__).command
-        return command
+        return _refusing(command) if cmd_name in LOCAL and os.environ.get("GARMENTQ_URL") else command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the list of commands from `COMMANDS`."""
         with formatter.section("Commands"):
             formatter.write_dl(list(COMMANDS.items()))
+
+
+def _refusing(command: click.Command) -> click.Command:
+    """Give the command with its help, but without what it does."""
+    refused = copy(command)
+
+    def refuse(*_: object, **__: object) -> None:
+        from ..service.anywhere import LocalOnly
+
+        raise LocalOnly(
+            f"`garmentq {command.name}` works on a home of this machine; unset GARMENTQ_URL, or run it there."
+        )
+
+    refused.callback = refuse
+    return refused
 
 
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})

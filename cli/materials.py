@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
-
 import click
 
 from .options import json_option
+
+PARAMETERS = ("H00", "H01", "H11", "H22", "k", "thickness", "friction")
 
 
 @click.command("materials")
@@ -22,20 +22,17 @@ def command(name: str | None, as_json: bool) -> None:
       garmentq materials
       garmentq materials denim --json
     """
-    from ..core.simulate import get_fabric, load_fabrics
+    from ..service.anywhere import list_materials
     from .terminal import print_json, print_table
 
-    fabrics = (get_fabric(name),) if name else load_fabrics()
+    fabrics = list_materials(name)
     if as_json:
         for fabric in fabrics:
-            print_json({**asdict(fabric), "sources": dict(fabric.sources)})
+            print_json(fabric)
         return
     print_table(
         ["name", "title", "g/m2", "H00 N/m", "H01 N/m", "H11 N/m", "H22 N/m", "k N m", "thickness m", "friction"],
-        [
-            [f.name, f.title, f.density * 1000, f.H00, f.H01, f.H11, f.H22, f.k, f.thickness, f.friction]
-            for f in fabrics
-        ],
+        [[f["name"], f["title"], f["density"] * 1000, *(f[n] for n in PARAMETERS)] for f in fabrics],
     )
     if name:
-        print_table(["parameter", "where its value comes from"], fabrics[0].sources)
+        print_table(["parameter", "where its value comes from"], list(fabrics[0]["sources"].items()))

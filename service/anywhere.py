@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..core.errors import BadInput
 from . import database as rooms
-from . import jobs, query, results, submission, templates
+from . import jobs, keys, query, reaper, results, submission, templates
 from .database import Database
 from .jobs import ENDED
 from .results import ResultMissing
@@ -24,13 +26,20 @@ if TYPE_CHECKING:
     from .client import Client
 
 __all__ = [
-    "ENDED", "Place", "ResultMissing", "cancel", "describe_job", "export_files", "find_job", "find_jobs",
-    "find_jobs_by_id", "import_template", "is_remote", "list_files", "list_jobs", "list_templates", "open_database",
-    "read_events", "read_template", "retry", "submit",
+    "ENDED", "LocalOnly", "Place", "ResultMissing", "cancel", "create_key", "describe_job", "export_files", "find_job",
+    "find_jobs", "find_jobs_by_id", "import_template", "is_remote", "list_files", "list_jobs", "list_keys",
+    "list_materials", "list_templates", "look", "open_database", "read_queue", "read_template", "retry", "revoke_key",
+    "submit",
 ]  # fmt: skip
 
 Place = Any
 """A `Database` or a `Client`; rows of both have the same attributes."""
+
+
+class LocalOnly(BadInput):
+    """This command works on a home of this machine; unset GARMENTQ_URL, or run it where the service runs."""
+
+    code = "command.local_only"
 
 
 def is_remote() -> bool:
@@ -46,9 +55,7 @@ def open_database(settings: ServiceSettings) -> Place:
     """
     if not is_remote():
         return rooms.open_database(settings)
-    from .client import Client
-
-    return Client(os.environ["GARMENTQ_URL"], os.environ.get("GARMENTQ_API_KEY", ""))
+    return _open_client()
 
 
 def find_job(place: Place, job: str) -> Any:
@@ -58,7 +65,7 @@ def find_job(place: Place, job: str) -> Any:
 
 def find_jobs_by_id(place: Place, ids: Sequence[str]) -> list[Any]:
     """Give the jobs of some ids, in the order of the ids."""
-    return jobs.find_jobs_by_id(place, ids) if isinstance(place, Database) else [place.find_job(job) for job in ids]
+    return list(jobs.find_jobs_by_id(place, ids) if isinstance(place, Database) else place.find_jobs_by_id(ids))
 
 
 def list_jobs(place: Place, limit: int = 50) -> list[Any]:
@@ -66,9 +73,23 @@ def list_jobs(place: Place, limit: int = 50) -> list[Any]:
     return jobs.list_jobs(place, limit) if isinstance(place, Database) else place.list_jobs(limit)
 
 
-def read_events(place: Place, job: str, after: int = 0) -> list[Any]:
-    """Give a job's events with an id above `after`, in order."""
-    return jobs.read_events(place, job, after) if isinstance(place, Database) else place.read_events(job, after)
+def look(place: Place, job: str, after: int = 0) -> tuple[str, list[Any]]:
+    """Give a job's state, and its events with an id above `after`, in order; an ended state comes with all of them."""
+    if isinstance(place, Database):
+        state = jobs.find_job(place, job).state
+        return state, list(jobs.read_events(place, job, after))
+    client: Client = place
+    found, events = client.look(job, after)
+    return found, list(events)
+
+
+def read_queue(place: Place) -> tuple[dict[str, int], list[Any]]:
+    """Count the jobs by state, and give the living workers."""
+    if isinstance(place, Database):
+        return query.count_states(place), list(reaper.list_workers(place))
+    client: Client = place
+    states, workers = client.read_queue()
+    return states, list(workers)
 
 
 def cancel(place: Place, job: str) -> str:
@@ -145,3 +166,38 @@ def import_template(place: Place, store: Store, name: str, path: Path, category:
         templates.keep_template(place, store, name, path, category, panels)
     else:
         place.import_template(name, path)
+
+
+def list_materials(name: str | None = None) -> list[dict[str, Any]]:
+    """Give the fabrics, or one of them, with every parameter in SI units and its sources."""
+    if is_remote():
+        client: Client = _open_client()
+        return [client.read_material(name)] if name else client.list_materials()
+    from ..core.simulate import get_fabric, load_fabrics
+
+    fabrics = (get_fabric(name),) if name else load_fabrics()
+    return [{**asdict(fabric), "sources": dict(fabric.sources)} for fabric in fabrics]
+
+
+def create_key(place: Place, name: str, scopes: tuple[str, ...], quota: int) -> tuple[Any, str]:
+    """Make an API key; its token is given here and never again."""
+    if isinstance(place, Database):
+        return keys.create_key(place, name, scopes, quota)
+    client: Client = place
+    return client.create_key(name, scopes, quota)
+
+
+def list_keys(place: Place) -> list[Any]:
+    """Give every API key, oldest first."""
+    return list(keys.list_keys(place)) if isinstance(place, Database) else list(place.list_keys())
+
+
+def revoke_key(place: Place, key: str) -> Any:
+    """Take an API key back."""
+    return keys.revoke_key(place, key) if isinstance(place, Database) else place.revoke_key(key)
+
+
+def _open_client() -> Client:
+    from .client import Client
+
+    return Client(os.environ["GARMENTQ_URL"], os.environ.get("GARMENTQ_API_KEY", ""))

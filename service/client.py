@@ -15,9 +15,8 @@ import os
 import tempfile
 import time
 import uuid
-import weakref
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,27 +24,16 @@ from urllib.parse import quote
 
 import httpx
 
-from ..core.errors import BadInput, GarmentqError, NotFound
-from .store import BLOCK, ArtifactDamaged
+from ..core.errors import NotFound
+from .connection import TRIES, Connection, ServiceUnreachable
+from .jobs import JobUnknown
+from .store import ArtifactDamaged
 from .submission import BUILTIN, BodyUnreadable, Order, Submitted
 
-SECONDS = httpx.Timeout(150.0, connect=5.0)
-"""The service answers within 120 s or says that it cannot; a connection takes milliseconds."""
+__all__ = ["Client", "Event", "File", "Job", "Key", "ServiceUnreachable", "Worker"]
 
-PATIENT = ("key.too_many_requests", "key.uploads_open")
-"""Refusals that pass by themselves within seconds: the client waits as long as it is told, and asks again."""
-
-PATIENCE_SECONDS = 60.0
-"""How long it waits in all for one request [s]."""
-
-TRIES = 3
-"""Times that a question is asked again where the connection breaks; every one of them is safe to repeat."""
-
-
-class ServiceUnreachable(GarmentqError):
-    """The service does not answer; check GARMENTQ_URL, or start it by `garmentq serve`."""
-
-    code = "service.unreachable"
+MOST_JOBS = 1000
+"""Jobs of one question about states, as the service bounds it."""
 
 
 @dataclass(frozen=True)
@@ -89,6 +77,29 @@ class File:
     size: int
 
 
+@dataclass(frozen=True)
+class Worker:
+    """Tell of a living worker; its name is hidden from all but the scope `admin`."""
+
+    name: str
+    queues: str
+    concurrency: int
+    started: float
+    seen: float
+
+
+@dataclass(frozen=True)
+class Key:
+    """Show an API key, without its token."""
+
+    id: str
+    name: str
+    scopes: list[str]
+    quota: int
+    created: float
+    revoked: float | None
+
+
 class Client:
     """Ask a service by HTTP. Every refusal is a `GarmentqError` with the service's code."""
 
@@ -102,12 +113,8 @@ class Client:
         Raises:
             ServiceUnreachable: where the address is none.
         """
-        headers = {"authorization": f"Bearer {key}"} if key else {}
-        try:
-            self._http = httpx.Client(base_url=url.rstrip("/"), headers=headers, timeout=SECONDS)
-        except (httpx.InvalidURL, ValueError) as error:
-            raise ServiceUnreachable(f"GARMENTQ_URL is no address: {error}.") from error
-        weakref.finalize(self, self._http.close)  # a command that ends by an error leaves no socket open
+        self._connection = Connection(url, key)
+        self._ask, self._send = self._connection.ask, self._connection.send
 
     def __enter__(self) -> Client:
         return self
@@ -117,7 +124,7 @@ class Client:
 
     def close(self) -> None:
         """Close the connection."""
-        self._http.close()
+        self._connection.close()
 
     def submit(self, order: Order) -> Submitted:
         """Upload an order's files and ask for the job; a template that is no file goes by its name in the settings."""
@@ -162,14 +169,38 @@ class Client:
         """Give a job by its id."""
         return _make_job(self._ask("GET", f"/v1/jobs/{quote(job, safe='')}"))
 
+    def find_jobs_by_id(self, jobs: Sequence[str]) -> list[Job]:
+        """Give the jobs of some ids in their order, told by one request for each thousand; what they found is left out.
+
+        Raises:
+            JobUnknown: where one is not known.
+        """
+        found: dict[str, Job] = {}
+        for start in range(0, len(jobs), MOST_JOBS):
+            answer = self._ask("POST", "/v1/jobs/states", json={"jobs": list(jobs[start : start + MOST_JOBS])})
+            found |= {row["job"]: _make_job(row) for row in answer["jobs"]}
+        missing = [job for job in jobs if job not in found]
+        if missing:
+            raise JobUnknown(f"there is no job '{missing[0]}'; `garmentq status` lists them all.")
+        return [found[job] for job in jobs]
+
+    def look(self, job: str, after: int = 0) -> tuple[str, list[Event]]:
+        """Give a job's state, and its events with an id above `after`, in one request."""
+        found = self._ask("GET", f"/v1/jobs/{quote(job, safe='')}/events", params={"after": after})
+        return found["state"], [Event(e["id"], job, e["at"], e["kind"], e["data"]) for e in found["events"]]
+
+    def read_queue(self) -> tuple[dict[str, int], list[Worker]]:
+        """Count the jobs by state, and give the living workers."""
+        found = self._ask("GET", "/v1/queue")
+        return found["states"], [Worker(**row) for row in found["workers"]]
+
     def list_jobs(self, limit: int = 50) -> list[Job]:
         """Give the newest jobs, newest first."""
         return [_make_job(row) for row in self._ask("GET", "/v1/jobs", params={"limit": min(limit, 1000)})["jobs"]]
 
     def read_events(self, job: str, after: int = 0) -> list[Event]:
         """Give a job's events with an id above `after`, in order."""
-        found = self._ask("GET", f"/v1/jobs/{quote(job, safe='')}/events", params={"after": after})
-        return [Event(e["id"], job, e["at"], e["kind"], e["data"]) for e in found["events"]]
+        return self.look(job, after)[1]
 
     def follow(self, job: str, after: int = 0) -> Iterator[Event]:
         """Give a job's events as they happen until it has ended; a broken connection is taken up where it broke."""
@@ -177,10 +208,7 @@ class Client:
         while True:
             headers = {"accept": "text/event-stream", "last-event-id": str(after)}
             try:
-                with self._http.stream("GET", url, headers=headers) as answer:
-                    if answer.status_code >= 400:
-                        answer.read()
-                        raise _make_error(answer)
+                with self._connection.stream(url, headers) as answer:
                     kind = ""
                     for line in answer.iter_lines():
                         if line.startswith("event: "):
@@ -194,7 +222,7 @@ class Client:
             except httpx.TransportError as error:
                 failures += 1
                 if failures >= TRIES:
-                    raise ServiceUnreachable(f"the service at {self._http.base_url} does not answer.") from error
+                    raise ServiceUnreachable(f"the service at {self._connection.address} does not answer.") from error
             time.sleep(0.5)
 
     def list_files(self, job: str) -> list[File]:
@@ -243,6 +271,32 @@ class Client:
         """Send a pattern file as a template; give its name, panels, seams and category."""
         return dict(self._ask("PUT", f"/v1/templates/{quote(name, safe='')}", content=path.read_bytes()))
 
+    def list_materials(self) -> list[dict[str, Any]]:
+        """Give the fabrics, each with every parameter in SI units and its sources."""
+        return list(self._ask("GET", "/v1/materials")["materials"])
+
+    def read_material(self, name: str) -> dict[str, Any]:
+        """Give one fabric."""
+        return dict(self._ask("GET", f"/v1/materials/{quote(name, safe='')}"))
+
+    def create_key(self, name: str, scopes: Sequence[str], quota: int) -> tuple[Key, str]:
+        """Make an API key; its token is given here and never again."""
+        found = self._ask("POST", "/v1/keys", tries=1, json={"name": name, "scopes": list(scopes), "quota": quota})
+        return _make_key(found), str(found["token"])
+
+    def list_keys(self) -> list[Key]:
+        """Give every API key, oldest first."""
+        return [_make_key(row) for row in self._ask("GET", "/v1/keys")["keys"]]
+
+    def revoke_key(self, key: str) -> Key:
+        """Take an API key back."""
+        return _make_key(self._ask("DELETE", f"/v1/keys/{quote(key, safe='')}"))
+
+    def read_health(self) -> dict[str, str]:
+        """Give the service's version, and `ok` or what is wrong of its database and store."""
+        version = str(self._ask("GET", "/healthz")["version"])
+        return {"version": version, **self._ask("GET", "/readyz")}
+
     def _download(self, job: str, file: File, folder: Path) -> Path:
         """Write below the folder only: a service's answer is as little to be trusted as a user's file."""
         parts = file.name.split("/")
@@ -254,10 +308,7 @@ class Client:
         try:
             digest = hashlib.sha256()
             url = f"/v1/jobs/{quote(job, safe='')}/artifacts/{quote(file.name)}"
-            with os.fdopen(descriptor, "wb") as out, self._reach(), self._http.stream("GET", url) as answer:
-                if answer.status_code >= 400:
-                    answer.read()
-                    raise _make_error(answer)
+            with os.fdopen(descriptor, "wb") as out, self._connection.reach(), self._connection.stream(url) as answer:
                 for block in answer.iter_bytes():
                     digest.update(block)
                     out.write(block)
@@ -268,75 +319,6 @@ class Client:
         finally:
             Path(temporary).unlink(missing_ok=True)
         return path
-
-    def _ask(self, method: str, url: str, **options: Any) -> Any:
-        answer = self._send(method, url, **options)
-        try:
-            return answer.json()
-        except ValueError:
-            raise ServiceUnreachable(f"what answers at {self._http.base_url} is no garmentq service.") from None
-
-    def _send(self, method: str, url: str, tries: int = TRIES, **options: Any) -> httpx.Response:
-        """Ask, and wait where the service says that the key asks too often."""
-        deadline = time.monotonic() + PATIENCE_SECONDS
-        while True:
-            answer = self._send_now(method, url, tries, **options)
-            if answer.status_code < 400:
-                return answer
-            error, pause = _make_error(answer), _pause_of(answer)
-            if error.code not in PATIENT or time.monotonic() + pause > deadline:
-                raise error
-            time.sleep(pause)
-
-    def _send_now(
-        self, method: str, url: str, tries: int, content: bytes | Path | None = None, **options: Any
-    ) -> httpx.Response:
-        """Ask at once; a file is streamed, and a broken connection is tried again `tries` times in all."""
-        with self._reach():
-            while True:
-                try:
-                    if not isinstance(content, Path):
-                        return self._http.request(method, url, content=content, **options)
-                    with content.open("rb") as stream:
-                        blocks = iter(lambda: stream.read(BLOCK), b"")
-                        return self._http.request(method, url, content=blocks, **options)
-                except httpx.ConnectError:
-                    raise
-                except httpx.TransportError:
-                    tries -= 1
-                    if tries <= 0:
-                        raise
-                    time.sleep(0.2)
-
-    @contextmanager
-    def _reach(self) -> Iterator[None]:
-        try:
-            yield
-        except (httpx.TransportError, httpx.InvalidURL) as error:
-            raise ServiceUnreachable(
-                f"the service at {self._http.base_url} does not answer ({type(error).__name__}); "
-                "check GARMENTQ_URL, or start it by `garmentq serve`."
-            ) from error
-
-
-def _pause_of(answer: httpx.Response) -> float:
-    """Read how long to wait [s]; a second where the service does not tell."""
-    text = answer.headers.get("retry-after", "")
-    return float(text) if text.isascii() and text.isdigit() else 1.0
-
-
-def _make_error(answer: httpx.Response) -> GarmentqError:
-    """Give the error that the service met, of the class that its status tells, under the service's own code."""
-    try:
-        found = answer.json()
-        code, message = str(found["code"]), str(found["detail"])
-    except (ValueError, KeyError, TypeError):
-        return ServiceUnreachable(f"what answers at {answer.url.host} is no garmentq service ({answer.status_code}).")
-    kinds: dict[int, type[GarmentqError]] = {404: NotFound, 400: BadInput, 408: BadInput, 409: BadInput}
-    kinds |= {413: BadInput, 422: BadInput}
-    error = kinds.get(answer.status_code, GarmentqError)(message)
-    error.code = code
-    return error
 
 
 def _make_job(found: dict[str, Any]) -> Job:
@@ -353,3 +335,7 @@ def _make_job(found: dict[str, Any]) -> Job:
         priority=found["priority"],
         described=described,
     )
+
+
+def _make_key(found: dict[str, Any]) -> Key:
+    return Key(found["key"], *(found[name] for name in ("name", "scopes", "quota", "created", "revoked")))

@@ -252,7 +252,7 @@ class Health(_Answer):
 
 
 class Readiness(_Answer):
-    """Tell `ok`, or the code of what is wrong, of database and store."""
+    """Tell `ok` of database and store; otherwise the answer is a problem."""
 
     database: str
     store: str

@@ -20,7 +20,7 @@ EXAMPLE = {
     "revoked": None,
 }  # fmt: skip
 
-KeyId = Annotated[str, Path(pattern="^[0-9a-f]{12}$")]
+KeyId = Annotated[str, Path(pattern="^[0-9A-Za-z]{1,16}$")]
 
 
 @router.post(

@@ -1,4 +1,4 @@
-"""What one key may take: requests, uploads at a time, bytes of a day, open jobs; each refusal tells when to come back."""
+"""What one key may take: requests, uploads at a time, bytes of a day, open jobs; a refusal tells when to come back."""
 
 from __future__ import annotations
 

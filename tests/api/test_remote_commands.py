@@ -7,9 +7,12 @@ import json
 import pytest
 from api_client import serving
 from api_work import finish, make_ply
+from garmentq.cli.live import follow_batch
+from garmentq.cli.main import COMMANDS, LOCAL
 from garmentq.core.errors import NotFound
 from garmentq.core.pattern import list_templates
 from garmentq.service.client import Client
+from garmentq.service.connection import Connection
 from garmentq.service.jobs import claim, fail
 from garmentq.service.keys import create_key
 from garmentq.service.submission import Order
@@ -42,6 +45,8 @@ def test_the_same_words_and_statuses(cli, remote, files, settings, database, sto
         ("status", "--json"), ("status", job), ("status", job[:5]), ("logs", job, "--json"), ("logs", "-f", job),
         ("result", job), ("result", job, "--json"), ("query", "--json"), ("query", "--where", "surface_rms_mm.t2s < 9"),
         ("query", "--csv"), ("query", "--where", "nosuch < 1"), ("query", "--where", "drop table"),
+        ("materials",), ("materials", "denim"), ("materials", "denim", "--json"), ("materials", "nosuch"),
+        ("status", "--watch"), ("keys", "list"), ("bodies", "list"), ("keys", "revoke", "nosuch"),
         ("templates", "list"), ("templates", "show", "skirt"), ("templates", "show", "nosuch"), ("materials", "--json"),
         ("status", "nosuchjob"), ("export", job, "nosuch"), ("cancel", job), ("cancel", "nosuchjob"),
         ("submit", files / "broken.ply", "--body", files / "body.ply"),
@@ -87,6 +92,75 @@ def test_templates_go_over(remote, cli, files, address):
         assert done.returncode == 0, done.stderr
         again = cli("submit", files / "skirt.ply", "--body", files / "body.ply", "--template", template)
         assert again.stdout == done.stdout, template
+
+
+def test_every_command_works_or_says_why_not(remote, cli, settings):
+    """Broken where a command ignores GARMENTQ_URL and works on a home of this machine instead, or hides its help."""
+    asked = {
+        "run", "submit", "status", "logs", "result", "export", "query", "cancel", "retry", "templates", "materials",
+        "keys", "doctor",
+    }  # fmt: skip
+    files_only = {"inspect", "bodies", "bench"}  # of this machine, as they are
+    assert asked | files_only | set(LOCAL) == set(COMMANDS) and not (asked | files_only) & set(LOCAL)
+    words = {"db": ["db", "upgrade"], "backup": ["backup", "x.tar"], "restore": ["restore", "x.tar"]}
+    before = sorted(settings.home.rglob("*"))
+    for name in LOCAL:
+        done = remote(*words.get(name, [name]))
+        assert done.returncode == 2 and done.stdout == "", (name, done)
+        assert done.stderr.startswith("error command.local_only: ") and len(done.stderr.splitlines()) == 1, name
+        assert remote(name, "--help").stdout == cli(name, "--help").stdout
+    assert [path for path in sorted(settings.home.rglob("*")) if path not in before] == []
+    checks = {row["check"]: row for row in map(json.loads, remote("doctor", "--json").stdout.splitlines())}
+    assert checks["service"]["ok"] and checks["queue"]["ok"] and "database" not in checks
+    away = cli("doctor", "--json", GARMENTQ_URL="http://x:secret@127.0.0.1:1")
+    assert away.returncode == 1 and "service.unreachable" in away.stdout and "secret" not in away.stdout + away.stderr
+
+
+def test_keys_are_made_over_there(remote, cli, settings, database):
+    """Broken where a key made by way of the service is another than one made at its home."""
+    _, admin = create_key(database, "admin", ("admin",))
+    as_admin = {"GARMENTQ_API_KEY": admin}
+    made = json.loads(remote("keys", "create", "atelier", "--quota", "7", "--json", **as_admin).stdout)
+    assert (made["scopes"], made["quota"]) == (["read", "submit"], 7)
+    rows = [json.loads(line) for line in remote("keys", "list", "--json", **as_admin).stdout.splitlines()]
+    assert rows == [json.loads(line) for line in cli("keys", "list", "--json").stdout.splitlines()]
+    assert remote("status", GARMENTQ_API_KEY=made["token"]).returncode == 0
+    refused = remote("keys", "list", GARMENTQ_API_KEY=made["token"])
+    assert refused.returncode == 1 and refused.stderr.startswith("error key.scope_missing")
+    assert remote("keys", "revoke", made["key"], **as_admin).returncode == 0
+    assert "key.bad" in remote("status", GARMENTQ_API_KEY=made["token"]).stderr
+
+
+def test_a_batch_is_one_question(remote, files, settings, database, store, address, monkeypatch):
+    """Broken where waiting for a batch asks for each job by itself, or goes on asking for those that have ended."""
+    scans = []
+    for index in range(12):
+        scans.append(files / f"skirt{index}.ply")
+        scans[-1].write_bytes(make_ply(0.01 * index))
+    asked = remote("submit", *scans, "--body", files / "body.ply")
+    jobs = asked.stdout.split()
+    assert len(set(jobs)) == 12
+    sent = []
+    ask_really = Connection.ask
+
+    def ask(self, method, url, *rest, **options):
+        sent.append((method, url, len(options.get("json", {}).get("jobs", ()))))
+        if len(sent) == 2:
+            for job in jobs[:11]:
+                finish(settings, database, store, job, files / f"made-{job}")
+        if len(sent) == 4:
+            fail(database, claim(database, jobs[11], "test", 60.0), "scan.x", "bad", bad_input=True)
+        return ask_really(self, method, url, *rest, **options)
+
+    monkeypatch.setattr(Connection, "ask", ask)
+    with Client(address) as client:
+        rows = follow_batch(client, jobs, 60.0)
+    assert [row.id for row in rows] == jobs and {row.state for row in rows[:11]} == {"succeeded"}
+    assert (rows[11].state, rows[11].error_code, rows[11].bad_input) == ("failed", "scan.x", True)
+    assert {(method, url) for method, url, _ in sent} == {("POST", "/v1/jobs/states")}
+    assert [count for _, _, count in sent][:3] == [12, 12, 1] and len(sent) <= 5
+    with Client(address) as client, pytest.raises(NotFound):
+        client.find_jobs_by_id([jobs[0], "0" * 12])
 
 
 def test_keys_by_command(cli, files, settings):

@@ -1,0 +1,144 @@
+"""One connection to a service: asking again where that is safe, waiting where it is told to, errors by their codes."""
+
+from __future__ import annotations
+
+import time
+import weakref
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import httpx
+
+from ..core.errors import BadInput, GarmentqError, NotFound
+from .settings import hide_password
+from .store import BLOCK
+
+SECONDS = httpx.Timeout(150.0, connect=5.0)
+"""The service answers within 120 s or says that it cannot; a connection takes milliseconds."""
+
+PATIENT = ("key.too_many_requests", "key.uploads_open")
+"""Refusals that pass by themselves within seconds: the client waits as long as it is told, and asks again."""
+
+PATIENCE_SECONDS = 60.0
+"""How long it waits in all for one request [s]."""
+
+TRIES = 3
+"""Times that a question is asked again where the connection breaks; every one of them is safe to repeat."""
+
+
+class ServiceUnreachable(GarmentqError):
+    """The service does not answer; check GARMENTQ_URL, or start it by `garmentq serve`."""
+
+    code = "service.unreachable"
+
+
+class Connection:
+    """Ask a service by HTTP. Every refusal is a `GarmentqError` with the service's code."""
+
+    def __init__(self, url: str, key: str) -> None:
+        """Prepare a connection; nothing is sent before the first question.
+
+        Args:
+            url: Address of the service, `http://host:port`.
+            key: Token of an API key, or empty.
+
+        Raises:
+            ServiceUnreachable: where the address is none.
+        """
+        headers = {"authorization": f"Bearer {key}"} if key else {}
+        try:
+            self._http = httpx.Client(base_url=url.rstrip("/"), headers=headers, timeout=SECONDS)
+        except (httpx.InvalidURL, ValueError) as error:
+            raise ServiceUnreachable(f"GARMENTQ_URL is no address: {error}.") from error
+        weakref.finalize(self, self._http.close)  # a command that ends by an error leaves no socket open
+
+    @property
+    def address(self) -> str:
+        """Give the address of the service as it may be shown."""
+        return hide_password(str(self._http.base_url))
+
+    def close(self) -> None:
+        """Close it."""
+        self._http.close()
+
+    def ask(self, method: str, url: str, tries: int = TRIES, **options: Any) -> Any:
+        """Give the JSON value of an answer."""
+        answer = self.send(method, url, tries, **options)
+        try:
+            return answer.json()
+        except ValueError:
+            raise ServiceUnreachable(f"what answers at {self.address} is no garmentq service.") from None
+
+    def send(self, method: str, url: str, tries: int = TRIES, **options: Any) -> httpx.Response:
+        """Give an answer; wait where the service says that the key asks too often."""
+        deadline = time.monotonic() + PATIENCE_SECONDS
+        while True:
+            answer = self._send_now(method, url, tries, **options)
+            if answer.status_code < 400:
+                return answer
+            error, pause = _make_error(answer), _pause_of(answer)
+            if error.code not in PATIENT or time.monotonic() + pause > deadline:
+                raise error
+            time.sleep(pause)
+
+    @contextmanager
+    def stream(self, url: str, headers: dict[str, str] | None = None) -> Iterator[httpx.Response]:
+        """Open an answer that is read bit by bit; `httpx.TransportError` where it breaks off."""
+        with self._http.stream("GET", url, headers=headers) as answer:
+            if answer.status_code >= 400:
+                answer.read()
+                raise _make_error(answer)
+            yield answer
+
+    @contextmanager
+    def reach(self) -> Iterator[None]:
+        """Turn a broken connection within the block into `ServiceUnreachable`."""
+        try:
+            yield
+        except (httpx.TransportError, httpx.InvalidURL) as error:
+            raise ServiceUnreachable(
+                f"the service at {self.address} does not answer ({type(error).__name__}); "
+                "check GARMENTQ_URL, or start it by `garmentq serve`."
+            ) from error
+
+    def _send_now(
+        self, method: str, url: str, tries: int, content: bytes | Path | None = None, **options: Any
+    ) -> httpx.Response:
+        """Ask at once; a file is streamed, and a broken connection is tried again, `tries` times in all."""
+        with self.reach():
+            while True:
+                try:
+                    if not isinstance(content, Path):
+                        return self._http.request(method, url, content=content, **options)
+                    with content.open("rb") as stream:
+                        blocks = iter(lambda: stream.read(BLOCK), b"")
+                        return self._http.request(method, url, content=blocks, **options)
+                except httpx.ConnectError:
+                    raise
+                except httpx.TransportError:
+                    tries -= 1
+                    if tries <= 0:
+                        raise
+                    time.sleep(0.2)
+
+
+def _pause_of(answer: httpx.Response) -> float:
+    """Read how long to wait [s]; a second where the service does not tell."""
+    text = answer.headers.get("retry-after", "")
+    return float(text) if text.isascii() and text.isdigit() else 1.0
+
+
+def _make_error(answer: httpx.Response) -> GarmentqError:
+    """Give the error that the service met, of the class that its status tells, under the service's own code."""
+    try:
+        found = answer.json()
+        code, message = str(found["code"]), str(found["detail"])
+    except (ValueError, KeyError, TypeError):
+        return ServiceUnreachable(f"what answers at {answer.url.host} is no garmentq service ({answer.status_code}).")
+    kinds: dict[int, type[GarmentqError]] = {404: NotFound, 400: BadInput, 408: BadInput, 409: BadInput}
+    kinds |= {413: BadInput, 422: BadInput}
+    error = kinds.get(answer.status_code, GarmentqError)(message)
+    error.code = code
+    return error
