@@ -24,6 +24,7 @@ def command(
     labels: Path | None,
     labels_key: str | None,
     keep: str | None,
+    cloth: str | None,
     keep_colour: str | None,
     colour_tolerance: float,
     units: str | None,
@@ -48,7 +49,7 @@ def command(
 
     wearer: Path | str | None = body if body is None or body.startswith(BUILTIN) else Path(body)
     chosen = RecoverySettings(
-        keep=keep, labels_key=labels_key, keep_colour=keep_colour, colour_tolerance=colour_tolerance
+        keep=keep, cloth=cloth, labels_key=labels_key, keep_colour=keep_colour, colour_tolerance=colour_tolerance
     )
     selection = make_selection(labels, chosen)
     found = inspect_file(file, wearer, units=units, up=up, selection=selection).as_dict()

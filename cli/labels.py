@@ -20,6 +20,7 @@ def label_options(function: Decorator) -> Decorator:
         ),
         click.option("--labels-key", help="The array's name in that file.  [default: found]"),
         click.option("--keep", metavar="LABEL[,LABEL]", help="The garment's labels.  [default: 1]"),
+        click.option("--cloth", metavar="LABEL[,LABEL]", help="Labels of other clothes, which are not skin either."),
         click.option("--keep-colour", metavar="#RRGGBB", help="The garment's colour, instead of labels."),
         click.option(
             "--colour-tolerance",

@@ -38,6 +38,12 @@ def order_options(function: Decorator) -> Decorator:
         ),
         click.option("--labels-key", help="The array's name in that file.  [default: found]"),
         click.option("--keep", multiple=True, metavar="LABEL[,LABEL]", help="The garment's labels.  [default: 1]"),
+        click.option(
+            "--cloth",
+            multiple=True,
+            metavar="LABEL[,LABEL]",
+            help="Labels of other clothes, which are not skin either.  [default: what other --keep name]",
+        ),
         click.option("--keep-colour", metavar="#RRGGBB", help="The garment's colour, instead of labels."),
         click.option(
             "--colour-tolerance",
@@ -52,9 +58,10 @@ def order_options(function: Decorator) -> Decorator:
         click.option(
             "--lock",
             multiple=True,
-            metavar="fabric|panel:NAME",
-            help="What the hybrid method takes as given; may be given several times.",
+            metavar="fabric|panel:NAME|point:PANEL/INDEX",
+            help="What the fit takes as given; may be given several times.",
         ),
+        click.option("--free", type=click.Choice(["symmetry"]), help="Let left and right differ."),
         click.option("--method", type=click.Choice(METHODS), default=default.method, show_default=True, help="How."),
         click.option(
             "--preset",

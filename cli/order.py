@@ -48,6 +48,7 @@ def typed_order(scan: Path, options: dict[str, Any]) -> tuple[Order, str | None]
         garment=options["garment"],
         fabric=options["fabric"],
         lock=",".join(options.get("lock", ())) or None,
+        free=options.get("free"),
         units=options["units"],
         up=options["up"],
         vertex_count=options["vertices"],
@@ -56,6 +57,7 @@ def typed_order(scan: Path, options: dict[str, Any]) -> tuple[Order, str | None]
         labels_key=options["labels_key"],
         keep_colour=options["keep_colour"],
         colour_tolerance=options["colour_tolerance"],
+        cloth=",".join(options.get("cloth", ())) or None,
     )
     body: Path | str | None = options["body"]
     if isinstance(body, str) and not body.startswith(BUILTIN):
@@ -69,5 +71,8 @@ def typed_order(scan: Path, options: dict[str, Any]) -> tuple[Order, str | None]
 
 
 def split_garments(options: dict[str, Any]) -> list[dict[str, Any]]:
-    """Give the options of each garment of a scan: one for each `--keep`, or the options as they are."""
-    return [options | {"keep": (keep,)} for keep in options["keep"]] or [options]
+    """Give the options of each garment of a scan: one for each `--keep`, the others being clothes too."""
+    keeps, worn = options["keep"], options.get("cloth", ())
+    return [
+        options | {"keep": (keep,), "cloth": (*worn, *(other for other in keeps if other != keep))} for keep in keeps
+    ] or [options]

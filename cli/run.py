@@ -35,39 +35,50 @@ def command(
     as_json: bool,
     **options: Any,
 ) -> None:
-    """Recover one garment: submit it, work on it here, wait, and show the result.
+    """Recover a garment: submit it, work on it here, wait, and show the result.
 
     The job goes through the queue; a broker and a worker are started if none runs, and stop by themselves after a
-    while without work (`garmentq down` stops them now). Ctrl-C only stops waiting.
+    while without work (`garmentq down` stops them now). Ctrl-C only stops waiting. Each --keep of a dressed person's
+    scan is a garment, and a job, of its own; its files are in a folder of the label's name.
 
     \b
     Example:
       garmentq run garment.ply --body body.ply --out result
       garmentq run skirt.obj --body builtin:female,height=1.70 --units cm --json
       garmentq run person.ply --labels labels.npz --keep 1
+      garmentq run person.ply --keep 1 --keep 2 --out result
     """
     from ..service.anywhere import is_remote, open_database, submit
     from ..service.settings import read_settings
     from ..service.store import open_store
     from ..workers.embedded import ensure_services
-    from .order import make_order
+    from .order import make_order, split_garments
     from .terminal import note
 
-    if len(options["keep"]) > 1:
-        raise click.UsageError("one garment at a time; queue several with `garmentq submit`.")
     settings = read_settings(home=home)
     database = open_database(settings)
-    order = make_order(settings, database, file, options)
-    submitted = submit(database, open_store(settings), order)
+    parts = split_garments(options)
+    orders = [make_order(settings, database, file, part) for part in parts]
+    garments = [submit(database, open_store(settings), order) for order in orders]
 
     def keep_up() -> None:
         for name in () if is_remote() else ensure_services(settings, workers):
             note(f"started the {name}")
 
-    if submitted.state != "succeeded":
+    if any(submitted.state != "succeeded" for submitted in garments):
         keep_up()
-    note(f"job {submitted.job}" + ("" if submitted.is_new else f" (known, {submitted.state})"))
-    context.exit(wait_and_show(settings, database, submitted.job, timeout, out, as_json, keep_up))
+    for submitted in garments:
+        note(f"job {submitted.job}" + ("" if submitted.is_new else f" (known, {submitted.state})"))
+    status = exits.OK
+    for part, submitted in zip(parts, garments, strict=True):
+        folder = out if out is None or len(parts) == 1 else out / folder_name(part["keep"][0])
+        status = max(status, wait_and_show(settings, database, submitted.job, timeout, folder, as_json, keep_up))
+    context.exit(status)
+
+
+def folder_name(label: str) -> str:
+    """Give the folder of a garment of several: its label, of which only letters, digits, - and _ are kept."""
+    return "".join(c if c.isalnum() or c in "-_" else "_" for c in label)
 
 
 def wait_and_show(

@@ -49,7 +49,14 @@ def make_selection(labels: Path | None, settings: RecoverySettings) -> Selection
     """Say which part of a scan is the garment by a label file and settings; None where neither says anything."""
     if labels is None and settings.keep is None and settings.keep_colour is None:
         return None
-    return Selection(labels, settings.labels_key, settings.kept_labels, settings.keep_colour, settings.colour_tolerance)
+    return Selection(
+        labels,
+        settings.labels_key,
+        settings.kept_labels,
+        settings.keep_colour,
+        settings.colour_tolerance,
+        settings.cloth_labels,
+    )
 
 
 @dataclass(frozen=True)

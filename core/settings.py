@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -9,6 +10,7 @@ from .errors import BadInput
 
 METHODS = ("deform", "inverse", "hybrid")
 PRESETS = ("default", "thesis")
+_LOCK = re.compile(r"fabric|symmetry|panel:.+|point:.+/\d+")
 
 
 class SettingsBad(BadInput):
@@ -40,7 +42,12 @@ class RecoverySettings:
         colour_tolerance: Distance in RGB (0 to 255) up to which a colour is the garment's; 60 spans a camera's noise
             and soft shadows, while skin lies 150 from denim.
         lock: What the inverse fit takes as given, separated by commas, or None: `fabric` keeps the named fabric,
-            `panel:NAME` keeps a panel as it was graded.
+            `panel:NAME` keeps a panel as it was graded, `point:PANEL/INDEX` a control point (that at which edge INDEX
+            begins, from 0), each with its mirror image; `symmetry` says what holds anyway.
+        free: What grading and fit may do beyond the default, or None: `symmetry` lets left and right differ. A garment
+            that is cut symmetric is found better with symmetry kept: noise and folds are not.
+        cloth: Labels of a dressed person's other clothes, separated by commas, or None: they hide the body as the
+            garment does, and are not taken for skin.
     """
 
     method: str = "deform"
@@ -57,6 +64,8 @@ class RecoverySettings:
     keep_colour: str | None = None
     colour_tolerance: float = 60.0
     lock: str | None = None
+    free: str | None = None
+    cloth: str | None = None
 
     def __post_init__(self) -> None:
         """Check every value.
@@ -75,8 +84,12 @@ class RecoverySettings:
         if self.keep is not None and self.keep_colour is not None:
             raise SettingsBad("keep and keep_colour exclude each other; tell the garment by labels or by colour.")
         for word in self.locks:
-            if word != "fabric" and not (word.startswith("panel:") and len(word) > len("panel:")):
-                raise SettingsBad(f"lock '{word}' is neither 'fabric' nor 'panel:NAME'.")
+            if not _LOCK.fullmatch(word):
+                raise SettingsBad(f"lock '{word}' is none of fabric, symmetry, panel:NAME, point:PANEL/INDEX.")
+        if self.free not in (None, "symmetry"):
+            raise SettingsBad(f"free '{self.free}' is not 'symmetry'.")
+        if self.free in self.locks:
+            raise SettingsBad(f"'{self.free}' cannot be locked and free.")
         if not 0.0 < self.colour_tolerance <= 442.0:
             raise SettingsBad(f"colour_tolerance {self.colour_tolerance} is outside 0 to 442 (black to white).")
 
@@ -89,6 +102,11 @@ class RecoverySettings:
     def kept_labels(self) -> tuple[str, ...]:
         """Give the labels to keep, one by one."""
         return tuple(word.strip() for word in (self.keep or "").split(",") if word.strip())
+
+    @property
+    def cloth_labels(self) -> tuple[str, ...]:
+        """Give the labels of the other clothes, one by one."""
+        return tuple(word.strip() for word in (self.cloth or "").split(",") if word.strip())
 
     def as_dict(self) -> dict[str, Any]:
         """Give the settings as plain JSON values."""

@@ -14,7 +14,7 @@ from .labels import read_labels
 from .limits import Limits
 from .load import _finish, _Mesh, _read, _settle, lies_on, load_pair, load_scan
 from .scan import Scan
-from .selection import Selection, select_vertices
+from .selection import Selection, select_other_cloth, select_vertices
 from .units import check_choice
 
 
@@ -25,7 +25,8 @@ class Pieces:
     Attributes:
         garment: The garment's surface; cut out where the scan is a dressed person.
         wearer: The body's mesh, or the whole dressed person, or None.
-        cloth: True at the wearer's vertices that are cloth, shape [vertex_count]; None where the wearer is a bare body.
+        cloth: True at the wearer's vertices that are cloth, the garment's and other clothes', shape [vertex_count];
+            None where the wearer is a bare body.
     """
 
     garment: Scan
@@ -61,8 +62,9 @@ def load_pieces(
     mesh = _read(Path(scan), limits or Limits())
     labels = _labels_of(mesh, selection, limits)
     whole = _finish(mesh, *_settle(mesh, units, up, "body"))
-    cloth = select_vertices(whole, labels, selection)
-    garment = cut_garment(whole, cloth)
+    own = select_vertices(whole, labels, selection)
+    cloth = own | select_other_cloth(whole, labels, selection)
+    garment = cut_garment(whole, own)
     if body is None:
         return Pieces(garment, whole, cloth)
     if is_smpl(body):

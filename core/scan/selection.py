@@ -26,6 +26,7 @@ class Selection:
         keep: The garment's labels as texts; empty where the labels are 0 and 1, of which 1 is kept.
         colour: The garment's colour as `#rrggbb` instead of labels, or None.
         tolerance: Distance in RGB (0 to 255) up to which a colour is the garment's.
+        cloth: Labels of other clothes that the person wears, as texts.
     """
 
     labels: Path | None = None
@@ -33,6 +34,7 @@ class Selection:
     keep: tuple[str, ...] = ()
     colour: str | None = None
     tolerance: float = TOLERANCE
+    cloth: tuple[str, ...] = ()
 
 
 def select_vertices(scan: Scan, labels: np.ndarray | None, selection: Selection) -> np.ndarray:
@@ -61,7 +63,23 @@ def select_vertices(scan: Scan, labels: np.ndarray | None, selection: Selection)
     return mask
 
 
-def _kept_labels(scan: Scan, labels: np.ndarray, keep: tuple[str, ...]) -> tuple[np.ndarray, str]:
+def select_other_cloth(scan: Scan, labels: np.ndarray | None, selection: Selection) -> np.ndarray:
+    """Mark the vertices of the other clothes, bool, shape [vertex_count]; none where the selection names none.
+
+    Raises:
+        LabelsMissing: where there are no labels.
+        LabelUnknown: where one of them is not there.
+    """
+    if not selection.cloth:
+        return np.zeros(len(scan.vertices), bool)
+    if labels is None:
+        raise refusal.LabelsMissing(f"{scan.name} has no labels; {_next(refusal.LabelsMissing)}")
+    return _kept_labels(scan, labels, selection.cloth, "--cloth")[0]
+
+
+def _kept_labels(
+    scan: Scan, labels: np.ndarray, keep: tuple[str, ...], option: str = "--keep"
+) -> tuple[np.ndarray, str]:
     values, index = np.unique(labels, return_inverse=True)
     texts = [str(value) for value in values.tolist()]
     shown = ", ".join(texts[:12]) + (", ..." if len(texts) > 12 else "")
@@ -71,7 +89,7 @@ def _kept_labels(scan: Scan, labels: np.ndarray, keep: tuple[str, ...]) -> tuple
         keep = ("1",)
     unknown = [text for text in keep if text not in texts]
     if unknown:
-        raise refusal.LabelUnknown(f"{scan.name} has no label {', '.join(unknown)}, but {shown}; correct --keep.")
+        raise refusal.LabelUnknown(f"{scan.name} has no label {', '.join(unknown)}, but {shown}; correct {option}.")
     return np.isin(index.ravel(), [texts.index(text) for text in keep]), f"the label {', '.join(keep)}"
 
 

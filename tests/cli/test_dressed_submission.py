@@ -15,7 +15,8 @@ def test_each_keep_is_a_job(cli, database, store, tmp_path):
     jobs = done.stdout.split()
     assert len(set(jobs)) == 2
     for job, keep in zip(jobs, ("upper", "lower"), strict=True):
-        assert find_job(database, job).request["settings"]["keep"] == keep
+        chosen = find_job(database, job).request["settings"]
+        assert (chosen["keep"], chosen["cloth"]) == (keep, "lower" if keep == "upper" else "upper")
         held = claim(database, job, "me", 60.0)
         request = unpack_request(held, store, tmp_path / job)
         assert request.body is None and request.labels is not None
@@ -23,6 +24,7 @@ def test_each_keep_is_a_job(cli, database, store, tmp_path):
         selection = request.selection
         assert selection is not None
         assert (selection.labels, selection.key, selection.keep) == (request.labels, "part", (keep,))
+        assert selection.cloth == (chosen["cloth"],)
 
 
 def test_colour_reaches_the_job(cli, database, store, tmp_path):
@@ -36,8 +38,7 @@ def test_colour_reaches_the_job(cli, database, store, tmp_path):
 
 
 def test_what_cannot_be_meant_is_refused(cli, tmp_path):
-    """Broken where `run` takes one of several garments silently, or contradicting options pass."""
+    """Broken where contradicting options pass."""
     person = put_file(tmp_path, "person.ply")
-    assert cli("run", person, "--keep", "a", "--keep", "b").returncode == 2
     both = cli("submit", person, "--keep", "a", "--keep-colour", "#465faa")
     assert both.returncode == 2 and both.stderr.startswith("error settings.bad")
