@@ -8,6 +8,7 @@ import resource
 import subprocess
 import sys
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -34,6 +35,7 @@ TIMEOUT = 1800.0
 @click.option("--only", multiple=True, metavar="NAME", help="Take only this pack; may be given several times.")
 @click.option("--library", is_flag=True, help="Use the shipped templates, not the packs' own.")
 @click.option("--damage", is_flag=True, help="Damage each target in ten ways and compare with the clean truth.")
+@click.option("--ablate", is_flag=True, help="Switch off one part of inverse loop and deformer at a time.")
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="Keep each result in OUT/TARGET/.")
 @click.option("--timeout", type=click.FloatRange(min=1.0), default=TIMEOUT, show_default=True, help="Seconds a target.")
 @json_option
@@ -46,6 +48,7 @@ def command(
     only: tuple[str, ...],
     library: bool,
     damage: bool,
+    ablate: bool,
     out: Path | None,
     timeout: float,
     as_json: bool,
@@ -54,21 +57,25 @@ def command(
 
     A pack is a folder with meta.json, garment.ply, body.ply and perhaps template.json and pattern.json (docs/bench.md).
     Each target runs in a process of its own. The exit status is 5 when any target failed. With --damage each target is
-    recovered under noise, holes, outliers, turned faces, a cut hem, other units and axes, with both presets.
+    recovered under noise, holes, outliers, turned faces, a cut hem, other units and axes, with both presets. With
+    --ablate the inverse loop runs without curvature weights, seam loss and materials, and the deformer without grading,
+    contours, normals and bending, one by one, beside the thesis' tables 3.4 and 4.3.
 
     \b
     Example:
       garmentq bench targets
       garmentq bench targets --only gc_skirt2 --out results --json
       garmentq bench targets --only gc_skirt2 --damage
+      garmentq bench targets --only gc_skirt2 --only gpg_tee --ablate
     """
     from ..core.measure import read_packs
     from .bench_table import print_tables
     from .terminal import note, print_json
 
     packs = read_packs(directory, only)
-    if damage:
-        context.exit(_study_damage(packs, timeout, as_json))
+    if damage or ablate:
+        study = _DAMAGE if damage else _ABLATION
+        context.exit(_study(study, packs, preset, timeout, as_json))
     lines: list[dict[str, Any]] = []
     for index, pack in enumerate(packs, start=1):
         order = {
@@ -116,10 +123,26 @@ def run_target(pack: Pack, order: dict[str, Any], timeout: float) -> dict[str, A
     return line
 
 
-def _study_damage(packs: tuple[Pack, ...], timeout: float, as_json: bool) -> int:
-    """Run the damage study on the packs that are a garment with a body, and print it."""
-    from .bench_damage import empty_line as no_line
-    from .bench_damage import print_study
+@dataclass(frozen=True)
+class _Study:
+    """Name a study of packs that runs each of them many times.
+
+    Attributes:
+        module: Runs one pack: ORDER.json in, LINES.jsonl out.
+        runs: How often it recovers the pack: the time limit is for one.
+    """
+
+    module: str
+    runs: int
+
+
+_DAMAGE = _Study("bench_damage", 22)  # eleven states of the target with two presets
+_ABLATION = _Study("bench_ablate", 9)  # the rows of both tables
+
+
+def _study(study: _Study, packs: tuple[Pack, ...], preset: str, timeout: float, as_json: bool) -> int:
+    """Run a study on the packs that are a garment with a body, and print it."""
+    from . import bench_ablate, bench_damage
     from .terminal import note, print_json
 
     lines: list[dict[str, Any]] = []
@@ -127,35 +150,43 @@ def _study_damage(packs: tuple[Pack, ...], timeout: float, as_json: bool) -> int
         if pack.body is None:
             note(f"{pack.name}: passed over, it is a dressed person's scan")
             continue
-        found, error = _run_study(pack, timeout)
+        order = {"pack": str(pack.folder.resolve())} | ({"preset": preset} if study is _ABLATION else {})
+        found, error = _run_study(study, order, timeout)
         if error is not None:
-            found.append(no_line(pack.name, "study", "default") | {"error": error})
+            no_line = bench_damage.empty_line(pack.name, "study", "default")
+            found.append((no_line if study is _DAMAGE else bench_ablate.empty_line(pack.name)) | {"error": error})
         lines += found
         for line in found:
             if as_json:
                 print_json(line)
     if not as_json and lines:
-        print_study(lines)
+        (bench_damage.print_study if study is _DAMAGE else bench_ablate.print_ablation)(lines)
     return exits.OK if lines and all(line["ok"] for line in lines) else exits.FAILED
 
 
-def _run_study(pack: Pack, timeout: float) -> tuple[list[dict[str, Any]], dict[str, str] | None]:
+def _run_study(
+    study: _Study, order: dict[str, Any], timeout: float
+) -> tuple[list[dict[str, Any]], dict[str, str] | None]:
     """Study one pack in a process of its own; give its lines, and an error where it did not come to its end."""
-    runs = 22  # eleven states of the target with two presets
-    with tempfile.TemporaryDirectory(prefix="garmentq-damage-") as folder:
-        order, lines, log = (Path(folder) / name for name in ("order.json", "lines.jsonl", "log.txt"))
-        order.write_text(json.dumps({"pack": str(pack.folder.resolve())}), encoding="utf-8")
-        process = [sys.executable, "-m", "garmentq.cli.bench_damage", str(order), str(lines)]
+    with tempfile.TemporaryDirectory(prefix="garmentq-study-") as folder:
+        given, lines, log = (Path(folder) / name for name in ("order.json", "lines.jsonl", "log.txt"))
+        given.write_text(json.dumps(order), encoding="utf-8")
+        process = [sys.executable, "-m", f"garmentq.cli.{study.module}", str(given), str(lines)]
         error = None
         try:
             with log.open("wb") as out:
-                ended = subprocess.run(process, stdout=out, stderr=out, timeout=runs * timeout, env=_environment())
+                ended = subprocess.run(
+                    process, stdout=out, stderr=out, timeout=study.runs * timeout, env=_environment()
+                )
             if ended.returncode != 0:
                 words = log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
                 message = ": ".join([f"the process ended with status {ended.returncode}", *words[-1:]])
                 error = {"code": "bench.crashed", "message": message}
         except subprocess.TimeoutExpired:
-            error = {"code": "bench.timed_out", "message": f"stopped after {runs * timeout:.0f} s; raise --timeout."}
+            error = {
+                "code": "bench.timed_out",
+                "message": f"stopped after {study.runs * timeout:.0f} s; raise --timeout.",
+            }
         written = lines.read_text(encoding="utf-8").splitlines() if lines.exists() else []
         return [json.loads(line) for line in written], error
 

@@ -1,10 +1,12 @@
 """Metrics, quality gates and the report."""
 
+from .chamfer import chamfer_and_normals
 from .contours import carry_contours
 from .damage import DAMAGES, Damage
 from .fit import measure_distance, measure_fit
-from .gates import judge, overall
+from .gates import PRODUCTS, judge, overall, product_of
 from .intersections import self_intersections
+from .knowledge import measure_knowledge
 from .matching import PanelPair, is_same_cut, match_panels
 from .packs import Pack, read_packs, read_true_mesh, read_true_pattern
 from .patterns import (
@@ -22,6 +24,7 @@ from .turning import turning_distance
 __all__ = [
     "DAMAGES",
     "PATTERN_METRICS",
+    "PRODUCTS",
     "Damage",
     "Pack",
     "PanelPair",
@@ -29,6 +32,7 @@ __all__ = [
     "TruePattern",
     "TrueSeam",
     "carry_contours",
+    "chamfer_and_normals",
     "closest_points",
     "is_same_cut",
     "judge",
@@ -36,12 +40,14 @@ __all__ = [
     "measure_distance",
     "measure_fabric",
     "measure_fit",
+    "measure_knowledge",
     "measure_panels",
     "measure_pattern",
     "measure_recovery",
     "measure_seams",
     "overall",
     "penetration_depth",
+    "product_of",
     "read_packs",
     "read_true_mesh",
     "read_true_pattern",

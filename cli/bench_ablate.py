@@ -1,0 +1,254 @@
+"""Switch off one part of the inverse loop or the deformer at a time, in a process of its own (thesis tables 3.4, 4.3).
+
+python -m garmentq.cli.bench_ablate ORDER.json LINES.jsonl
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from ..core.errors import GarmentqError
+from .terminal import print_table
+
+Line = dict[str, Any]
+
+SAMPLES = 10_000
+"""Samples of each surface for the distances: they then scatter by about a per cent."""
+
+
+@dataclass(frozen=True)
+class Switch:
+    """Name one part and what switches it off.
+
+    Attributes:
+        name: As the thesis' table has it; `ours` is everything on.
+        table: `3.4` (the inverse loop, dress) or `4.3` (the deformer, S01).
+        thesis: Chamfer distance [1e-3 m2] and normal similarity there.
+        descent: What changes in `InverseSettings`.
+        deforming: What changes in `DeformSettings`.
+        graded: False where the deformer starts from the drape of the base pattern.
+    """
+
+    name: str
+    table: str
+    thesis: tuple[float, float]
+    descent: dict[str, Any] = field(default_factory=dict)
+    deforming: dict[str, Any] = field(default_factory=dict)
+    graded: bool = True
+
+
+OURS = "ours"
+
+SWITCHES = (
+    Switch(OURS, "3.4", (0.110, 0.075)),
+    Switch("w/o curvature CF", "3.4", (0.115, 0.085), descent={"curvature": 0.0}),
+    Switch("w/o seam loss", "3.4", (0.117, 0.076), descent={"seam": 0.0}),
+    Switch("w/o physics", "3.4", (0.113, 0.081), descent={"fabric_rate": 0.0}),
+    Switch(OURS, "4.3", (0.047, 0.021)),
+    Switch("w/o linear grading", "4.3", (0.188, 0.106), graded=False),
+    Switch("w/o contour loss", "4.3", (0.088, 0.056), deforming={"contour": 0.0}),
+    Switch("w/o normal consistency", "4.3", (0.124, 0.173), deforming={"normal": 0.0}),
+    Switch("w/o bending loss", "4.3", (0.158, 0.052), deforming={"bending": 0.0}),
+)
+"""Every row of both tables. Without physics the later steps are taken all the same, with the fabric as it is."""
+
+
+def empty_line(target: str, switch: Switch | None = None) -> Line:
+    """Give the line of a run of which nothing is known yet."""
+    return {
+        "target": target,
+        "table": None if switch is None else switch.table,
+        "setting": None if switch is None else switch.name,
+        "ok": False,
+        "error": None,
+        "metrics": {},
+        "thesis": None if switch is None else dict(zip(KEY_METRICS, switch.thesis, strict=True)),
+        "cpu_seconds": None,
+    }
+
+
+KEY_METRICS = ("chamfer_vertex_m2e3", "normal_cosine")
+"""What the thesis' tables hold; of the simulation mesh in 3.4, of the detail mesh in 4.3."""
+
+
+def ablate_pack(order: dict[str, Any], write: Callable[[Line], None]) -> None:
+    """Recover a pack with everything on, and with each part off; hand each line to `write` as soon as it is known.
+
+    All runs share the body, the graded drape and its mesh.
+
+    Args:
+        order: `pack` (its folder), `preset` of the deformer, `tables`.
+        write: Called with each line.
+    """
+    from ..core.measure import read_packs
+
+    pack = read_packs(Path(order["pack"]))[0]
+    try:
+        stage = _Stage.of(pack, order["preset"])
+    except GarmentqError as error:
+        write(empty_line(pack.name) | {"error": {"code": error.code, "message": error.message}})
+        return
+    for switch in SWITCHES:
+        if switch.table in order["tables"]:
+            write(_run(stage, switch))
+
+
+def _run(stage: _Stage, switch: Switch) -> Line:
+    """Run one row; an error is in its line."""
+    started = time.process_time()
+    line = empty_line(stage.pack.name, switch)
+    try:
+        line["metrics"] = stage.descend(switch) if switch.table == "3.4" else stage.deform(switch)
+        line["ok"] = True
+    except GarmentqError as error:
+        line["error"] = {"code": error.code, "message": error.message}
+    except Exception as error:  # a bug in one row must not hide the others; the traceback goes to the log
+        traceback.print_exc()
+        line["error"] = {"code": "bench.exception", "message": f"{type(error).__name__}: {error}"}
+    line["cpu_seconds"] = time.process_time() - started
+    return line
+
+
+@dataclass(frozen=True)
+class _Stage:
+    """Hold what all rows of a pack share."""
+
+    pack: Any
+    base: Any
+    body: Any
+    target: Any
+    fabric: Any
+    graded: Any
+    ungraded: Any
+    preset: Any
+
+    @classmethod
+    def of(cls, pack: Any, preset: str) -> _Stage:
+        """Go as far as the graded drape, and drape the base pattern beside it."""
+        from ..core.deform import DeformSettings
+        from ..core.drape import Stand, drape_graded, drape_template
+        from ..core.grade import grade_pattern
+        from ..core.hooks import SILENT
+        from ..core.pipeline import GRADINGS, find_body, find_template, read_files
+        from ..core.recovery import Request
+        from ..core.segment import segment_garment
+        from ..core.settings import RecoverySettings
+        from ..core.simulate import get_fabric
+
+        settings = RecoverySettings()
+        request = Request(scan=pack.garment, body=pack.body, template=pack.template, settings=settings)
+        pieces = read_files(request)
+        body = find_body(request, pieces, SILENT)
+        target = segment_garment(pieces.garment, body)
+        base = find_template(request, target)[1]
+        stand, fabric, count = Stand.of(body), get_fabric(settings.fabric), settings.vertex_count
+        worn = drape_template(base, stand, target)
+        garment = worn
+        for _ in range(GRADINGS):
+            garment = grade_pattern(garment, target, body).garment
+        graded = drape_graded(garment, stand, fabric, target, vertex_count=count)[0]
+        ungraded = drape_graded(worn, stand, fabric, target, vertex_count=count)[0]
+        chosen = DeformSettings.thesis() if preset == "thesis" else DeformSettings()
+        return cls(pack, base, body, target, fabric, graded, ungraded, chosen)
+
+    def descend(self, switch: Switch) -> dict[str, float | None]:
+        """Run the inverse loop and measure its simulation mesh."""
+        from ..core.fit import InverseSettings, fit_inverse
+
+        settings = replace(InverseSettings(), **switch.descent)
+        found = fit_inverse(self.graded, self.target, self.base, self.fabric, self.body, settings=settings)
+        return self._measure(found.garment, found.simulation)
+
+    def deform(self, switch: Switch) -> dict[str, float | None]:
+        """Run the deformer and measure the detail mesh."""
+        from ..core.deform import deform
+
+        start = self.graded if switch.graded else self.ungraded
+        settings = replace(self.preset, **switch.deforming)
+        return self._measure(start, deform(start, self.target, self.body, settings=settings).nodes)
+
+    def _measure(self, garment: Any, nodes: Any) -> dict[str, float | None]:
+        """Measure nodes against the truth as it is in the file."""
+        from ..core.measure import (
+            chamfer_and_normals,
+            measure_distance,
+            measure_seams,
+            read_true_mesh,
+            self_intersections,
+        )
+        from ..core.scan import vertex_normals
+
+        truth = read_true_mesh(self.pack)
+        normals = (vertex_normals(nodes, garment.faces), vertex_normals(*truth))
+        chamfer, cosine = chamfer_and_normals(nodes, normals[0], truth[0], normals[1])
+        found = dict(zip(KEY_METRICS, (1e3 * chamfer, cosine), strict=True))
+        crossing = float(len(self_intersections(nodes, garment.faces)))
+        distances = measure_distance(nodes, garment.faces, *truth, samples=SAMPLES)
+        seams = {"seam_mismatch_mm": measure_seams(garment.pattern)["seam_mismatch_mm"]}
+        return {**found, **distances, **seams, "self_intersecting_faces": crossing}
+
+
+def print_ablation(lines: Sequence[Line]) -> None:
+    """Print both tables, the thesis' figures beside ours, and whether each row's direction is the thesis'."""
+    for table, title in (("3.4", "the inverse loop, simulation mesh"), ("4.3", "the deformer, detail mesh")):
+        rows: list[list[object]] = []
+        for line, holds in judge_rows([line for line in lines if line["table"] == table]):
+            shown = [*KEY_METRICS, "surface_rms_mm.s2t", "surface_rms_mm.t2s", "seam_mismatch_mm"]
+            values = [line["metrics"].get(name) for name in [*shown, "self_intersecting_faces"]]
+            numbers = [None if value is None else float(f"{value:.3g}") for value in values]
+            rows.append([line["target"], line["setting"], *numbers, *line["thesis"].values(), holds])
+        if rows:
+            columns = [
+                "target",
+                "setting",
+                "chamfer",
+                "normal",
+                "s2t",
+                "t2s",
+                "seams",
+                "cross.",
+                "thesis",
+                "normal",
+                "worse",
+            ]
+            print_table(columns, rows, title=f"Beside thesis table {table}: {title} (chamfer x 1e3 m2; mm)")
+    failed = [line for line in lines if line["error"]]
+    if failed:
+        rows = [[line["target"], line["setting"], line["error"]["code"], line["error"]["message"]] for line in failed]
+        print_table(["target", "setting", "error", "message"], rows, title="Failures")
+
+
+def judge_rows(lines: Sequence[Line]) -> Iterator[tuple[Line, str]]:
+    """Say for each row which of the two measures got worse without the part; in the thesis both do, in every row."""
+    ours = {line["target"]: line["metrics"] for line in lines if line["setting"] == OURS and line["ok"]}
+    for line in lines:
+        known = ours.get(line["target"])
+        if line["setting"] == OURS or not line["ok"] or known is None:
+            yield line, "" if line["ok"] else "failed"
+            continue
+        worse = [name for name in KEY_METRICS if line["metrics"][name] > known[name]]
+        words = {0: "neither", 1: "chamfer" if worse == [KEY_METRICS[0]] else "normal", 2: "both"}
+        yield line, words[len(worse)]
+
+
+def main(arguments: list[str]) -> None:
+    """Read an order, append its lines."""
+    order = {"preset": "default", "tables": ["3.4", "4.3"]} | json.loads(Path(arguments[0]).read_text(encoding="utf-8"))
+    with Path(arguments[1]).open("a", encoding="utf-8") as out:
+
+        def write(line: Line) -> None:
+            out.write(json.dumps(line, allow_nan=False) + "\n")
+            out.flush()
+
+        ablate_pack(order, write)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
