@@ -37,6 +37,21 @@ def _read(name: str) -> Callable[[Metrics], float | None]:
     return lambda metrics: metrics.get(name)
 
 
+def _first(*names: str) -> Callable[[Metrics], float | None]:
+    """Read the first of some metrics that was measured."""
+    return lambda metrics: next((metrics[name] for name in names if metrics.get(name) is not None), None)
+
+
+def _farther(name: str) -> Callable[[Metrics], float | None]:
+    """Read a distance that is measured both ways: the larger one."""
+
+    def value(metrics: Metrics) -> float | None:
+        ways = [way for way in (metrics.get(f"{name}.s2t"), metrics.get(f"{name}.t2s")) if way is not None]
+        return max(ways) if ways else None
+
+    return value
+
+
 def _percent_of_faces(name: str, beyond: str = "") -> Callable[[Metrics], float | None]:
     """Read a count as per cent of all faces, what another count had already left out."""
 
@@ -88,13 +103,30 @@ RULES = (
         "A scan's own contacts leave a few faces; from 3 % on a simulator will not start from this mesh.",
     ),
     Rule(
-        "drape_residual", _read("drape.residual"), 1.0, 100.0,
+        "simulation_fit", _farther("sim.surface_rms_mm"), 10.0, 30.0,
+        "The simulation mesh lies {value:.1f} mm (RMS) from the scan, or the scan from it",
+        "its folds fall elsewhere than the scan's; use the detail mesh where the shape counts.",
+        "Folds of one garment in two drapes differ by up to 10 mm; at 30 mm it hangs or stands out another way.",
+    ),
+    Rule(
+        "drape_residual", _first("redrape.residual", "drape.residual"), 1.0, 100.0,
         "The drape's least balanced node feels {value:.1f} times its own weight",
         "the drape is not at rest; settle it before simulating on. The detail mesh is judged by the surface fit.",
         "At 1 nothing moves more than its own weight would move it; 100 is the pull of tight cloth that slides.",
     ),
 )  # fmt: skip
 """Every gate, in the order of the report."""
+
+
+PRODUCTS = ("detail", "pattern", "drape")
+"""What a result consists of, and is judged by one at a time: a drape in unrest says nothing about the detail mesh."""
+
+_OTHER = {"seams": "pattern", "simulation_fit": "drape", "drape_residual": "drape"}
+
+
+def product_of(gate: str) -> str:
+    """Give which of `PRODUCTS` a gate judges, by the gate's name."""
+    return _OTHER.get(gate, "detail")
 
 
 def judge(metrics: Metrics) -> tuple[Gate, ...]:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
-from garmentq.core.measure import judge, overall
+from garmentq.core.measure import PRODUCTS, judge, measure_knowledge, overall, product_of
 from garmentq.core.measure.gates import RULES
+from garmentq.core.simulate import FabricEstimate
 
 GOOD = {
     "faces": 8000.0,
@@ -16,6 +18,8 @@ GOOD = {
     "self_intersecting_faces": 10.0,
     "graded.self_intersecting_faces": 10.0,
     "drape.residual": 0.001,
+    "sim.surface_rms_mm.s2t": 3.0,
+    "sim.surface_rms_mm.t2s": 4.0,
 }
 
 
@@ -42,6 +46,8 @@ def test_a_good_result_passes_every_gate() -> None:
         ("flipped_faces", "flips", 100.0, 400.0),
         ("self_intersecting_faces", "self_intersections", 100.0, 400.0),
         ("drape__residual", "drape_residual", 15.0, 500.0),
+        ("sim__surface_rms_mm__s2t", "simulation_fit", 12.0, 40.0),
+        ("sim__surface_rms_mm__t2s", "simulation_fit", 12.0, 40.0),
     ],
 )
 def test_each_gate_warns_then_fails(metric: str, gate: str, warns: float, fails: float) -> None:
@@ -54,6 +60,36 @@ def test_what_was_not_measured_is_not_judged() -> None:
     """Fails if a missing number passed for a good one."""
     assert "penetration" not in verdicts(body_penetration_mm=None)
     assert judge({}) == ()
+
+
+def test_the_drape_that_counts_is_judged() -> None:
+    """Fails if an intermediate drape in unrest spoilt a result whose last drape rests, or the other way round."""
+    assert verdicts(drape__residual=500.0, redrape__residual=0.5)["drape_residual"] == "pass"
+    assert verdicts(redrape__residual=500.0)["drape_residual"] == "fail"
+
+
+def test_every_gate_judges_one_product() -> None:
+    """Fails if an unsettled drape counted against the detail mesh, or the seams against the drape."""
+    products = {rule.name: product_of(rule.name) for rule in RULES}
+    assert set(products.values()) == set(PRODUCTS)
+    assert products["drape_residual"] == products["simulation_fit"] == "drape"
+    assert products["seams"] == "pattern"
+    assert products["surface_fit_s2t"] == products["penetration"] == "detail"
+
+
+def test_what_is_known_are_flat_numbers() -> None:
+    """Fails if a value that was not found were given as one, or a deviation were in metres."""
+    estimates = (
+        FabricEstimate("k", 2e-5, 0.3, 1.9, True, "found"),
+        FabricEstimate("H00", 300.0, 0.7, 0.7, False, "left open"),
+    )
+    found = measure_knowledge(estimates, np.array([[0.001, 0.003]]))
+    assert found == {
+        "fabric.k": 2e-5, "fabric.k.std": 0.3, "fabric.k.identifiable": 1.0,
+        "fabric.H00": None, "fabric.H00.std": 0.7, "fabric.H00.identifiable": 0.0,
+        "pattern.point_std_mm.mean": pytest.approx(2.0), "pattern.point_std_mm.max": pytest.approx(3.0),
+    }  # fmt: skip
+    assert measure_knowledge(()) == {}
 
 
 def test_a_number_that_is_none_fails() -> None:
