@@ -5,6 +5,7 @@ from .contours import name_contours
 from .garment import NoContour, segment_garment
 from .inspect import Inspection, inspect_file
 from .loop import find_loops, resample_loop, smooth_loop, smoothed_length
+from .noise import smooth_noise
 from .target import CATEGORIES, CONTOUR_NAMES, Contour, Target
 
 __all__ = [
@@ -21,5 +22,6 @@ __all__ = [
     "resample_loop",
     "segment_garment",
     "smooth_loop",
+    "smooth_noise",
     "smoothed_length",
 ]

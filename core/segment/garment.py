@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..body import Body
 from ..errors import BadInput
 from ..scan import Scan, vertex_normals
 from .category import choose_category
 from .contours import name_contours
+from .loop import smoothed_length
+from .noise import smooth_noise
 from .target import Target
 
 
@@ -17,7 +21,10 @@ class NoContour(BadInput):
 
 
 def segment_garment(scan: Scan, body: Body) -> Target:
-    """Name the contours of a scanned garment and choose its category.
+    """Name the contours of a scanned garment, choose its category, and take off what is noise.
+
+    Noise as large as half an edge makes a surface up to twice as large and its contours longer: a pattern graded to it
+    would be too large, and fold. So what grading, drape and deformer see is the smoothed surface.
 
     Raises:
         NoContour: where no open boundary encircles a bone.
@@ -28,10 +35,13 @@ def segment_garment(scan: Scan, body: Body) -> Target:
         raise NoContour(
             f"{scan.name} has no open contour: {found}; give one open surface (no thickness), worn by the given body."
         )
+    vertices, noise = smooth_noise(scan.vertices, scan.faces)
+    if noise > 0.0:
+        contours = tuple(replace(c, length=smoothed_length(vertices[c.vertices])) for c in contours)
     return Target(
-        vertices=scan.vertices,
+        vertices=vertices,
         faces=scan.faces,
-        normals=vertex_normals(scan.vertices, scan.faces),
+        normals=vertex_normals(vertices, scan.faces),
         contours=contours,
         holes=holes,
         category=choose_category(contours, scan.vertices, body),
