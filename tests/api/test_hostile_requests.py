@@ -3,57 +3,18 @@
 from __future__ import annotations
 
 import http.client
-import json
 import os
 import socket
-import struct
 import time
 from dataclasses import replace
 
 import httpx
 import pytest
 from api_client import LIMITS, serving
-from api_work import FACES, HEADER, ask, code_of, finish, make_key, make_ply, upload
+from api_work import ask, code_of, finish, make_key, make_ply, upload
+from bad_files import FILES, PICKLES
 from garmentq.service.api.server import AddressPublic, serve
 from garmentq.service.settings import CHECKER
-
-POINTS = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
-TRIANGLES = "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
-BINARY = HEADER.replace("ascii", "binary_little_endian")
-
-
-def glb(document: dict) -> bytes:
-    """Pack a glTF document without a binary part."""
-    text = json.dumps(document).encode()
-    text += b" " * (-len(text) % 4)
-    return struct.pack("<4sII", b"glTF", 2, 20 + len(text)) + struct.pack("<I4s", len(text), b"JSON") + text
-
-
-TETRAHEDRON = (HEADER + FACES).format(4, 4)
-FILES = {
-    "binary_4e9_vertices.ply": (BINARY.format(4_000_000_000) + FACES.format(1)).encode() + bytes(48),
-    "binary_2e8_faces.ply": (BINARY.format(3) + FACES.format(200_000_000)).encode() + bytes(49),
-    "ascii_4e9_vertices.ply": (HEADER.format(4_000_000_000) + FACES.format(4) + POINTS + TRIANGLES).encode(),
-    "index_too_large.ply": (TETRAHEDRON + POINTS + TRIANGLES.replace("1 2 3", "1 2 999999999")).encode(),
-    "index_negative.ply": (TETRAHEDRON + POINTS + TRIANGLES.replace("1 2 3", "1 2 -7")).encode(),
-    "not_finite.ply": (TETRAHEDRON + POINTS.replace("0 0 1", "nan inf 1e38") + TRIANGLES).encode(),
-    "truncated.ply": (BINARY.format(1000) + FACES.format(1000)).encode() + bytes(600),
-    "count_ffffffff.stl": bytes(80) + b"\xff\xff\xff\xff" + bytes(50),
-    "index_out_of_range.obj": b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99\n",
-    "accessor_4e9.glb": glb(
-        {"asset": {"version": "2.0"}, "accessors": [{"count": 4 * 10**9, "type": "VEC3", "componentType": 5126}]}
-    ),
-    "outside.glb": glb({"asset": {"version": "2.0"}, "buffers": [{"uri": "../../secret", "byteLength": 36}]}),
-    "outside.gltf": b'{"asset": {"version": "2.0"}, "buffers": [{"uri": "../../secret", "byteLength": 36}]}',
-    "4e9_vertices.off": b"OFF\n4000000000 1 0\n0 0 0\n3 0 0 0\n",
-    "bomb.3mf": b"PK\x03\x04" + bytes(60),
-    "entity.dae": b'<?xml version="1.0"?><!DOCTYPE a [<!ENTITY x SYSTEM "file:///etc/passwd">]><a>&x;</a>',
-    "entity.svg": b'<!DOCTYPE s [<!ENTITY x SYSTEM "file:///etc/passwd">]><svg>&x;</svg>',
-    "wrong_content.stl": b"ply\nformat ascii 1.0\n",
-    "empty.ply": b"",
-    "pickle.npz": b"\x80\x04cos\nsystem\n",
-    "none": b"nothing",
-}  # fmt: skip
 
 
 @pytest.fixture
@@ -64,8 +25,9 @@ def strict(settings):
 
 
 @pytest.mark.slow
-def test_bad_files_are_refused_in_time(strict, settings):
+def test_bad_files_are_refused_in_time(strict, settings, tmp_path, monkeypatch):
     """Broken where a bad file becomes a job, a fault, or a long wait, or leaves something behind."""
+    monkeypatch.chdir(tmp_path)
     body = upload(strict, -0.5, "bodies", "body.ply")
     for name, content in FILES.items():
         start = time.monotonic()
@@ -75,8 +37,14 @@ def test_bad_files_are_refused_in_time(strict, settings):
         seconds = time.monotonic() - start
         assert 400 <= answer.status_code < 500, (name, answer.text)
         assert code_of(answer).startswith(("scan.", "upload.")), (name, answer.text)
-        assert seconds < 6.0, (name, seconds)  # 2 s on an idle machine; the tests may share theirs
+        assert seconds < 10.0, (name, seconds)  # docs/api.md has what was measured; the tests may share their machine
         assert str(settings.home) not in answer.text and "Traceback" not in answer.text, name
+    scan = strict.post("/v1/scans", params={"name": "good.ply"}, content=make_ply()).json()["sha256"]
+    for name, content in PICKLES.items():
+        labels = strict.post("/v1/labels", params={"name": name}, content=content).json()["sha256"]
+        answer = strict.post("/v1/jobs", json={"scan": scan, "labels": labels, "settings": {"keep": "1"}})
+        assert answer.status_code == 422 and code_of(answer).startswith("scan."), (name, answer.text)
+        assert not (tmp_path / "pickled").exists(), name
     assert strict.get("/v1/jobs").json()["jobs"] == []
     assert list((settings.home / "incoming").iterdir()) == []
     assert strict.get("/healthz").status_code == 200

@@ -119,10 +119,16 @@ def test_open_jobs(settings, database, store, tmp_path):
         assert client.post(f"/v1/jobs/{first}/retry", headers=key).status_code == 202
 
 
-def test_limits_come_from_the_environment():
+def test_limits_come_from_the_environment(cli, monkeypatch):
     """Broken where an operator cannot change a limit, or a misspelt number is taken for the default."""
     read = read_limits({"GARMENTQ_API_BURST": "7", "GARMENTQ_API_REQUESTS_PER_SECOND": "0.5", "GARMENTQ_API_KEY": "x"})
     assert read == replace(ApiLimits(), burst=7, requests_per_second=0.5)
+    chosen = []
+    monkeypatch.setattr("garmentq.service.api.server.serve", lambda *given: chosen.append(given[-1]))
+    assert cli("serve", GARMENTQ_API_BURST="7", GARMENTQ_API_UPLOAD_BYTES="9").returncode == 0
+    assert cli("serve", "--max-upload-mb", "3", GARMENTQ_API_UPLOAD_BYTES="9").returncode == 0
+    assert chosen == [replace(ApiLimits(), burst=7, upload_bytes=9), replace(ApiLimits(), upload_bytes=3 << 20)]
+    assert cli("serve", GARMENTQ_API_BURST="x").returncode == 2
     for text in ("seven", "0", "-1", "inf", "nan"):
         with pytest.raises(ServiceSettingBad) as error:
             read_limits({"GARMENTQ_API_REQUESTS_PER_SECOND": text})
