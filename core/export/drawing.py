@@ -23,6 +23,12 @@ PALETTE = ("#2f6f9f", "#c2571a", "#3d8b4f", "#8f4b9b", "#b8860b", "#c0395b", "#2
 
 CURVE_SEGMENTS = 24
 
+LONG_ENOUGH = 0.06
+"""Edges shorter than this [m] carry no length: the number would be longer than they are."""
+
+ROOMY = 0.10
+"""Panels narrower than this [m] carry their name alone."""
+
 
 def pattern_drawing(pattern: Pattern) -> str:
     """Give an inline SVG of the pattern at 1:10; both sides of a seam have one colour and one number."""
@@ -35,17 +41,17 @@ def pattern_drawing(pattern: Pattern) -> str:
     height = float((corners[:, 1] + sizes[:, 1]).max()) + GAP
     sides = {side: n for n, seam in enumerate(pattern.seams) for side in (seam.a, seam.b)}
     parts = []
-    for panel, lines, origin, place in zip(pattern.panels, outlines, low, corners, strict=True):
+    for panel, lines, origin, place, size in zip(pattern.panels, outlines, low, corners, sizes, strict=True):
         drawn = [_to_page(line - origin + place, height) for line in lines]
         parts.append(f'<path class="cloth" d="{_path(np.concatenate([line[:-1] for line in drawn]))} Z"/>')
         for index, line in enumerate(drawn):
             parts.append(_edge(line, sides.get(EdgeRef(panel.name, index))))
         middle = _to_page(_middle(np.concatenate([line[:-1] for line in lines])) - origin + place, height)
-        parts.append(f'<text class="name" x="{middle[0]:.1f}" y="{middle[1]:.1f}">{escape(panel.name)}</text>')
+        parts.append(_name(panel.name, middle, size))
     parts.append(_scale_bar(height * 1e3))
-    size = f'width="{width * 1e3 / SCALE:.1f}mm" height="{height * 1e3 / SCALE:.1f}mm"'
+    sheet = f'width="{width * 1e3 / SCALE:.1f}mm" height="{height * 1e3 / SCALE:.1f}mm"'
     box = f'viewBox="0 0 {width * 1e3:.0f} {height * 1e3:.0f}"'
-    return f'<svg xmlns="http://www.w3.org/2000/svg" class="pattern" {size} {box}>{"".join(parts)}</svg>'
+    return f'<svg xmlns="http://www.w3.org/2000/svg" class="pattern" {sheet} {box}>{"".join(parts)}</svg>'
 
 
 def _segments(kind: str) -> int:
@@ -71,7 +77,7 @@ def _middle(outline: np.ndarray) -> np.ndarray:
 def _edge(line: np.ndarray, seam: int | None) -> str:
     """Draw one edge: an open one thick and dark, a seam in its colour with its number beside its middle."""
     if seam is None:
-        return f'<path class="open" d="{_path(line)}"/>'
+        return f'<path class="open" d="{_path(line)}"/>' + _length(line, "#1d2733")
     colour = PALETTE[seam % len(PALETTE)]
     half = len(line) // 2
     before, after = line[half - 1], line[half]
@@ -81,7 +87,35 @@ def _edge(line: np.ndarray, seam: int | None) -> str:
     return (
         f'<path class="seam" stroke="{colour}" d="{_path(line)}"/>'
         f'<text class="seam-number" fill="{colour}" x="{label[0]:.1f}" y="{label[1]:.1f}">{seam + 1}</text>'
-    )
+    ) + _length(line, colour)
+
+
+def _name(name: str, middle: np.ndarray, size: np.ndarray) -> str:
+    """Write a panel's name, and its width and height [cm] below where there is room."""
+    x, y = middle
+    if size.min() < ROOMY:
+        return f'<text class="name small" x="{x:.1f}" y="{y:.1f}">{escape(name)}</text>'
+    text = f'<text class="name" x="{x:.1f}" y="{y:.1f}">{escape(name)}</text>'
+    width, height = 100.0 * size
+    return text + f'<text class="size" x="{x:.1f}" y="{y + 26.0:.1f}">{width:.1f} × {height:.1f} cm</text>'
+
+
+def _length(line: np.ndarray, colour: str) -> str:
+    """Write an edge's length [cm] outside it, along it; short edges carry none."""
+    steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
+    length = float(steps.sum())
+    if length < 1e3 * LONG_ENOUGH:
+        return ""
+    arc = np.concatenate([[0.0], np.cumsum(steps)])
+    # A quarter along, where no seam's number is.
+    at, ahead = (np.array([np.interp(s * length, arc, line[:, k]) for k in range(2)]) for s in (0.25, 0.3))
+    along = (ahead - at) / max(float(np.linalg.norm(ahead - at)), 1e-9)
+    place = at + 13.0 * np.array([-along[1], along[0]])
+    angle = float(np.degrees(np.arctan2(along[1], along[0])))
+    angle = angle - 180.0 if angle > 90.0 else angle + 180.0 if angle < -90.0 else angle
+    x, y = place
+    turn = f'transform="rotate({angle:.1f} {x:.1f} {y:.1f})"'
+    return f'<text class="length" fill="{colour}" x="{x:.1f}" y="{y:.1f}" {turn}>{length / 10.0:.1f}</text>'
 
 
 def _scale_bar(bottom: float) -> str:

@@ -9,17 +9,31 @@ from typing import Any
 
 import numpy as np
 
-from ..measure import overall
+from ..measure import PRODUCTS, overall, product_of
 from ..pattern import edge_length, panel_area, panel_outline
 from ..recovery import Recovery
+from ..simulate import FabricEstimate
 from .drawing import SCALE, pattern_drawing
 from .views import STOPS, render_views
 
 VERDICTS = {
-    "pass": "All checks passed",
-    "warn": "Usable, with remarks",
-    "fail": "Look before you use it",
+    "detail": {
+        "pass": "Detail mesh: lies on the scan",
+        "warn": "Detail mesh: usable, with remarks",
+        "fail": "Detail mesh: look before you use it",
+    },
+    "pattern": {
+        "pass": "Pattern: seams match",
+        "warn": "Pattern: seams nearly match",
+        "fail": "Pattern: seams do not match",
+    },
+    "drape": {
+        "pass": "Drape: at rest",
+        "warn": "Drape: usable, with remarks",
+        "fail": "Drape: settle it before simulating on",
+    },
 }
+"""The headline says of each product how it was judged: a drape in unrest says nothing about the detail mesh."""
 
 TITLES = {
     "surface_rms_mm.s2t": "Distance, result to scan, RMS [mm]",
@@ -41,16 +55,37 @@ TITLES = {
     "vertices": "Vertices",
     "faces": "Faces",
     "body.fit_rms_mm": "Body model to the given body, RMS [mm]",
-    "drape.residual": "Drape: largest force on a node [its weight]",
-    "drape.iterations": "Drape: Newton iterations",
+    "residual": "Largest force left on a node [its weight]",
+    "iterations": "Newton iterations to rest",
+    "drape.residual": "Graded drape: largest force left on a node [its weight]",
+    "drape.iterations": "Graded drape: Newton iterations",
 }
 """Names of metrics for people, in the order of the table; others follow under their own names."""
 
 COLUMNS = (("", "Detail mesh"), ("sim.", "Simulation mesh"), ("redrape.", "Re-draped"), ("graded.", "Graded drape"))
 
 
+MESHES = (
+    ("", "Detail mesh", "the scan's own folds, on the pattern: to look at, and to texture"),
+    ("sim.", "Simulation mesh", "the pattern at rest, started from the scan's folds: to simulate on from here"),
+    ("redrape.", "Re-draped", "the pattern dressed anew from its rest placement: what the pattern alone gives"),
+    ("graded.", "Graded drape", "the first pattern, draped before it met the scan's folds"),
+)
+"""Prefix of the metrics, name and purpose of each mesh; all have one topology."""
+
 UNITS = {"H00": "N/m", "H01": "N/m", "H11": "N/m", "H22": "N/m", "k": "N m", "density": "kg/m²"}
 """Units of the fabric's parameters."""
+
+
+MEANINGS = {
+    "H00": "stretch along the weft",
+    "H01": "coupling of weft and warp",
+    "H11": "stretch along the warp",
+    "H22": "shear",
+    "k": "bending",
+    "density": "weight",
+}
+"""What each parameter resists."""
 
 
 def report_html(recovery: Recovery) -> str:
@@ -84,7 +119,12 @@ def number(value: Any) -> str:
 
 
 def _header(recovery: Recovery) -> str:
-    verdict = overall(recovery.gates)
+    of_product = {name: [g for g in recovery.gates if product_of(g.name) == name] for name in PRODUCTS}
+    verdicts = "".join(
+        f'<span class="verdict {overall(tuple(gates))}">{VERDICTS[name][overall(tuple(gates))]}</span>'
+        for name, gates in of_product.items()
+        if gates
+    )
     facts = (
         ("Category", recovery.target.category),
         ("Template", recovery.template),
@@ -97,17 +137,19 @@ def _header(recovery: Recovery) -> str:
     notes = "".join(f"<li>{escape(text)}</li>" for text in recovery.warnings)
     return (
         f'<header><p class="brand">garmentq · recovery report</p><h1>{escape(recovery.scan.name)}</h1>'
-        f'<p class="verdict {verdict}">{VERDICTS[verdict]}</p><dl class="facts">{cells}</dl></header>'
+        f'<p class="verdicts">{verdicts}</p><dl class="facts">{cells}</dl></header>'
         + (f'<section class="notes"><h2>Remarks</h2><ul>{notes}</ul></section>' if notes else "")
     )
 
 
 def _pictures(recovery: Recovery) -> str:
     views, end = render_views(recovery)
-    heads = ("Scan", "Recovered garment", "Distance to the scan")
+    heads = ["Scan", "Detail mesh", "Distance, detail to scan"]
+    if views[0].simulation:
+        heads.append("Simulation mesh")
     rows = ['<div class="head"></div>' + "".join(f'<div class="head">{head}</div>' for head in heads)]
     for view in views:
-        pictures = zip(heads, (view.scan, view.result, view.error), strict=True)
+        pictures = zip(heads, filter(None, (view.scan, view.result, view.error, view.simulation)), strict=True)
         rows.append(f'<div class="side">{view.title}</div>')
         rows += [
             f'<img alt="{head}, {view.title.lower()}" src="data:image/png;base64,{data}">' for head, data in pictures
@@ -118,15 +160,31 @@ def _pictures(recovery: Recovery) -> str:
         f'<div class="colours"><div class="bar" style="background:linear-gradient(90deg, {stops})"></div>'
         f'<div class="ticks">{ticks}</div></div>'
     )
-    return f'<section><h2>Fit</h2><div class="pictures">{"".join(rows)}</div>{bar}</section>'
+    grid = f'<div class="pictures">{"".join(rows)}</div>'
+    return f'<section style="--columns:{len(heads)}"><h2>Fit</h2>{grid}{bar}{_meshes(recovery)}</section>'
+
+
+def _meshes(recovery: Recovery) -> str:
+    """Say what each mesh is for, and how far from the scan it lies."""
+    rows = []
+    for prefix, name, use in MESHES:
+        ways = [recovery.metrics.get(f"{prefix}surface_rms_mm.{way}") for way in ("s2t", "t2s")]
+        if any(way is not None for way in ways):
+            there, back = (number(way) for way in ways)
+            rows.append(f"<tr><td>{name}</td><td class=num>{there} / {back}</td><td>{use}</td></tr>")
+    head = "<tr><th>Mesh</th><th class=num>To the scan / back, RMS [mm]</th><th>What it is</th></tr>"
+    return f'<table class="meshes">{head}{"".join(rows)}</table>' if rows else ""
 
 
 def _gates(recovery: Recovery) -> str:
     rows = "".join(
         f'<tr><td><span class="badge {escape(gate.verdict)}">{escape(gate.verdict)}</span></td>'
-        f"<td class=check>{escape(gate.name.replace('_', ' '))}</td><td class=num>{number(gate.value)}</td>"
+        f"<td class=check>{product_of(gate.name)}: {escape(gate.name.replace('_', ' '))}</td>"
+        f"<td class=num>{number(gate.value)}</td>"
         f"<td class=num>{number(gate.limit)}</td><td>{escape(gate.message)}</td></tr>"
+        for product in PRODUCTS
         for gate in recovery.gates
+        if product_of(gate.name) == product
     )
     head = (
         "<tr><th></th><th>Check</th><th class=num>Value</th><th class=num>Fails above</th><th>What it means</th></tr>"
@@ -150,7 +208,7 @@ def _pattern(recovery: Recovery) -> str:
     )
     return (
         f'<section class="page"><h2>Pattern</h2><p class="hint">Drawn 1:{SCALE} when printed at full size, net lines '
-        "without seam allowance. Edges of one colour and number are sewn together; dark edges stay open. "
+        "without seam allowance. Edges of one colour and number are sewn together; dark edges stay open. Lengths: cm. "
         f'pattern.svg holds the same at true scale.</p><div class="sheet">{pattern_drawing(recovery.pattern)}</div>'
         f"<table>{head}{''.join(rows)}</table></section>"
     )
@@ -162,11 +220,15 @@ def _fabric(recovery: Recovery) -> str:
         return ""
     rows = []
     for each in recovery.estimates:
-        low, high = each.value * np.exp(-each.std), each.value * np.exp(each.std)
-        told = f"{each.value:.1e} ({low:.1e} to {high:.1e})" if each.identifiable else "not identifiable"
+        told, sure = "–", "not identifiable"
+        if each.identifiable:
+            low, high = each.value * np.exp(-each.std), each.value * np.exp(each.std)
+            told = f"{each.value:.1e} {UNITS[each.name]}<br><small>{low:.1e} to {high:.1e}</small>"
+            sure = "identified"
         rows.append(
-            f"<tr><td>{escape(each.name)}</td><td>{told} {UNITS[each.name] if each.identifiable else ''}</td>"
-            f"<td>{escape(each.note)}</td></tr>"
+            f"<tr><td><b>{escape(each.name)}</b><br><small>{MEANINGS.get(each.name, '')}</small></td>"
+            f"<td><span class='badge {'pass' if each.identifiable else 'open'}'>{sure}</span></td>"
+            f"<td class=num>{told}</td><td>{_narrowing(each)}</td><td>{escape(each.note)}</td></tr>"
         )
     points = ""
     if recovery.point_std is not None:
@@ -174,12 +236,24 @@ def _fabric(recovery: Recovery) -> str:
         points = (
             f" Control points are known to {mean:.1f} mm on average, {most:.1f} mm at worst (one standard deviation)."
         )
+    head = "<tr><th>Parameter</th><th></th><th class=num>Value</th><th>Known from the drape</th><th>How</th></tr>"
     return (
         "<section><h2>Fabric</h2><p class='hint'>A drape at rest fixes only ratios to the cloth's weight; values hold "
         f"for {1e3 * recovery.fabric.density:.0f} g/m². Nearest named fabrics: "
         f"{escape(', '.join(recovery.nearest_fabrics))}."
-        f"{points}</p><table><tr><th>Parameter</th><th>Value</th><th>How it is known</th></tr>{''.join(rows)}</table>"
-        "</section>"
+        f"{points}</p><table>{head}{''.join(rows)}</table></section>"
+    )
+
+
+def _narrowing(estimate: FabricEstimate) -> str:
+    """Draw how much of what one believes of cloth in general a drape leaves open: the posterior over the prior."""
+    left = 100.0 * min(1.0, estimate.std / max(estimate.prior_std, 1e-12))
+    factor = f"within a factor {np.exp(estimate.std):.1f}" if estimate.identifiable else "open"
+    if not estimate.identifiable and left < 50.0:
+        factor = "narrowed, not fitted"
+    return (
+        f'<span class="prior" title="bar: the prior; filled: what the drape leaves of it">'
+        f'<i style="width:{left:.0f}%"></i></span><small>{factor}</small>'
     )
 
 
@@ -188,6 +262,8 @@ def _numbers(recovery: Recovery) -> str:
     prefixes = [prefix for prefix, _ in COLUMNS if prefix]
     bases: dict[str, None] = dict.fromkeys(TITLES)
     for name in sorted(metrics):
+        if name.startswith(("fabric.", "pattern.point_std_mm")):
+            continue  # the section on the fabric says it
         prefix = next((prefix for prefix in prefixes if name.startswith(prefix)), "")
         bases[name.removeprefix(prefix)] = None
     shown = [(p, t) for p, t in COLUMNS if not p or any(name.startswith(p) for name in metrics)]

@@ -19,7 +19,8 @@ SLIMMEST, WIDEST = 1.5, 0.85
 SKIN = np.array([0.90, 0.85, 0.80])
 SCANNED = np.array([0.62, 0.66, 0.70])
 CLOTH = np.array([0.40, 0.58, 0.74])
-"""Colours: skin pale, so that the cloth leads; the scan grey as clay; the result blue."""
+DRAPED = np.array([0.48, 0.66, 0.58])
+"""Colours: skin pale, so that the cloth leads; the scan grey as clay; the result blue; the simulation mesh green."""
 
 STOPS = (
     (0.00, (0.90, 0.92, 0.90)),
@@ -36,12 +37,13 @@ LEAST_RANGE_MM = 5.0
 
 @dataclass(frozen=True)
 class View:
-    """Hold one row of pictures, each a PNG as base64 text."""
+    """Hold one row of pictures, each a PNG as base64 text; `simulation` is empty where the method makes none."""
 
     title: str
     scan: str
     result: str
     error: str
+    simulation: str = ""
 
 
 def colour_of(fraction: np.ndarray) -> np.ndarray:
@@ -64,6 +66,9 @@ def render_views(recovery: Recovery) -> tuple[tuple[View, ...], float]:
     scanned = Surface(scan.vertices, scan.faces, SCANNED if scan.colours is None else scan.colours)
     result = Surface(recovery.detail, faces, CLOTH)
     error = Surface(recovery.detail, faces, colour_of(np.minimum(millimetres / end, 1.0)))
+    shown = [scanned, result, error]
+    if recovery.simulation is not None:
+        shown.append(Surface(recovery.simulation, faces, DRAPED))
     both = np.concatenate([recovery.target.vertices, recovery.detail])
     low, high = both.min(axis=0), both.max(axis=0)
     aspect = (high[1] - low[1]) / max(float(np.hypot(high[0] - low[0], high[2] - low[2])), 1e-6)
@@ -71,6 +76,6 @@ def render_views(recovery: Recovery) -> tuple[tuple[View, ...], float]:
     views = []
     for title, turn in (("Front", np.eye(3)), ("Back", np.diag([-1.0, 1.0, -1.0]))):
         camera = aim(both, turn @ body.heading, WIDTH, height)
-        pictures = [png_base64(draw([person, surface], camera)) for surface in (scanned, result, error)]
+        pictures = [png_base64(draw([person, surface], camera)) for surface in shown]
         views.append(View(title, *pictures))
     return tuple(views), end

@@ -14,9 +14,11 @@ import pytest
 import trimesh
 from garmentq.core.body import JOINTS
 from garmentq.core.export import plain, report_html, write_recovery
+from garmentq.core.measure import judge
 from garmentq.core.pattern import load_pattern
-from garmentq.core.recovery import Gate
+from garmentq.core.recovery import Gate, Recovery
 from garmentq.core.scan import Scan
+from garmentq.core.simulate import FabricEstimate
 from PIL import Image
 
 HOSTILE = "\"><script>alert(1)</script><img src=x onerror='a()'>"
@@ -152,6 +154,72 @@ def test_the_pattern_is_drawn_one_to_ten(html: str) -> None:
     outline = re.search(r'class="cloth" d="M ([^Z]+) Z"', html).group(1)
     points = np.array([[float(x) for x in point.split()] for point in outline.split(" L ")])
     assert np.ptp(points, axis=0) == pytest.approx([1e3 * np.pi * 0.15, 300.0], abs=0.2)
+
+
+@pytest.fixture(scope="module")
+def fitted(tube_recovery) -> Recovery:
+    """Give a recovery as the fit through the simulator leaves it: bending found, an unsettled drape."""
+    recovery = tube_recovery()
+    estimates = (
+        FabricEstimate("k", 2.345e-5, 0.3, 1.9, True, "fitted"),
+        FabricEstimate("H00", 777.0, 0.6, 0.7, False, "the drape leaves it open"),
+        FabricEstimate("density", 0.1234, 0.5, 0.5, False, "only ratios to it <b>"),
+    )
+    metrics = recovery.metrics | {
+        "sim.surface_rms_mm.s2t": 5.0, "sim.surface_rms_mm.t2s": 6.0, "redrape.residual": 1e4, "fabric.k": 2.345e-5,
+        "surface_rms_mm.s2t": 0.4, "surface_rms_mm.t2s": 0.5,
+    }  # fmt: skip
+    return tube_recovery(
+        simulation=recovery.graded, redraped=recovery.graded, estimates=estimates, metrics=metrics,
+        gates=judge(metrics), nearest_fabrics=("silk_chiffon", "denim"), point_std=np.full((8, 2), 0.004),
+    )  # fmt: skip
+
+
+def test_fabric_is_told_without_false_digits(fitted: Recovery) -> None:
+    """Fails if a value that no drape tells were printed as found, or a found one without its range."""
+    section = re.search(r"<h2>Fabric</h2>.*?</section>", report_html(fitted), re.DOTALL).group()
+    assert "2.3e-05 N m" in section and "1.7e-05 to 3.2e-05" in section
+    assert section.count("not identifiable") == 2
+    assert "777" not in section and "1.2e-01" not in section
+    assert "silk_chiffon, denim" in section
+    assert "4.0 mm on average" in section
+    assert "only ratios to it &lt;b&gt;" in section
+
+
+def test_the_headline_tells_the_products_apart(fitted: Recovery) -> None:
+    """Fails if a drape in unrest painted the detail mesh red, or its own verdict were hidden."""
+    html = report_html(fitted)
+    verdicts = re.findall(r'<span class="verdict (\w+)">([^<]+)', html)
+    assert [word.split(":")[0] for _, word in verdicts] == ["Detail mesh", "Pattern", "Drape"]
+    assert [verdict for verdict, _ in verdicts] == ["pass", "pass", "fail"]
+
+
+def test_the_simulation_mesh_is_shown(fitted: Recovery) -> None:
+    """Fails if the report of a fit kept the simulation mesh or the new drape to itself."""
+    html = report_html(fitted)
+    assert sum(tag == "img" for tag, _ in parse(html).seen) == 8
+    meshes = re.search(r'<table class="meshes">.*?</table>', html, re.DOTALL).group()
+    assert "5 / 6" in meshes and "Graded drape" in meshes
+
+
+def test_what_the_fit_knows_is_a_file(fitted: Recovery, tmp_path: Path) -> None:
+    """Fails if fit.json lost a parameter, its verdict or a panel's control points, or were written without a fit."""
+    write_recovery(fitted, tmp_path)
+    found = json.loads((tmp_path / "fit.json").read_text())
+    assert found["fabric"]["k"] == {
+        "value": 2.345e-5, "std": 0.3, "prior_std": 1.9, "identifiable": True, "note": "fitted",
+    }  # fmt: skip
+    assert [found["fabric"][name]["identifiable"] for name in ("H00", "density")] == [False, False]
+    assert found["nearest_fabrics"] == ["silk_chiffon", "denim"]
+    assert np.shape(found["control_point_std_m"]["front"]) == (4, 2)
+    assert found["std_is_of"] == "the natural logarithm"
+
+
+def test_dimensions_are_drawn(html: str) -> None:
+    """Fails if the drawing lacked a panel's size or an edge's length [cm]: the tube's panels are 47.1 by 30.0 cm."""
+    assert html.count("47.1 × 30.0 cm") == 2
+    lengths = re.findall(r'class="length"[^>]*>([\d.]+)<', html)
+    assert sorted(lengths) == ["30.0"] * 4 + ["47.1"] * 4
 
 
 def test_verdict_and_remarks_are_shown(html: str) -> None:

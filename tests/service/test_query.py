@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 
 import pytest
+from garmentq.core.measure import measure_knowledge
+from garmentq.core.simulate import FabricEstimate
 from garmentq.service.database import open_database
 from garmentq.service.jobs import claim, list_jobs
 from garmentq.service.query import Condition, QueryBad, find_jobs, parse_conditions
@@ -21,6 +24,12 @@ from garmentq.service.submission import Order, submit
 from garmentq_home import drop_database, make_database, make_settings, put_file
 from garmentq_standin import make_recovery, write
 from sqlalchemy import text
+
+KNOWN = {
+    "skirt1": (FabricEstimate("k", 2e-5, 0.3, 1.9, True, "found"),),
+    "skirt3": (FabricEstimate("k", 4e-5, 1.2, 1.9, False, "left open"),),
+}
+"""What the fit found of two skirts' cloth."""
 
 
 @pytest.fixture(scope="module")
@@ -59,6 +68,7 @@ def results(database, store, folder):
         files = folder / name
         files.mkdir()
         recovery = make_recovery(order, rms)
+        recovery = replace(recovery, metrics=recovery.metrics | measure_knowledge(KNOWN.get(name, ())))
         write(recovery, files)
         store_recovery(database, store, held, recovery, files)
     submit(database, store, Order(put_file(folder, "queued.ply"), folder / "body.ply"))
@@ -76,6 +86,9 @@ def names(rows):
         ("surface_rms_mm.t2s < 2", {"skirt1"}),
         ("surface_rms_mm.t2s <= 2", {"skirt1", "skirt2", "shirt2"}),
         ("surface_rms_mm.t2s>2", {"skirt3", "shirt4"}),
+        ("fabric.k > 1e-6", {"skirt1"}),
+        ("fabric.k.identifiable = 0", {"skirt3"}),
+        ("fabric.k.std < 0.5 and fabric.k.identifiable = 1", {"skirt1"}),
         ("surface_rms_mm.t2s >= 3.0", {"skirt3", "shirt4"}),
         ("surface_rms_mm.t2s = 2", {"skirt2", "shirt2"}),
         ("surface_rms_mm.t2s == 2e0", {"skirt2", "shirt2"}),
