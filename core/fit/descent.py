@@ -73,7 +73,7 @@ class DescentProblem:
 
     Attributes:
         garment: The first pattern's mesh, nodes at its drape, contours named.
-        like: The template: tells symmetry and the ratios of gathered seams.
+        like: The template: tells symmetry and which corners to keep.
         symmetry: Of `like`.
         parameters: How rest shape and fabric follow from the variables.
         topology: Of `garment`.
@@ -155,10 +155,13 @@ class DescentProblem:
         return replace(self.fabric, **dict(zip(STIFFNESSES, values, strict=True)))
 
     def pattern_of(self, variables: np.ndarray) -> Pattern:
-        """Give the pattern that is cut in the end: seams made equal where they count, locks honoured."""
+        """Give the pattern that is cut in the end: seams made equal where they count, locks honoured.
+
+        A gathered seam keeps the ratio that was descended to: mirror images share it, for their points are images.
+        """
         pattern = self.like.with_points(self.points_of(variables))
         if self.settings.seam > 0.0:
-            pattern = equalise_seams(pattern, like=self.like, symmetry=self.symmetry)
+            pattern = equalise_seams(pattern, like=pattern, symmetry=self.symmetry)
         if self.held.any():
             pattern = keep_held(pattern, self.garment.pattern, self.like, self.held)
         return pattern
@@ -209,7 +212,7 @@ class DescentProblem:
         sensitivity = AtRest(energy, nodes, blocks, self.solver).pull(upstream)
         gradient = self.parameters.pull(energy, sensitivity)
         points, shape = self.points_of(variables), len(variables) - len(STIFFNESSES)
-        unequal, by_seam, _ = self.seam.evaluate(points)
+        unequal, by_seam, _ = self.seam.evaluate(points, self.seam.best_ratios(points))
         folded, by_panel = self.panel.evaluate(points)
         outside, by_log = self.material.evaluate(variables[shape:])
         by_points = weights.seam * by_seam + weights.panel * by_panel

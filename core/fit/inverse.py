@@ -65,7 +65,7 @@ def fit_inverse(
     Args:
         garment: The graded pattern's mesh, nodes at its drape, contours named.
         target: The scan's surface with named contours.
-        like: The template: tells symmetry and the ratios of gathered seams.
+        like: The template: tells symmetry, which seams are gathered and which corners are to stay.
         fabric: The cloth to begin with.
         body: The wearer.
         vertex_count: Vertices of the recovered pattern's mesh, or None for as many as there are.

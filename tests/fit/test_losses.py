@@ -161,6 +161,9 @@ def test_a_gathered_ratio_is_free(skirt: Garment) -> None:
     check_gradient(lambda logs: loss.evaluate(points, logs)[::2], at, 1e-6)
     values = [loss.evaluate(points, np.array([log]))[0] for log in np.linspace(-0.2, 0.2, 401)]
     assert min(values) < 0.5 * loss.evaluate(points)[0]
+    best = loss.best_ratios(points)
+    assert loss.evaluate(points, best)[0] <= min(values)
+    assert loss.evaluate(points, best)[2] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_gradient_of_the_range() -> None:

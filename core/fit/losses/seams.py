@@ -51,6 +51,11 @@ class SeamLoss:
         counts = np.array([len(garment.edge_uv[seam.a]) - 1 for seam in pattern.seams])
         return cls(starts, ends, factors, np.where(gathered, lengths[:, 0] / lengths[:, 1], 1.0), gathered, counts)
 
+    def best_ratios(self, points: np.ndarray) -> np.ndarray:
+        """Give the logarithms, for `evaluate`, that leave nothing of the gathered seams' loss, [gathered_count]."""
+        sides = self.factors * np.linalg.norm(points[self.ends] - points[self.starts], axis=-1)
+        return np.asarray(np.log(sides[:, 0] / (self.ratios * sides[:, 1]))[self.gathered])
+
     def evaluate(
         self, points: np.ndarray, ratio_logs: np.ndarray | None = None
     ) -> tuple[float, np.ndarray, np.ndarray]:
