@@ -19,7 +19,7 @@ from .checkpoints import keep_body, keep_drape, kept_body, kept_drape
 from .deform import Deformation, DeformSettings, deform
 from .drape import Stand, drape_graded, drape_template, redrape
 from .fit import InverseFit, PatternFit, fit_inverse, fit_pattern
-from .grade import choose_template, grade_pattern
+from .grade import choose_template, grade_pattern, slide_seams
 from .hooks import SILENT, Hooks
 from .measure import judge, measure_fit, measure_seams
 from .pattern import Garment, Pattern, list_templates, load_pattern, load_template
@@ -163,12 +163,11 @@ def drape_to_scan(
         grading = grade_pattern(worn, target, body, hooks=inner)
         for _ in range(GRADINGS - 1):
             grading = grade_pattern(grading.garment, target, body, hooks=inner)
+        graded = slide_seams(grading.garment, target, body, base, hooks=inner)
     warnings = list(grading.warnings)
     with clock.stage("drape", "draping the graded pattern") as inner:
         fabric = get_fabric(settings.fabric)
-        garment, drape = drape_graded(
-            grading.garment, stand, fabric, target, vertex_count=settings.vertex_count, hooks=inner
-        )
+        garment, drape = drape_graded(graded, stand, fabric, target, vertex_count=settings.vertex_count, hooks=inner)
     if not drape.converged:
         warnings.append(drape.message)
     keep_drape(clock.hooks, garment, drape, warnings)

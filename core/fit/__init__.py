@@ -1,13 +1,13 @@
 """The inverse fit: the pattern from a registered garment, by its metric and through the simulator."""
 
+from ..grade import IsometrySettings, move_pattern
 from .descent import Descent, DescentProblem, InverseSettings, descend
 from .hybrid import PatternFit, fit_pattern
 from .inverse import InverseFit, fit_inverse
-from .isometry import IsometrySettings, fit_isometry
+from .isometry import fit_isometry
 from .locks import LockUnknown, find_held, keep_held
 from .losses import ChamferLoss, ContourLoss, PanelLoss, PlaneLoss, RangeLoss, RegisteredLoss, SeamLoss
 from .material import fit_bending, folding, nearest_fabrics, posterior, ratio_prior
-from .metric import move_pattern
 from .settings import MaterialSettings, ShapeSettings
 from .shape import ShapeFit, ShapeProblem, fit_shape, keep_seams
 

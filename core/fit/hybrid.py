@@ -9,6 +9,7 @@ import numpy as np
 from ..body import Body, DistanceGrid
 from ..deform import Deformation, DeformSettings, deform
 from ..drape import waist_loop
+from ..grade import move_pattern
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target, name_contours
@@ -16,7 +17,6 @@ from ..simulate import Fabric, FabricEstimate
 from .isometry import fit_isometry
 from .locks import find_held, keep_held
 from .material import fit_bending, nearest_fabrics, posterior, state_density
-from .metric import move_pattern
 from .settings import ShapeSettings
 from .shape import ShapeFit, ShapeProblem, fit_shape
 

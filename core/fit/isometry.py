@@ -2,60 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.linalg import splu
 
 from ..body import Body
-from ..grade import (
-    GradeSettings,
-    Surface,
-    narrow_panels,
-    right_stretch,
-    seam_rows,
-    solve_sewn,
-    step_without_folds,
-    uv_gradient,
-)
+from ..grade import Isometry, IsometrySettings, believed_strain
 from ..hooks import SILENT, Hooks
-from ..pattern import Garment, Pattern, find_symmetry, map_controls, mesh_pattern, resample
-from ..segment import Target, name_contours
-from .metric import move_pattern
-from .proportion import Proportions, find_proportions
-
-
-@dataclass(frozen=True)
-class IsometrySettings:
-    """Set the joint fit of pattern and place.
-
-    Attributes:
-        vertices: Vertices of its mesh; 1000 have edges of 3 cm, and a step takes 0.4 s. Seams move as a whole.
-        steps: Steps; the slowest motion, of a waist seam towards the waist, is most of its way after 24.
-        surface: A node that is this far from the target's tangent plane [m] costs as much per area as a strain of 1.
-            4 mm keeps nodes on the surface and lets a fold be cut short.
-        border: The same for a node on an open contour, across the contour [m].
-        along: Share of that cost for sliding along the contour, which is not seen.
-        reach: Damping: a motion of this many metres in one step costs as much as a strain of 1. It only has to be
-            there where nothing else holds a node.
-        proportion: Cost of a difference of 1 in the logarithm of a kept ratio of areas, by the garment's area: at 0.1 a
-            tenth too much costs as much as a strain of 3 % everywhere, which is what unlike cloth and folds leave.
-        believed: Strain that the drape's cloth is believed to have, as in grading; woven cloth hangs within 3 %.
-        facing: As in the coarse registration.
-        keep: Damping of the control points, relative to the mean diagonal of their matrix.
-    """
-
-    vertices: int = 1000
-    steps: int = 24
-    surface: float = 0.004
-    border: float = 0.002
-    along: float = 0.05
-    reach: float = 3.0
-    proportion: float = 0.1
-    believed: float = 0.03
-    facing: float = 0.3
-    keep: float = 1e-4
+from ..pattern import Garment, Pattern, mesh_pattern, resample
+from ..segment import Target
 
 
 def fit_isometry(
@@ -70,16 +23,8 @@ def fit_isometry(
     """Fit the pattern and slide the cloth over the target until the two are isometric.
 
     Registration knows the surface to a millimetre, but not where on it a seam lies. A developable panel can only be
-    bent, so the seams have to lie where the target's Gaussian curvature is: at the waist, round the arm. Minimises
-
-        sum_f A_f |F_f - R_f U_f J_f|^2 + sum_v a_v (n_v . (x_v - q_v))^2 / l^2 + contours + w A sum_k ln^2(r_k / s_k)
-
-    over the nodes x and the effective control points c at once. For fixed rotations R_f it is one linear system; the
-    nodes are eliminated from it. Seams stay equal to first order and are equalised after each step.
-
-    Notation: F_f the map from face f's present flat shape to 3D, J_f the map to its new flat shape, linear in c;
-    U_f the strain that the cloth has in the drape; q_v, n_v closest point and normal on the target, l `surface`; r_k
-    the ratios of `Proportions` and s_k the template's, w `proportion`, A the garment's area.
+    bent, so the seams have to lie where the target's Gaussian curvature is: at the waist, round the arm. `Isometry`
+    tells what is minimised; the cloth's strain is that of the drape.
 
     Args:
         garment: The graded pattern's mesh, nodes at its drape, contours named.
@@ -95,142 +40,10 @@ def fit_isometry(
     """
     settings = settings or IsometrySettings()
     coarse = mesh_pattern(garment.pattern, min(settings.vertices, len(registered)))
-    strain = _believed_strain(coarse.at(resample(garment, garment.nodes, coarse)), settings.believed)
-    nodes = resample(garment, registered, coarse)
-    borders = []
-    for contour in name_contours(nodes, coarse.faces, body)[0]:
-        other = target.contour(contour.name)
-        if other is not None and other.trusted:
-            borders.append((contour.vertices, target.vertices[other.vertices]))
-    problem = _Problem(
-        goal=Surface(target.vertices, target.faces),
-        borders=tuple(borders),
-        strain=strain,
-        free=find_symmetry(like).matrix.toarray(),
-        proportions=find_proportions(like),
-        settings=settings,
-    )
-    fitted = coarse.at(nodes)
+    strain = believed_strain(coarse.at(resample(garment, garment.nodes, coarse)), settings.believed)
+    fitted = coarse.at(resample(garment, registered, coarse))
+    problem = Isometry.of(fitted, target, body, like, strain, settings)
     for step in range(settings.steps):
         hooks.progress("fit", 0.2 * step / settings.steps, "sliding the seams into place")
         fitted = problem.step(fitted)
     return fitted
-
-
-@dataclass(frozen=True)
-class _Problem:
-    """Hold what stays the same from step to step.
-
-    Attributes:
-        goal: The target.
-        borders: Nodes of each open contour, and the target's contour [m], shape [k, 3].
-        strain: U, shape [face_count, 2, 2].
-        free: Control points (x0, y0, ...) by effective ones, shape [2 point_count, effective_count].
-        proportions: Ratios to keep.
-        settings: How.
-    """
-
-    goal: Surface
-    borders: tuple[tuple[np.ndarray, np.ndarray], ...]
-    strain: np.ndarray
-    free: np.ndarray
-    proportions: Proportions
-    settings: IsometrySettings
-
-    def step(self, garment: Garment) -> Garment:
-        """Solve once for nodes and control points with the rotations as they are."""
-        on_uv, area = uv_gradient(garment)
-        weight = np.repeat(area, 2)
-        gradient = sp.csr_matrix(on_uv @ _uv_of_nodes(garment))
-        wanted = self._turned_strain(gradient, garment.nodes)
-        moved = self._move_flat(garment, on_uv, wanted)
-        count, parameters = len(garment.nodes), self.free.shape[1]
-        # Rows of a face: (d/dx, d/dy) of the three coordinates.
-        target_rows = np.swapaxes(wanted, 1, 2)
-        held, pulled = self._hold_on_target(garment, area)
-        stiffness = sp.kron(sp.csr_matrix(gradient.T @ sp.diags(weight) @ gradient), sp.eye(3))
-        factor = splu(sp.csc_matrix(stiffness + held), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
-        weighted = weight.reshape(-1, 2, 1, 1) * moved
-        coupling = (gradient.T @ weighted.reshape(len(weight), -1)).reshape(3 * count, parameters)
-        load = gradient.T @ (weight[:, None] * target_rows.reshape(-1, 3))
-        start, follow = factor.solve((load + pulled).ravel()), factor.solve(coupling)
-        flat = moved.reshape(-1, parameters)
-        matrix = flat.T @ weighted.reshape(-1, parameters) - coupling.T @ follow
-        right = coupling.T @ start - weighted.reshape(-1, parameters).T @ target_rows.ravel()
-        change = self._solve_pattern(garment.pattern, matrix, right, float(area.sum()))
-        points = garment.pattern.points + (self.free @ change).reshape(-1, 2)
-        pattern, share = step_without_folds(garment.pattern, points, GradeSettings())
-        nodes = (start + share * (follow @ change)).reshape(-1, 3)
-        return move_pattern(garment, pattern).at(nodes)
-
-    def _turned_strain(self, gradient: sp.csr_matrix, nodes: np.ndarray) -> np.ndarray:
-        """Give R_f U_f, shape [face_count, 3, 2], R_f the isometry nearest to F_f U_f."""
-        slope = np.swapaxes((gradient @ nodes).reshape(-1, 2, 3), 1, 2)
-        left, _, right = np.linalg.svd(slope @ self.strain, full_matrices=False)
-        return np.asarray(left @ right @ self.strain)
-
-    def _move_flat(self, garment: Garment, on_uv: sp.csr_matrix, wanted: np.ndarray) -> np.ndarray:
-        """Give d(R U J)/dc, (d/dx, d/dy) of three coordinates of each face, shape [face_count, 2, 3, parameters]."""
-        flat = (map_controls(garment).matrix @ self.free).reshape(len(garment.uv), -1)
-        slopes = np.asarray(on_uv @ flat).reshape(len(garment.faces), 2, 2, -1)
-        return np.einsum("fka,fdap->fdkp", wanted, slopes)
-
-    def _hold_on_target(self, garment: Garment, area: np.ndarray) -> tuple[sp.bsr_matrix, np.ndarray]:
-        """Give what holds the nodes on the target: matrix, [3 n, 3 n], and right side, shape [n, 3]."""
-        chosen, nodes, count = self.settings, garment.nodes, len(garment.nodes)
-        mass = np.bincount(garment.faces.ravel(), np.repeat(area / 3.0, 3), minlength=count)
-        face, foot, seen = self.goal.closest(nodes, Surface(nodes, garment.faces).normals, chosen.facing)
-        for line, _ in self.borders:
-            seen[line] = False
-        normal = self.goal.face_normals[face]
-        blocks = (np.where(seen, mass, 0.0) / chosen.surface**2)[:, None, None] * normal[:, :, None] * normal[:, None]
-        pulled = np.einsum("vij,vj->vi", blocks, foot)
-        still = mass / chosen.reach**2
-        blocks += still[:, None, None] * np.eye(3)
-        pulled += still[:, None] * nodes
-        for line, loop in self.borders:
-            place, tangent = _closest_on_loop(nodes[line], loop)
-            across = np.eye(3) - (1.0 - chosen.along) * tangent[:, :, None] * tangent[:, None]
-            across *= (mass[line] / chosen.border**2)[:, None, None]
-            blocks[line] += across
-            pulled[line] += np.einsum("vij,vj->vi", across, place)
-        matrix = sp.bsr_matrix((blocks, np.arange(count), np.arange(count + 1)), shape=(3 * count, 3 * count))
-        return matrix, pulled
-
-    def _solve_pattern(self, pattern: Pattern, matrix: np.ndarray, right: np.ndarray, area: float) -> np.ndarray:
-        """Give the change of the effective control points [m] with equal seams and the proportions' pull."""
-        damping = self.settings.keep * float(np.trace(matrix)) / len(matrix)
-        matrix = matrix + damping * np.eye(len(matrix))
-        missing, rates = self.proportions.linearise(pattern)
-        rates = rates @ self.free
-        pull = self.settings.proportion * area
-        rows = seam_rows(pattern, pattern.points) @ self.free
-        return solve_sewn(matrix + pull * rates.T @ rates, right + pull * rates.T @ missing, rows, np.zeros(len(rows)))
-
-
-def _believed_strain(drape: Garment, believed: float) -> np.ndarray:
-    """Give the drape's right stretch of each face, clipped to what woven cloth does, shape [face_count, 2, 2].
-
-    Narrow panels keep it whatever it is, as in grading: a band is cut shorter than what it holds.
-    """
-    values, axes = np.linalg.eigh(right_stretch(drape, drape.nodes))
-    narrow = narrow_panels(drape.pattern)[drape.panel_of_face]
-    values = np.where(narrow[:, None], values, np.clip(values, 1.0 - believed, 1.0 + believed))
-    return np.asarray((axes * values[:, None, :]) @ np.swapaxes(axes, 1, 2))
-
-
-def _uv_of_nodes(garment: Garment) -> sp.csr_matrix:
-    """Give the matrix that hands each uv vertex its node's value, shape [uv_count, node_count]."""
-    count = len(garment.uv)
-    ones = (np.ones(count), (np.arange(count), garment.uv_node))
-    return sp.csr_matrix(ones, shape=(count, len(garment.nodes)))
-
-
-def _closest_on_loop(points: np.ndarray, loop: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Give the closest points on a closed polyline [m] and its unit tangents there, shape [n, 3] each."""
-    side = np.roll(loop, -1, axis=0) - loop
-    length = np.maximum((side * side).sum(1), 1e-18)
-    share = np.clip(((points[:, None] - loop) * side).sum(2) / length, 0.0, 1.0)
-    feet = loop + share[..., None] * side
-    nearest = ((points[:, None] - feet) ** 2).sum(2).argmin(1)
-    return feet[np.arange(len(points)), nearest], (side / np.sqrt(length)[:, None])[nearest]

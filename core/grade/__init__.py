@@ -12,26 +12,37 @@ from .flattening import (
     stretch_between,
     uv_gradient,
 )
-from .grading import GradeSettings, Grading, grade_pattern, step_without_folds
+from .grading import GradeSettings, Grading, grade_pattern, move_pattern, step_without_folds
+from .isometry import Isometry, IsometrySettings, believed_strain
+from .proportion import Proportions, find_proportions
 from .registration import RegistrationSettings, Surface, register_coarsely
+from .sliding import SlideSettings, slide_seams
 
 __all__ = [
     "ContourMeasure",
     "FlatteningSettings",
     "GradeSettings",
     "Grading",
+    "Isometry",
+    "IsometrySettings",
+    "Proportions",
     "RegistrationSettings",
+    "SlideSettings",
     "Surface",
     "TemplateMissing",
+    "believed_strain",
     "choose_template",
     "compare_contours",
+    "find_proportions",
     "fit_control_points",
     "grade_pattern",
+    "move_pattern",
     "narrow_panels",
     "position_along",
     "register_coarsely",
     "right_stretch",
     "seam_rows",
+    "slide_seams",
     "solve_sewn",
     "step_without_folds",
     "stretch_between",

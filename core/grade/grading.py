@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -85,11 +85,16 @@ def grade_pattern(
     stretch = stretch_between(garment, moved, settings.flattening)
     points = fit_control_points(garment, stretch, settings.flattening)
     pattern, share = step_without_folds(garment.pattern, points, settings)
-    uv = garment.uv + map_controls(garment).apply(pattern.points - garment.pattern.points)
     placed = garment.nodes + share * (moved - garment.nodes)
-    graded = Garment(**{**vars(garment), "pattern": pattern, "uv": uv, "nodes": placed})
+    graded = replace(move_pattern(garment, pattern), nodes=placed)
     hooks.progress("grade", 1.0, "graded")
     return Grading(pattern, graded, contours, share, _warnings(garment, target, share))
+
+
+def move_pattern(garment: Garment, pattern: Pattern) -> Garment:
+    """Move a garment's flat mesh along with its control points; faces and nodes stay."""
+    uv = garment.uv + map_controls(garment).apply(pattern.points - garment.pattern.points)
+    return replace(garment, pattern=pattern, uv=uv)
 
 
 def step_without_folds(pattern: Pattern, points: np.ndarray, settings: GradeSettings) -> tuple[Pattern, float]:
