@@ -19,7 +19,6 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "standin"))
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "chaos"))
 
 from garmentq.service.database import Database, open_database
 from garmentq.service.models import EventRow
@@ -28,7 +27,7 @@ from garmentq.service.store import Store
 from garmentq.service.submission import Order, submit
 from garmentq.workers.broker import start_broker, stop_broker
 from garmentq_home import make_environment, make_settings, put_file
-from long import Postgres
+from postgres_server import PostgresServer
 from sqlalchemy import select
 
 PART = 10
@@ -58,7 +57,7 @@ def measure(kind: str, jobs: int, slots: int) -> None:
     """Queue the jobs, then start one worker and wait for its end."""
     with tempfile.TemporaryDirectory() as folder:
         home = Path(folder)
-        postgres = Postgres() if kind == "postgresql" else None
+        postgres = PostgresServer() if kind == "postgresql" else None
         settings = make_settings(home, database_url=postgres.url if postgres else "", lease_seconds=30.0)
         database, store = open_database(settings, pooled=False), Store(settings.store_path)
         body = put_file(home, "body.ply")
