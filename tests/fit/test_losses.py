@@ -10,7 +10,18 @@ import pytest
 from garmentq.core.fit.losses import ChamferLoss, ContourLoss, PanelLoss, PlaneLoss, RangeLoss, SeamLoss
 from garmentq.core.fit.losses.chamfer import mean_curvature
 from garmentq.core.fit.losses.range import logarithms
-from garmentq.core.pattern import Garment, Pattern, Seam, equalise_seams, find_symmetry, load_template, mesh_pattern
+from garmentq.core.pattern import (
+    Edge,
+    EdgeRef,
+    Garment,
+    Panel,
+    Pattern,
+    Seam,
+    equalise_seams,
+    find_symmetry,
+    load_template,
+    mesh_pattern,
+)
 from garmentq.core.scan import vertex_normals
 from garmentq.core.segment import Target
 from garmentq.core.segment.loop import find_loops
@@ -203,3 +214,19 @@ def test_smooth_curves_are_kept(skirt: Garment) -> None:
     bent = skirt.pattern.points.copy()
     bent[loss.here[0]] += [0.01, 0.01]
     assert 1e-7 < loss.evaluate(bent)[0] < 1e-3
+
+
+def test_right_angles_at_centre_lines_are_kept() -> None:
+    """Breaks where a centre line is not found by its mirror image, or another corner is kept: a trapezium in halves."""
+    left = np.array([[0.0, 0.0], [0.3, 0.0], [0.2, 0.5], [0.0, 0.5]])
+    right = np.array([[0.0, 0.5], [-0.2, 0.5], [-0.3, 0.0], [0.0, 0.0]])
+    panels = tuple(Panel(name, points, (Edge(),) * 4) for name, points in (("left", left), ("right", right)))
+    pattern = Pattern("halves", panels, (Seam(EdgeRef("left", 3), EdgeRef("right", 3)),))
+    loss = PanelLoss.of(mesh_pattern(pattern, 60), pattern)
+    assert set(loss.here.tolist()) == {0, 3, 4, 7}
+    points = pattern.points
+    assert loss.evaluate(points * [1.2, 0.9])[0] == pytest.approx(0.0, abs=1e-15)
+    sheared = points + np.outer(points[:, 0], [0.0, 0.1])
+    angle = np.arctan(0.1)
+    arms = np.array([0.4, 0.35, 0.35, 0.4])
+    assert loss.evaluate(sheared)[0] == pytest.approx(float((arms**2).mean()) * angle**2, rel=1e-6)
