@@ -8,11 +8,10 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any, cast
 
-import click
-
 from ..core.recovery import STAGES
 from ..service.anywhere import ENDED, Place, find_job, is_remote, look
 from ..service.models import EventRow, JobRow
+from .terminal import note, plain
 
 PERIOD_SECONDS = 0.2
 """How often the database is asked [s]; a person sees no difference below."""
@@ -93,10 +92,10 @@ class Lines:
     def show(self, event: EventRow) -> None:
         """Write what is new."""
         if event.kind != "progress":
-            click.echo(event.kind, err=True)
+            note(event.kind)
         elif event.data["stage"] != self.stage:
             self.stage = event.data["stage"]
-            click.echo(f"  {self.stage} ...", err=True)
+            note(f"  {self.stage} ...")
 
 
 class Bars:
@@ -108,7 +107,7 @@ class Bars:
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
         self.progress = Progress(
-            TextColumn("{task.description:9}"),
+            TextColumn("{task.description:9}", markup=False),
             BarColumn(),
             TextColumn("{task.percentage:3.0f}%"),
             TimeElapsedColumn(),
@@ -130,13 +129,13 @@ class Bars:
         """Draw what is new."""
         if event.kind != "progress":
             if event.kind not in ("queued", "started", "succeeded"):
-                self.progress.console.print(event.kind)
+                self.progress.console.print(plain(event.kind), markup=False)
             return
-        stage = event.data["stage"]
+        stage = plain(event.data["stage"])
         if stage not in self.tasks:
             self._finish_before(stage)
             self.tasks[stage] = self.progress.add_task(stage, total=1.0, message="")
-        message = "".join(letter for letter in event.data["message"] if letter.isprintable())
+        message = plain(event.data["message"])
         self.progress.update(self.tasks[stage], completed=event.data["fraction"], message=message)
 
     def _finish_before(self, stage: str) -> None:

@@ -46,7 +46,7 @@ def command(context: click.Context, job: str, follows: bool, home: Path | None, 
 
 
 def _print(event: Any, as_json: bool) -> None:
-    from .terminal import print_json, show, show_time
+    from .terminal import plain, print_json, show, show_time
 
     if as_json:
         print_json({"id": event.id, "job": event.job, "at": event.at, "kind": event.kind, **event.data})
@@ -56,4 +56,4 @@ def _print(event: Any, as_json: bool) -> None:
         text = f"{data['stage']} {100 * data['fraction']:.0f}% {data['message']}"
     else:
         text = " ".join(f"{name}={value}" for name, value in data.items())
-    click.echo(f"{show_time(event.at)}  {event.kind:16}  {show(text)}")
+    click.echo(f"{show_time(event.at)}  {plain(event.kind):16}  {show(text)}")

@@ -103,7 +103,9 @@ def main(arguments: list[str] | None = None) -> None:
         click.echo("interrupted", err=True)
         status = exits.DETACHED
     except GarmentqError as error:
-        click.echo(f"error {error.code}: {error.message}", err=True)
+        from .terminal import print_error
+
+        print_error(error.code, error.message)
         status = exits.error_status(error)
     except BrokenPipeError:
         sys.stderr.close()

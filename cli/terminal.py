@@ -18,13 +18,13 @@ def print_json(value: Any) -> None:
 
 
 def note(text: str) -> None:
-    """Tell the user something that is no data."""
-    click.echo(text, err=True)
+    """Tell the user something that is no data; names in it bring no control characters along."""
+    click.echo(plain(text), err=True)
 
 
 def print_error(code: str, message: str) -> None:
-    """Print an error's one line."""
-    click.echo(f"error {code}: {message}", err=True)
+    """Print an error's one line, whatever a name in it holds."""
+    click.echo(plain(f"error {code}: {message}"), err=True)
 
 
 def print_table(columns: Sequence[str], rows: Iterable[Sequence[object]], title: str | None = None) -> None:
@@ -35,10 +35,11 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[object]], title:
     from rich.text import Text
 
     rows = [list(row) for row in rows]
-    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", title_style="bold")
+    shown = None if title is None else Text(plain(title))
+    table = Table(title=shown, box=box.SIMPLE_HEAD, title_justify="left", title_style="bold")
     for index, name in enumerate(columns):
         is_number = bool(rows) and all(isinstance(row[index], int | float) or row[index] is None for row in rows)
-        table.add_column(name, justify="right" if is_number else "left", overflow="fold")
+        table.add_column(Text(plain(name)), justify="right" if is_number else "left", overflow="fold")
     for row in rows:
         table.add_row(*(Text(show(cell)) for cell in row))
     Console(width=None if Console().is_terminal else 160).print(table)
@@ -53,12 +54,16 @@ def print_csv(columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
     click.echo(out.getvalue(), nl=False)
 
 
+FORMULA = ("=", "+", "-", "@", "|", "\uff1d", "\uff0b", "\uff0d", "\uff20")
+"""How a cell begins that a spreadsheet runs; the last four are the full-width forms of the first."""
+
+
 def _escape_formula(cell: object) -> object:
     """Give a cell that no spreadsheet takes for a formula; numbers stay as they are."""
     if not isinstance(cell, str):
         return cell
-    text = "".join(letter if letter.isprintable() else "?" for letter in cell)
-    return f"'{text}" if text.lstrip().startswith(("=", "+", "-", "@", "|")) else text
+    text = plain(cell)
+    return f"'{text}" if text.lstrip().startswith(FORMULA) else text
 
 
 def show(cell: object) -> str:
@@ -67,7 +72,12 @@ def show(cell: object) -> str:
         return "-"
     if isinstance(cell, float):
         return f"{cell:.4g}"
-    return "".join(letter if letter.isprintable() else "?" for letter in str(cell))
+    return plain(str(cell))
+
+
+def plain(text: str) -> str:
+    """Give a text on one line without terminal escapes or reversed writing: what cannot be printed becomes `?`."""
+    return "".join(letter if letter.isprintable() else "?" for letter in text)
 
 
 def show_time(seconds: float | None) -> str:

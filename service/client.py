@@ -149,7 +149,7 @@ class Client:
             wanted["template"] = template
         token = order.nonce or uuid.uuid4().hex
         found = self._ask("POST", "/v1/jobs", json=wanted, headers={"idempotency-key": token} if order.force else {})
-        return Submitted(found["job"], found["is_new"], found["state"])
+        return Submitted(_checked(found["job"]), found["is_new"], found["state"])
 
     def upload(self, kind: str, path: Path) -> str:
         """Send a file as one of `scans`, `bodies`, `labels`, `patterns`, unless the service has it; give its sha256."""
@@ -300,7 +300,7 @@ class Client:
     def _download(self, job: str, file: File, folder: Path) -> Path:
         """Write below the folder only: a service's answer is as little to be trusted as a user's file."""
         parts = file.name.split("/")
-        if any(part in ("", ".", "..") or "\\" in part or "\x00" in part for part in parts):
+        if any(part in ("", ".", "..") or "\\" in part or not part.isprintable() for part in parts):
             raise ArtifactDamaged(f"the service names a file '{file.name[:80]}', which is no name; tell its operator.")
         path = folder.joinpath(*parts)
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -321,12 +321,23 @@ class Client:
         return path
 
 
+def _checked(job: str) -> str:
+    """Give an id that may be printed and put into a path.
+
+    Raises:
+        ServiceUnreachable: where what answers is no service of ours.
+    """
+    if not (job.isascii() and job.isalnum() and len(job) <= 16):
+        raise ServiceUnreachable("what answers is no garmentq service: it gives a job an id that is none.")
+    return job
+
+
 def _make_job(found: dict[str, Any]) -> Job:
     error = found["error"] or {}
     described = {name: value for name, value in found.items() if name not in ("bad_input", "queue", "priority")}
     names = ("name", "state", "stage", "progress", "attempts", "created", "started", "finished")
     return Job(
-        id=found["job"],
+        id=_checked(found["job"]),
         **{name: found[name] for name in names},
         error_code=error.get("code"),
         error_message=error.get("message"),

@@ -31,10 +31,20 @@ class JsonLines(logging.Formatter):
         return json.dumps(line)
 
 
+class PlainLines(logging.Formatter):
+    """Write a record for people: what a name holds neither begins a record of its own nor moves the cursor."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """Give the line, those that follow it (a traceback, say) indented, control characters as `?`."""
+        lines = super().format(record).split("\n")
+        shown = ("".join(c if c.isprintable() else "?" for c in line.expandtabs()) for line in lines)
+        return "\n    ".join(shown)
+
+
 def set_up_logs(as_json: bool) -> None:
     """Send this process's log to standard error."""
     handler = logging.StreamHandler(sys.stderr)
-    readable = logging.Formatter("%(asctime)s %(levelname)s %(processName)s %(message)s")
+    readable = PlainLines("%(asctime)s %(levelname)s %(processName)s %(message)s")
     handler.setFormatter(JsonLines() if as_json else readable)
     logging.basicConfig(handlers=[handler], level=logging.INFO)
     logging.getLogger("alembic").setLevel(logging.WARNING)

@@ -101,7 +101,7 @@ def submit(database: Database, store: Store, order: Order) -> Submitted:
             own(session, order.key, row.id)
             if row.state in ("failed", "dead", "cancelled"):
                 check_quota(session, order.key, order.quota)
-                requeue(session, row)
+                requeue(session, row, order.key)
                 record(session, row.id, "resubmitted")
             return Submitted(row.id, False, row.state)
         check_quota(session, order.key, order.quota)
@@ -119,6 +119,7 @@ def submit(database: Database, store: Store, order: Order) -> Submitted:
                 version=__version__,
                 priority=order.priority,
                 queue=order.queue,
+                payer=order.key,
                 state="queued",
                 touched=clock(),
                 created=clock(),
@@ -132,8 +133,11 @@ def submit(database: Database, store: Store, order: Order) -> Submitted:
 
 
 def clean_name(name: str) -> str:
-    """Give a file name without folders, control characters or anything a shell or a page could stumble over."""
-    return re.sub(r"[^A-Za-z0-9._-]+", "_", Path(name).name).lstrip(".")[-100:] or "file"
+    """Give a file name without folders, control characters or anything a shell or a page could stumble over.
+
+    It begins neither with a dot nor, like an option, with a dash.
+    """
+    return re.sub(r"[^A-Za-z0-9._-]+", "_", Path(name).name)[-100:].lstrip(".-") or "file"
 
 
 def _check_dressed(order: Order) -> None:
