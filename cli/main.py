@@ -14,7 +14,7 @@ from ..core.errors import GarmentqError
 from . import exits
 
 COMMANDS = {
-    "run": "Recover one garment: submit it, work on it here, wait, and show the result.",
+    "run": "Recover a garment: submit it, work on it here, wait, and show the result.",
     "submit": "Queue one or more scans.",
     "status": "Show the jobs, or one of them.",
     "logs": "Show what happened to a job.",
