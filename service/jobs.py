@@ -232,12 +232,13 @@ def retry(database: Database, job: str, key: str = "", quota: int = 0) -> None:
         if row.state not in ENDED:
             raise JobNotEnded(f"job {job} is {row.state}; cancel it first, or wait.")
         check_quota(session, key, quota)
-        requeue(session, row)
+        requeue(session, row, key)
         record(session, job, "retried")
 
 
-def requeue(session: Session, row: JobRow) -> None:
-    """Reset an ended job to queued, with an outbox row."""
+def requeue(session: Session, row: JobRow, payer: str = "") -> None:
+    """Reset an ended job to queued, with an outbox row; it counts for the key that asks."""
+    row.payer = payer
     fresh = {"attempts": 0, "cancel": False, "finished": None, "stage": "", "progress": 0.0, "bad_input": False}
     for name, value in {**_queued(), **fresh, "error_code": None, "error_message": None}.items():
         setattr(row, name, value)

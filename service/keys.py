@@ -181,14 +181,16 @@ def own(session: Session, key: str, job: str) -> None:
 def check_quota(session: Session, key: str, quota: int) -> None:
     """Count a key's open jobs, with the key's row locked so that two requests at once cannot both pass.
 
+    A job counts for the key that queued it last, its payer; no more than the quota's entries of an index are read.
+
     Raises:
         QueueFull: where it has as many as it may.
     """
     if not key:
         return
     lock_key(session, key)
-    jobs = select(func.count()).select_from(OwnerRow).join(JobRow, JobRow.id == OwnerRow.job)
-    if (session.execute(jobs.where(OwnerRow.key == key, JobRow.state.in_(OPEN))).scalar() or 0) >= quota:
+    jobs = select(func.count()).select_from(JobRow).where(JobRow.payer == key, JobRow.state.in_(OPEN))
+    if (session.execute(jobs).scalar() or 0) >= quota:
         raise QueueFull(f"the key has {quota} jobs queued or running, as many as it may; wait, or cancel some.")
 
 

@@ -45,6 +45,7 @@ class JobRow(Base):
         Index("ix_jobs_urgency", "state", "queue", text("priority DESC"), "created", "id"),
         Index("ix_jobs_lease_until", "lease_until"),
         Index("ix_jobs_created", "created"),
+        Index("ix_jobs_payer_state", "payer", "state"),
     )
     id: Mapped[str] = mapped_column(String(16), primary_key=True)
     dedup: Mapped[str] = mapped_column(String(64), unique=True)
@@ -54,6 +55,7 @@ class JobRow(Base):
     version: Mapped[str] = mapped_column(String(32))
     priority: Mapped[int] = mapped_column(default=0)
     queue: Mapped[str] = mapped_column(String(16), default="cpu", server_default="cpu")
+    payer: Mapped[str] = mapped_column(String(16), default="", server_default="")
     state: Mapped[str] = mapped_column(String(16))
     cancel: Mapped[bool] = mapped_column(default=False)
     attempts: Mapped[int] = mapped_column(default=0)
