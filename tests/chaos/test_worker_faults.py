@@ -1,40 +1,34 @@
-"""Faults R1 to R6, R13 and R19 with real workers and a real broker: nothing is lost, nothing is done twice."""
+"""Faults R1 to R6, R13 and R19 with real workers and a real broker: nothing is lost, nothing is done twice.
+
+No test asks how quick anything is. Jobs wait at a gate for the blow that is meant for them, and what a stall of the
+machine may add (a lease that ran out under a healthy worker) breaks no assertion: attempts are compared with events.
+"""
 
 from __future__ import annotations
 
+import asyncio
+import gc
 import os
 import signal
-import subprocess
-import sys
-import time
-from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 
+import httpx
 import pytest
 from garmentq.service.jobs import find_job, read_events
 from garmentq.service.models import ArtifactRow
-from garmentq.workers.broker import run_folder, start_broker
+from garmentq.workers.broker import is_broker_up, run_folder, start_broker
 from garmentq_home import wait_ended, wait_for
+from garmentq_standin import STEPS, hold_gate
 from sqlalchemy import func, select
 
 WAIT_SECONDS = 90.0
 """A deadline that only a hang reaches, however loaded the machine is."""
 
+LONG = {"lease_seconds": 600.0}
+"""For what must work without any lease that runs out."""
 
-@contextmanager
-def worker(settings, *arguments, **changes):
-    """Run a worker; what is left of it at the end is killed."""
-    environment = {**os.environ, **replace(settings, **changes).as_environment()}
-    command = [sys.executable, "-m", "garmentq.cli.main", "worker", "--workers", "1", *arguments]
-    with (settings.home / "worker.log").open("ab") as log:
-        process = subprocess.Popen(command, env=environment, stdout=log, stderr=log, start_new_session=True)
-    try:
-        yield process
-    finally:
-        if process.poll() is None:
-            os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
+SHORT = {"lease_seconds": 2.0, "max_attempts": 20}
+"""For what waits for a lease; a machine that stalls for longer may let healthy ones run out too."""
 
 
 def kinds(database, job):
@@ -55,50 +49,77 @@ def count_results(database, job):
         return session.scalar(select(func.count()).select_from(ArtifactRow).where(wanted))
 
 
+def wait_steps(path: Path, count: int):
+    """Wait until so many steps were done, and give them."""
+    wait_for(lambda: len(steps(path)) >= count, WAIT_SECONDS)
+    return steps(path)
+
+
+def check_once(database, row):
+    """Check that a job ended well, once, and that each attempt that counts has its `started` event."""
+    happened = kinds(database, row.id)
+    assert row.state == "succeeded" and happened.count("succeeded") == 1 and count_results(database, row.id) == 1
+    assert row.fence == happened.count("started") and row.attempts == row.fence - happened.count("released")
+
+
+def ask(app, path: str):
+    """Ask the HTTP API once."""
+
+    async def get():
+        async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://127.0.0.1") as client:
+            return await client.get(path)
+
+    return asyncio.run(get())
+
+
 @pytest.mark.slow
-def test_r1_killed_child(settings, database, queue_job, marks):
+def test_r1_killed_child(settings, database, queue_job, start_worker, marks):
     """Broken where a crash waits for the lease though the parent saw it, begins anew, or tells no signal."""
     start_broker(settings)
-    job = queue_job("slow")
-    with worker(settings, lease_seconds=600.0):
-        wait_for(lambda: len(steps(marks)) > 7, WAIT_SECONDS)
-        os.kill(steps(marks)[-1][1], signal.SIGKILL)
+    hold_gate(marks, 8)
+    job = queue_job("gated")
+    with start_worker(**LONG):
+        os.kill(wait_steps(marks, 8)[-1][1], signal.SIGKILL)
+        hold_gate(marks, STEPS)
         row = wait_ended(settings, job, WAIT_SECONDS)
     assert (row.state, row.attempts, count_results(database, job)) == ("succeeded", 2, 1)
-    assert len(steps(marks)) - 40 < 6, "only the work since the last checkpoint may be done again"
+    assert [step for step, _ in steps(marks)] == [*range(8), *range(5, STEPS)], "from the last checkpoint on"
     [loss] = [event for event in read_events(database, job) if event.kind == "worker_lost"]
     assert "signal 9" in loss.data["reason"]
 
 
 @pytest.mark.slow
-def test_r2_killed_worker_and_r13_stopped_worker(settings, database, queue_job, marks):
+def test_r2_killed_worker_and_r13_stopped_worker(settings, database, queue_job, start_worker, marks):
     """Broken where a lost host needs a hand, or an orderly stop counts as a crash or waits for the job's end."""
     start_broker(settings)
-    job = queue_job("slow")
-    with worker(settings) as first:
-        wait_for(lambda: len(steps(marks)) > 7, WAIT_SECONDS)
+    hold_gate(marks, 8)
+    job = queue_job("gated")
+    with start_worker(**SHORT) as first:
+        wait_steps(marks, 8)
         os.killpg(first.pid, signal.SIGKILL)
         first.wait()
-    with worker(settings) as second:
-        before = len(steps(marks))
-        wait_for(lambda: len(steps(marks)) > before + 3, WAIT_SECONDS)
+    hold_gate(marks, 16)
+    with start_worker(**LONG) as second:
+        wait_for(lambda: steps(marks)[-1][0] == 15, WAIT_SECONDS)
         second.terminate()
         assert second.wait(timeout=WAIT_SECONDS) == 0
     row = find_job(database, job)
-    assert (row.state, row.attempts) == ("queued", 1), "the kill counts, the stop does not"
-    with worker(settings):
-        row = wait_ended(settings, job, WAIT_SECONDS)
-    assert (row.state, row.attempts, row.fence, count_results(database, job)) == ("succeeded", 2, 3, 1)
-    assert kinds(database, job).count("succeeded") == 1
-    assert {step for step, _ in steps(marks)} == set(range(40)) and len(steps(marks)) < 46
+    lost = kinds(database, job).count("lease_expired")
+    assert (row.state, row.attempts) == ("queued", lost) and lost > 0, "the kill counts, the stop does not"
+    hold_gate(marks, STEPS)
+    with start_worker(**LONG):
+        check_once(database, wait_ended(settings, job, WAIT_SECONDS))
+    done = [step for step, _ in steps(marks)]
+    assert done[-24:] == list(range(16, STEPS)), "the stop kept the very step"
+    assert set(done) == set(range(STEPS)) and len(done) <= STEPS + 3 * lost, "a crash costs what no checkpoint has"
 
 
 @pytest.mark.slow
-def test_r3_poison_and_r13_deaf_job(settings, database, queue_job, marks):
+def test_r3_poison_and_r13_deaf_job(settings, database, queue_job, start_worker, marks):
     """Broken where a job that kills its worker is repeated for ever, harms others, or a deaf one holds up a deploy."""
     start_broker(settings)
     poison, leaver, good = queue_job("crash"), queue_job("leave"), queue_job("shirt")
-    with worker(settings, grace_seconds=1.0, lease_seconds=20.0) as process:
+    with start_worker(grace_seconds=0.5, **LONG) as process:
         rows = [wait_ended(settings, job, WAIT_SECONDS) for job in (poison, leaver, good)]
         assert [(row.state, row.attempts) for row in rows] == [("dead", 3), ("dead", 3), ("succeeded", 1)]
         assert "signal 9" in rows[0].error_message and "exitcode 3" in rows[1].error_message
@@ -110,33 +131,34 @@ def test_r3_poison_and_r13_deaf_job(settings, database, queue_job, marks):
 
 
 @pytest.mark.slow
-def test_r4_zombie(settings, database, queue_job, marks):
+def test_r4_zombie(settings, database, queue_job, start_worker, marks):
     """Broken where a stopped process that wakes up after its lease writes over its successor."""
     start_broker(settings)
-    job = queue_job("slow")
-    with worker(settings), worker(settings):
-        wait_for(lambda: len(steps(marks)) > 7, WAIT_SECONDS)
-        zombie = steps(marks)[-1][1]
+    hold_gate(marks, 8)
+    job = queue_job("gated")
+    with start_worker(**SHORT), start_worker(**SHORT):
+        zombie = wait_steps(marks, 8)[-1][1]
         os.kill(zombie, signal.SIGSTOP)
-        wait_for(lambda: find_job(database, job).fence == 2, WAIT_SECONDS)
+        wait_for(lambda: any(process != zombie for _, process in steps(marks)), WAIT_SECONDS)
+        hold_gate(marks, STEPS)  # both may go on: one of them must not write
         os.kill(zombie, signal.SIGCONT)
-        row = wait_ended(settings, job, WAIT_SECONDS)
-    assert (row.state, row.attempts, row.fence, count_results(database, job)) == ("succeeded", 2, 2, 1)
-    assert kinds(database, job).count("succeeded") == 1
+        check_once(database, wait_ended(settings, job, WAIT_SECONDS))
+        wait_for(lambda: f"job {job}: lost" in (settings.home / "worker.log").read_text(), WAIT_SECONDS)
+    assert count_results(database, job) == 1
 
 
 @pytest.mark.slow
-def test_r5_broker_killed_and_flushed(settings, database, queue_job, marks):
+def test_r5_broker_killed_and_flushed(settings, database, queue_job, start_worker, marks):
     """Broken where the broker's memory is needed for a submit, or for a job to be found."""
     import redis
 
     start_broker(settings)
-    with worker(settings):
+    with start_worker(republish_seconds=0.5, **LONG):
         first = [queue_job(f"short{i}") for i in range(4)]
         wait_ended(settings, first[0], WAIT_SECONDS)
         os.kill(int((run_folder(settings) / "broker.pid").read_text()), signal.SIGKILL)
+        wait_for(lambda: not is_broker_up(settings), WAIT_SECONDS)
         second = [queue_job(f"away{i}") for i in range(3)]
-        time.sleep(0.5)
         start_broker(settings)
         client = redis.Redis(unix_socket_path=str(run_folder(settings) / "broker.sock"))
         client.flushall()
@@ -147,35 +169,51 @@ def test_r5_broker_killed_and_flushed(settings, database, queue_job, marks):
 
 
 @pytest.mark.slow
-def test_r6_database_cut_off(settings, database, queue_job, marks, database_kind):
-    """Broken where a job fails because the database was away for less than its lease."""
-    if database_kind == "sqlite":
-        pytest.skip("SQLite has no server; R7 holds its lock")
-    from sqlalchemy import text
+@pytest.mark.filterwarnings("ignore:.*was deleted while still open:ResourceWarning")  # its server went away under it
+@pytest.mark.parametrize("database_kind", ["postgresql"], indirect=True)  # SQLite has no server; see R7
+def test_r6_the_database_server_stops_and_starts(
+    settings, database, queue_job, start_worker, marks, postgres_server, request
+):
+    """Broken where a job fails because the server was away for less than its lease, or a user sees a traceback."""
+    from garmentq.service.api.app import make_app
 
     start_broker(settings)
-    job = queue_job("slow")
-    with worker(settings, lease_seconds=30.0):
-        for cut in range(3):
-            wait_for(lambda cut=cut: len(steps(marks)) > 5 + 8 * cut, WAIT_SECONDS)
-            with database.write() as session:
-                others = "select pg_terminate_backend(pid) from pg_stat_activity where pid <> pg_backend_pid()"
-                session.execute(text(f"{others} and datname = current_database()"))
+    hold_gate(marks, 8)
+    job = queue_job("gated")
+    app = make_app(settings)
+    request.addfinalizer(app.state.rooms.database.dispose)
+    with start_worker(**LONG):
+        for gate in (8, 22):
+            hold_gate(marks, gate)
+            wait_for(lambda gate=gate: steps(marks) and steps(marks)[-1][0] == gate - 1, WAIT_SECONDS)
+            postgres_server.stop()
+            try:
+                answer = ask(app, f"/v1/jobs/{job}")
+                assert (answer.status_code, answer.json()["code"]) == (503, "service.database_unreachable")
+                assert int(answer.headers["retry-after"]) > 0
+                hold_gate(marks, gate + 7)
+                wait_for(lambda gate=gate: steps(marks)[-1][0] == gate + 6, WAIT_SECONDS)  # it goes on without
+            finally:
+                postgres_server.start()
+        hold_gate(marks, STEPS)
         row = wait_ended(settings, job, WAIT_SECONDS)
+        assert ask(app, f"/v1/jobs/{job}").json()["state"] == "succeeded"
     assert (row.state, row.attempts) == ("succeeded", 1)
+    assert [step for step, _ in steps(marks)] == list(range(STEPS)), "no step twice"
+    gc.collect()
 
 
 @pytest.mark.slow
-def test_priorities_queues_and_three_dispatchers_r19(settings, database, queue_job, marks):
+def test_priorities_queues_and_three_dispatchers_r19(settings, database, queue_job, start_worker, marks):
     """Broken where the broker's order decides, a worker takes what it does not serve, or a job starts twice."""
     start_broker(settings)
     jobs = [queue_job(f"short{i}", priority=i) for i in range(8)]
     other = queue_job("gpu", queue="gpu")
-    with worker(settings, "--queues", "cpu"):
+    with start_worker("--queues", "cpu"):
         rows = [wait_ended(settings, job, WAIT_SECONDS) for job in jobs]
         assert [row.id for row in sorted(rows, key=lambda row: row.started)] == jobs[::-1]
         assert find_job(database, other).state == "queued"
-    with worker(settings), worker(settings), worker(settings):
+    with start_worker(), start_worker(), start_worker():
         more = [queue_job(f"more{i}") for i in range(20)]
         rows = [wait_ended(settings, job, WAIT_SECONDS) for job in [other, *more]]
     assert {row.state for row in rows} == {"succeeded"}

