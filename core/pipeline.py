@@ -21,7 +21,7 @@ from .drape import Stand, drape_graded, drape_template, redrape
 from .fit import InverseFit, PatternFit, fit_inverse, fit_pattern
 from .grade import choose_template, grade_pattern, slide_seams
 from .hooks import SILENT, Hooks
-from .measure import judge, measure_fit, measure_seams
+from .measure import judge, measure_fit, measure_knowledge, measure_seams
 from .pattern import Garment, Pattern, list_templates, load_pattern, load_template
 from .recovery import Recovery, Request
 from .scan import Pieces, Scan, load_pieces
@@ -84,6 +84,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         if settings.garment is not None:
             target = replace(target, category=check_category(settings.garment))
     template, base = find_template(request, target)
+    base = replace(base, symmetric=settings.free != "symmetry")
     garment, drape, notes = drape_to_scan(base, body, target, settings, clock)
     warnings = [*scan.repairs, *notes]
     simulation: np.ndarray | None = None
@@ -113,13 +114,16 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         garment, simulation = fitted.garment.at(fitted.graded), fitted.simulation
         warnings += fitted.warnings
     redraped = None
+    known: dict[str, float | None] = {}
     if fitted is not None:
+        known = measure_knowledge(fitted.estimates, getattr(fitted, "point_std", None))
         with clock.stage("redrape", "dressing the body in the recovered pattern") as inner:
             redraped, again = redrape(garment, Stand.of(body), fabric, target, hooks=inner)
         if not again.converged:
             warnings.append(f"the re-draped mesh is {again.message}")
+        known |= {"redrape.residual": again.residual, "redrape.iterations": float(again.iterations)}
     with clock.stage("measure", "measuring the result"):
-        metrics = measure(scan, target, garment, detail, simulation, drape, body, settings, redraped)
+        metrics = known | measure(scan, target, garment, detail, simulation, drape, body, settings, redraped)
     return Recovery(
         scan=scan,
         body=body,

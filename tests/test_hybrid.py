@@ -1,0 +1,85 @@
+"""The hybrid method on the whole road, from a stranger's pattern file: what comes out, and of what it is told."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from garmentq.core.body import builtin_body
+from garmentq.core.drape import DrapeSettings, Stand, drape_template
+from garmentq.core.export import write_recovery
+from garmentq.core.pattern import load_pattern, panel_area, seam_mismatch
+from garmentq.core.pipeline import recover
+from garmentq.core.recovery import STAGES, Recovery, Request
+from garmentq.core.settings import RecoverySettings
+
+WEARER = "builtin:female,height=1.68,pose=A"
+
+WIDER, LONGER = 1.05, 1.08
+"""The scanned skirt against the stranger's pattern."""
+
+
+def draw_skirt() -> dict:
+    """Give a skirt in the GarmentCode format: centimetres, its back drawn clockwise, names of its author's own."""
+    side = lambda panel, edge: {"panel": panel, "edge": edge}  # noqa: E731
+    edges = [{"endpoints": [i, (i + 1) % 4]} for i in range(4)]
+    corners = [[0, 0], [64, 0], [52, 54], [12, 54]]
+    front = {"translation": [-32, 50, 20], "rotation": [0, 0, 0], "vertices": corners, "edges": edges}
+    back = front | {"translation": [-32, 50, -20], "vertices": [corners[i] for i in (0, 3, 2, 1)]}
+    stitches = [[side("Vorn", 1), side("Hint", 2)], [side("Vorn", 3), side("Hint", 0)]]
+    return {
+        "pattern": {"panels": {"Vorn": front, "Hint": back}, "stitches": stitches},
+        "properties": {"curvature_coords": "relative", "normalize_panel_translation": False, "units_in_meter": 100},
+    }
+
+
+@pytest.fixture(scope="module")
+def recovered(tmp_path_factory: pytest.TempPathFactory) -> Recovery:
+    """Recover a skirt that was cut wider and longer than the stranger's pattern."""
+    folder = tmp_path_factory.mktemp("stranger")
+    (folder / "rock.json").write_text(json.dumps(draw_skirt()))
+    base = load_pattern(folder / "rock.json")
+    true = base.with_points(base.points * [WIDER, LONGER])
+    worn = drape_template(true, Stand.of(builtin_body(WEARER)), settings=DrapeSettings(template_vertices=700))
+    trimesh.Trimesh(worn.nodes, worn.faces, process=False).export(folder / "scan.ply")
+    settings = RecoverySettings(method="hybrid", vertex_count=500, lock="point:Vorn/2")
+    return recover(Request(folder / "scan.ply", WEARER, template=folder / "rock.json", settings=settings))
+
+
+@pytest.mark.slow
+def test_a_strangers_pattern_is_the_base(recovered: Recovery, tmp_path: Path) -> None:
+    """Breaks if an imported pattern is replaced by a shipped one, or its panels come back under other names."""
+    assert recovered.template == "rock"
+    assert set(recovered.stage_seconds) == set(STAGES)
+    (tmp_path / "rock.json").write_text(json.dumps(draw_skirt()))
+    base = load_pattern(tmp_path / "rock.json")
+    for panel in recovered.pattern.panels:
+        grown = panel_area(panel) / panel_area(base.panel(panel.name))
+        assert grown == pytest.approx(WIDER * LONGER, rel=0.08)
+    assert seam_mismatch(recovered.pattern) < 1e-5
+    write_recovery(recovered, tmp_path / "out")
+    again = json.loads((tmp_path / "out" / "pattern.json").read_text())
+    assert set(again["pattern"]["panels"]) == {"Vorn", "Hint"}
+    drawn = np.array(again["pattern"]["panels"]["Hint"]["vertices"])
+    x, y = (drawn - drawn[0]).T
+    assert np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y) < 0.0  # clockwise, as its author draws it
+
+
+@pytest.mark.slow
+def test_fit_and_new_drape_are_reported_beside_each_other(recovered: Recovery) -> None:
+    """Breaks if a mesh has another topology, or the new drape or what is known of the cloth stays unmeasured."""
+    count = len(recovered.garment.nodes)
+    assert recovered.simulation is not None and recovered.redraped is not None
+    assert recovered.simulation.shape == recovered.redraped.shape == recovered.detail.shape == (count, 3)
+    for prefix, limit in (("", 3.0), ("sim.", 25.0), ("redrape.", 40.0)):
+        for way in ("s2t", "t2s"):
+            value = recovered.metrics[f"{prefix}surface_rms_mm.{way}"]
+            assert value is not None and 0.0 < value < limit
+    assert recovered.metrics["fabric.density.identifiable"] == 0.0
+    assert recovered.metrics["fabric.k.std"] > 0.0
+    assert recovered.metrics["redrape.residual"] is not None
+    assert {estimate.name for estimate in recovered.estimates} == {"H00", "H01", "H11", "H22", "k", "density"}
+    assert "simulation_fit" in {gate.name for gate in recovered.gates}
