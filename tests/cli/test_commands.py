@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
+import resource
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import click
@@ -64,14 +64,15 @@ def test_help_is_quick_and_light():
     )
 
     def measure(code):
-        start = time.perf_counter()
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-        return time.perf_counter() - start, done.stdout
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)  # CPU time: the machine may be shared
+        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, done.stdout
 
     seconds, output = min(measure(script) for _ in range(5))
     bare, _ = min(measure("pass") for _ in range(5))
     assert output.splitlines()[-1] == "[]"
-    assert seconds < bare + 0.3, f"{seconds:.2f} s against {bare:.2f} s for an empty program"
+    assert seconds < bare + 0.3, f"{seconds:.2f} s of CPU against {bare:.2f} s for an empty program"
 
 
 def test_bad_input_ends_in_one_line(cli, tmp_path):
