@@ -66,7 +66,7 @@ def settle(
         energy = replace(base, friction=friction, inertia=inertia)
         nodes = bring_to_hold(nodes, hold, settings.max_step)
         for _ in range(settings.newton_per_step):
-            step = newton_step(energy, solver, nodes, share=0.0)
+            step = newton_step(energy, solver, nodes)
             nodes = step.nodes
             if step.motion < settings.still:
                 break

@@ -1,4 +1,4 @@
-"""One descent step on the cloth's energy: as much of the exact Hessian as is positive definite."""
+"""One descent step on the cloth's energy, and the factorisation of as much of the exact Hessian as is definite."""
 
 from __future__ import annotations
 
@@ -26,17 +26,11 @@ class Step:
 
     Attributes:
         nodes: Positions after it [m], shape [node_count, 3].
-        energy: Energy before it [J].
-        residual: Largest force before it, relative to the mean weight of a node.
         motion: Largest displacement [m]; 0 where no step helped.
-        share: Share of the exact Hessian that was used: 1 exact, 0 its PSD form.
     """
 
     nodes: np.ndarray
-    energy: float
-    residual: float
     motion: float
-    share: float
 
 
 def mean_weight(energy: Energy) -> float:
@@ -49,17 +43,11 @@ def relative_residual(energy: Energy, gradient: np.ndarray) -> float:
     return float(np.sqrt((gradient**2).sum(1).max())) / mean_weight(energy)
 
 
-def newton_step(energy: Energy, solver: Solver, nodes: np.ndarray, share: float) -> Step:
-    """Take one clamped Newton step with a line search on the energy.
-
-    The matrix is share K + (1 - share) K_psd; where that is indefinite the share is lowered until it is not. The exact
-    Hessian is indefinite on compressed cloth, and the PSD form alone creeps: a blend keeps most of the curvature.
-    """
-    start, gradient, blocks = energy.hessian(nodes, share > 0)
-    residual = relative_residual(energy, gradient)
-    share = factor_blend(energy, solver, nodes, blocks, share)
-    if share < 0:
-        return Step(nodes, start, residual, 0.0, 0.0)
+def newton_step(energy: Energy, solver: Solver, nodes: np.ndarray) -> Step:
+    """Take one clamped Newton step with the PSD Hessian and a line search on the energy."""
+    start, gradient, blocks = energy.hessian(nodes, False)
+    if factor_blend(energy, solver, nodes, blocks, 0.0) < 0:
+        return Step(nodes, 0.0)
     direction = -solver.solve(gradient.ravel()).reshape(-1, 3)
     slope = float((gradient * direction).sum())
     if not np.isfinite(direction).all() or slope >= 0:
@@ -67,12 +55,13 @@ def newton_step(energy: Energy, solver: Solver, nodes: np.ndarray, share: float)
         direction = -gradient * (1e-3 / max(float(np.abs(gradient).max()), 1e-300))
         slope = float((gradient * direction).sum())
     nodes, motion = search_line(energy, nodes, direction, start, slope)
-    return Step(nodes, start, residual, motion, share)
+    return Step(nodes, motion)
 
 
 def factor_blend(energy: Energy, solver: Solver, nodes: np.ndarray, blocks: np.ndarray, share: float) -> float:
     """Factor the largest share of the exact Hessian that is definite and give it; -1 where nothing can be factored.
 
+    The matrix is share K + (1 - share) K_psd: the exact Hessian is indefinite on compressed cloth.
     `blocks` is the exact Hessian where `share` > 0, else the PSD form. Slack cloth makes the PSD form singular, so it
     is shifted, first by a node's weight per metre, which is nothing beside the cloth's stiffness.
     """

@@ -1,4 +1,4 @@
-"""Bring cloth to its quasi-static equilibrium by Newton's method (numerics 1)."""
+"""Bring cloth to its quasi-static equilibrium by quasi-Newton descent (numerics 1)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from .dynamics import bring_to_hold, lag_friction
 from .energy import Energy
 from .fabric import Fabric
 from .hold import Hold
-from .newton import Step, newton_step, relative_residual
+from .newton import factor_blend, relative_residual
+from .quasi_newton import descend
 from .settings import GRAVITY, SimulateSettings
 from .solver import Solver, make_solver
 from .topology import Topology
@@ -27,6 +28,9 @@ MESSAGES = {
     "time": "not at rest: raise max_cpu_seconds or take fewer vertices.",
 }
 """Advice for each way in which the search for an equilibrium ends."""
+
+_SETTLED = 1e-5
+"""Motion in a leg under which friction's normal forces stay as they are [m]: their change moves nothing that counts."""
 
 
 class NodesBad(BadInput):
@@ -42,7 +46,7 @@ class Drape:
     Attributes:
         nodes: Positions [m], shape [node_count, 3].
         residual: Largest force on a node, relative to the mean weight of a node.
-        iterations: Newton iterations.
+        iterations: Matrices factored; each serves `SimulateSettings.steps_per_factor` steps.
         converged: True where the residual is within the tolerance or nothing moves any more.
         energy: Energy at the end [J].
         outcome: Key of `MESSAGES`.
@@ -75,9 +79,11 @@ def equilibrium(
 ) -> Drape:
     """Find positions at which no force is left on any node, from nodes [m], shape [node_count, 3].
 
-    Newton on dE/dx = 0 with a line search on E. The PSD Hessian far away (steps over 1 cm), then as much of the exact
-    one as is positive definite, which makes the last iterations quadratic. Friction's normal forces are taken from
-    the current positions in every iteration until the cloth is nearly at rest, and then frozen.
+    Descent on E in legs: factor the PSD Hessian, then a few quasi-Newton steps from it (`descend`). Friction's normal
+    forces are taken anew before each leg, so that at rest they are those of where the cloth rests; only where that
+    makes the cloth creep on by less than `_SETTLED` a leg are they left as they are.
+
+    **Deviation** from numerics 1 (Newton with the exact Hessian): see `docs/adr`, "Descend by quasi-Newton steps".
 
     Raises:
         NodesBad: where the nodes do not fit the mesh or are not finite.
@@ -88,24 +94,29 @@ def equilibrium(
     anchors = nodes.copy() if anchors is None else anchors
     solver = solver or make_solver(topology)
     energy = Energy(topology, fabric, grid, hold, gravity, settings)
-    started, share, calm = time.process_time(), 0.0, 0
-    outcome, done, lagging = "iterations", 0, True
+    started, calm, outcome, done, lagging = time.process_time(), 0, "iterations", 0, True
     for done in range(settings.max_iterations + 1):
         hooks.check()
         held = bring_to_hold(nodes, hold, settings.max_step)
-        moved_hold, nodes = float(np.abs(held - nodes).max()), held
+        arrived, nodes = bool((held == nodes).all()), held
         if lagging:
             energy = replace(energy, friction=lag_friction(energy, nodes, anchors))
-        step = newton_step(energy, solver, nodes, share)
-        if step.residual <= settings.tolerance and moved_hold == 0:
+        start, gradient, blocks = energy.hessian(nodes, False)
+        if relative_residual(energy, gradient) <= settings.tolerance and arrived:
             outcome = "converged"
             break
         if done == settings.max_iterations:
             break
-        nodes = step.nodes
-        lagging = lagging and step.motion > 1e-3
-        calm = calm + 1 if step.motion < settings.still and moved_hold == 0 else 0
-        if step.motion == 0 and moved_hold == 0 and step.share == 0:
+        if factor_blend(energy, solver, nodes, blocks, 0.0) < 0:
+            outcome = "stuck"
+            break
+        leg = descend(
+            energy, solver, nodes, start, gradient, steps=settings.steps_per_factor, residual=settings.tolerance
+        )
+        nodes = leg.nodes
+        lagging = lagging and leg.motion > _SETTLED
+        calm = calm + 1 if leg.motion < settings.still and arrived else 0
+        if leg.steps == 0 and arrived:
             outcome = "stuck"
             break
         if calm >= 3:
@@ -114,16 +125,7 @@ def equilibrium(
         if settings.max_cpu_seconds is not None and time.process_time() - started > settings.max_cpu_seconds:
             outcome = "time"
             break
-        share = _choose_share(step, share)
     end, gradient = energy.gradient(nodes)
-    residual = relative_residual(energy, gradient)
     slid = anchors if energy.friction is None else energy.friction.slide(nodes)
-    converged = outcome in ("converged", "still")
+    residual, converged = relative_residual(energy, gradient), outcome in ("converged", "still")
     return Drape(nodes, residual, done, converged, end, outcome, MESSAGES[outcome], slid)
-
-
-def _choose_share(step: Step, asked: float) -> float:
-    """Choose how much of the exact Hessian to try next: none beyond 1 cm of motion, then a quarter more each time."""
-    if step.motion > 1e-2 or step.motion == 0:
-        return 0.0
-    return min(1.0, max(1.25 * step.share, 0.3)) if step.share == asked else step.share
