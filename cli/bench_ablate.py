@@ -149,7 +149,7 @@ class _Stage:
         from ..core.settings import RecoverySettings
         from ..core.simulate import get_fabric
 
-        settings = RecoverySettings(vertex_count=VERTICES)
+        settings = RecoverySettings(method="deform", vertex_count=VERTICES)
         request = Request(scan=pack.garment, body=pack.body, template=pack.template, settings=settings)
         pieces = read_files(request)
         body = find_body(request, pieces, SILENT)

@@ -90,7 +90,7 @@ def _recover(pack: Any, damage: Any, preset: str, seed: int, folder: Path, known
     from ..core.settings import RecoverySettings
 
     garment, body = _damaged_files(pack, damage, seed, folder)
-    settings = RecoverySettings(preset=preset, seed=seed)
+    settings = RecoverySettings(method="deform", preset=preset, seed=seed)
     request = Request(scan=garment, body=body, template=pack.template, settings=settings)
     scan = read_files(request).garment
     if damage.name == "clean":

@@ -46,7 +46,8 @@ def test_two_garments_of_one_scan_are_two_jobs(tmp_path, blank_database, monkeyp
     person = write_person(tmp_path / "person.ply")
     ensure_services(settings, workers=1)
     try:
-        done = cli("submit", person, "--keep", "1", "--keep", "2", "--vertices", "500", "--wait", "--timeout", "400")
+        options = "--method deform --vertices 500 --wait --timeout 400".split()
+        done = cli("submit", person, "--keep", "1", "--keep", "2", *options)
         assert done.returncode == 0, done.stderr
         jobs = done.stdout.split()
         found = [json.loads(cli("result", job, "--json").stdout) for job in jobs]
