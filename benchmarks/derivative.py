@@ -31,7 +31,11 @@ SIDES = {"1K": 32, "3K": 55, "8K": 90}
 """Nodes along each side of a sheet of 60 cm."""
 
 GOALS = {"1K": (20.0, 2.2), "3K": (90.0, 6.5), "8K": (350.0, 30.0)}
-"""To stay under: gradient after the factor [CPU ms]; thesis mode, 20 steps forward and reverse [CPU s]."""
+"""To stay under: gradient after the factor [CPU ms]; thesis mode, 20 steps forward and reverse [CPU s]. Six shape
+parameters are to be known to 1 % in 0.6, 8 and 40 s."""
+
+CHANGE = np.array([0.01, -0.01, 0.005, 0.005, 0.01, -0.005])
+"""What is changed of the pattern at its corners [m]: up to 3 % of its half width."""
 
 THESIS = {"1K": (59.4, 60.0), "3K": (228.6, 186.3)}
 """Thesis table 3.1: seconds for assembly and linear solve of 20 steps, forward and reverse, on an RTX 3090."""
@@ -87,6 +91,29 @@ def worst_error(energy: Energy, nodes: np.ndarray, parameters: Parameters, found
     return worst
 
 
+def recover_shape(energy: Energy, start: np.ndarray, parameters: Parameters, change: np.ndarray) -> tuple[float, float]:
+    """Recover a changed pattern from its drape by plain Gauss-Newton, started on that drape.
+
+    Gives the CPU time until all parameters together are known to 1 % [s], inf where they never are, and their relative
+    error at the end: where the first equilibrium falls into other folds, it stays.
+    """
+    solver, implicit, shape = make_solver(energy.topology), Implicit(), replace(parameters, fabric=())
+    target = implicit.solve(shape.move(energy, change), start, solver).nodes
+    found, nodes, begun, reached = np.zeros(len(change)), target, time.process_time(), np.inf
+    for _ in range(10):
+        moved = shape.move(energy, found)
+        rest = implicit.solve(moved, nodes, solver)
+        slopes = rest.push(*shape.rates(moved)).reshape(-1, len(change))
+        step = np.linalg.lstsq(slopes, (target - rest.nodes).ravel(), rcond=None)[0]
+        found, nodes = found + step, rest.nodes
+        error = float(np.linalg.norm(found - change) / np.linalg.norm(change))
+        if error < 0.01:
+            reached = min(reached, time.process_time() - begun)
+        if np.linalg.norm(step) < 1e-3 * np.linalg.norm(found):
+            break
+    return reached, error
+
+
 def measure(name: str) -> dict[str, float]:
     """Measure one size."""
     energy, start, parameters = drape(SIDES[name])
@@ -106,11 +133,15 @@ def measure(name: str) -> dict[str, float]:
         two = parameters.pull(energy, replace(thesis, dt=dt).solve(energy, rest.nodes, solver).pull(up))
         found[f"1 - cosine, {dt} s"] = 1.0 - float(one @ two / np.linalg.norm(one) / np.linalg.norm(two))
     for share in (1.0, 0.1):
-        step = share * np.array([0.01, -0.01, 0.005, 0.005, 0.01, -0.005])
-        changed = replace(parameters, fabric=()).move(energy, step)
+        changed = replace(parameters, fabric=()).move(energy, share * CHANGE)
         change = f", {10 * share:.0f} mm [s]"
         found["forward" + change], moved = cpu(lambda e=changed: thesis.solve(e, rest.nodes, solver))
         found["reverse" + change], _ = cpu(lambda m=moved: m.pull(up))
+    for share in (1.0, 0.1):
+        way = f", {10 * share:.0f} mm"
+        found[f"6 shapes to 1 %{way} [s]"], found[f"their error{way}"] = recover_shape(
+            energy, rest.nodes, parameters, share * CHANGE
+        )
     found["gradient / goal"] = found["gradient [ms]"] / GOALS[name][0]
     for change in (", 10 mm", ", 1 mm"):
         ours = (found[f"forward{change} [s]"], found[f"reverse{change} [s]"])

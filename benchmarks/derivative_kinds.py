@@ -33,7 +33,7 @@ SIZES = {"1K": 1000, "3K": 3000, "8K": 8000}
 """Vertices of the mesh."""
 
 STEPS = (1e-6, 1e-7)
-"""Steps of the control points [m] that are tried, of logarithms a hundred times as much. The quotient errs with
+"""Steps of control points [m] and gathers that are tried, of the fabric a hundred times as much. The quotient errs with
 the square of the step, down to round-off, so the smaller difference counts."""
 
 
@@ -77,7 +77,7 @@ def differ(
     energy: Energy, start: np.ndarray, parameters: Parameters, derivative: Derivative, up: np.ndarray, step: float
 ) -> np.ndarray:
     """Give the central differences of up . x by every parameter; nan where a drape does not come to rest."""
-    solver, shape = make_solver(energy.topology), 2 * 8
+    solver, shape = make_solver(energy.topology), parameters.shape.shape[1]
     found = np.full(parameters.count, np.nan)
     for n in range(parameters.count):
         way = np.zeros(parameters.count)
