@@ -15,6 +15,7 @@ from garmentq.core.errors import BadInput
 from garmentq.core.pipeline import read_files
 from garmentq.core.recovery import Request
 from garmentq.core.scan import Pieces, Scan, Selection, cut_garment, load_pieces, select_vertices, vertex_normals
+from garmentq.core.scan.selection import select_other_cloth
 from garmentq.core.segment import segment_garment, smoothed_length
 from garmentq.core.settings import RecoverySettings, SettingsBad
 
@@ -129,6 +130,17 @@ def test_wrong_labels_are_refused(dressed: Dressed, pieces: Pieces, tmp_path: Pa
     assert refusal(whole, Selection(keep=("3", "7"))).code == "scan.label_unknown"
     assert refusal(whole, Selection(colour="#00ff00")).code == "scan.label_unknown"
     assert refusal(whole, Selection(colour="blue")).code == "scan.colour"
+
+
+def test_other_clothes_hide_the_body_too(dressed: Dressed, pieces: Pieces) -> None:
+    """Broken where trousers count as skin while the shirt is recovered, or become part of the shirt."""
+    both = load_pieces(dressed.path, None, selection=Selection(keep=("7",), cloth=("3",)))
+    assert both.cloth is not None and both.cloth.all()
+    assert np.array_equal(both.garment.faces, pieces.garment.faces)
+    assert pieces.wearer is not None
+    with pytest.raises(BadInput, match="--cloth") as caught:
+        select_other_cloth(pieces.wearer, pieces.wearer.labels, Selection(cloth=("8",)))
+    assert caught.value.code == "scan.label_unknown"
 
 
 def test_a_scan_without_labels_or_colours_is_refused() -> None:
