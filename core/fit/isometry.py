@@ -5,10 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from ..body import Body
-from ..grade import Isometry, IsometrySettings, believed_strain
+from ..grade import Isometry, IsometrySettings, believed_strain, hidden_folds, solve_isometry
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target
+
+SETTLED = 3e-4
+"""Largest motion of a control point in one step [m] below which the pattern rests: far less than what is left."""
 
 
 def fit_isometry(
@@ -24,7 +27,7 @@ def fit_isometry(
 
     Registration knows the surface to a millimetre, but not where on it a seam lies. A developable panel can only be
     bent, so the seams have to lie where the target's Gaussian curvature is: at the waist, round the arm. `Isometry`
-    tells what is minimised; the cloth's strain is that of the drape.
+    tells what is minimised; the cloth's strain is that of the drape, and what the coarse mesh cuts off its folds.
 
     Args:
         garment: The graded pattern's mesh, nodes at its drape, contours named.
@@ -40,10 +43,12 @@ def fit_isometry(
     """
     settings = settings or IsometrySettings()
     coarse = mesh_pattern(garment.pattern, min(settings.vertices, len(registered)))
-    strain = believed_strain(coarse.at(resample(garment, garment.nodes, coarse)), settings.believed)
     fitted = coarse.at(resample(garment, registered, coarse))
+    strain = believed_strain(coarse, garment, settings.believed) @ hidden_folds(fitted, garment, registered)
+    strain = 0.5 * (strain + np.swapaxes(strain, 1, 2))
     problem = Isometry.of(fitted, target, body, like, strain, settings)
-    for step in range(settings.steps):
+
+    def tell(step: int) -> None:
         hooks.progress("fit", 0.2 * step / settings.steps, "sliding the seams into place")
-        fitted = problem.step(fitted)
-    return fitted
+
+    return solve_isometry(problem, fitted, SETTLED, tell)

@@ -13,10 +13,11 @@ from .flattening import (
     uv_gradient,
 )
 from .grading import GradeSettings, Grading, grade_pattern, move_pattern, step_without_folds
-from .isometry import Isometry, IsometrySettings, believed_strain
+from .isometry import Isometry, IsometrySettings
 from .proportion import Proportions, find_proportions
 from .registration import RegistrationSettings, Surface, register_coarsely
-from .sliding import SlideSettings, slide_seams
+from .sliding import SlideSettings, slide_seams, solve_isometry
+from .strain import believed_strain, hidden_folds
 
 __all__ = [
     "ContourMeasure",
@@ -36,6 +37,7 @@ __all__ = [
     "find_proportions",
     "fit_control_points",
     "grade_pattern",
+    "hidden_folds",
     "move_pattern",
     "narrow_panels",
     "position_along",
@@ -43,6 +45,7 @@ __all__ = [
     "right_stretch",
     "seam_rows",
     "slide_seams",
+    "solve_isometry",
     "solve_sewn",
     "step_without_folds",
     "stretch_between",

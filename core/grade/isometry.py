@@ -11,7 +11,7 @@ from scipy.sparse.linalg import splu
 from ..body import Body
 from ..pattern import Garment, Pattern, find_symmetry, map_controls
 from ..segment import Target, name_contours
-from .flattening import narrow_panels, right_stretch, seam_rows, solve_sewn, uv_gradient
+from .flattening import narrow_panels, seam_rows, solve_sewn, uv_gradient
 from .grading import GradeSettings, move_pattern, step_without_folds
 from .proportion import Proportions, find_proportions
 from .registration import Surface
@@ -30,8 +30,8 @@ class IsometrySettings:
         along: Share of that cost for sliding along the contour, which is not seen.
         reach: Damping: a motion of this many metres in one step costs as much as a strain of 1. It only has to be
             there where nothing else holds a node.
-        proportion: Cost of a difference of 1 in the logarithm of a kept ratio of areas, by the garment's area: at 0.1 a
-            tenth too much costs as much as a strain of 3 % everywhere, which is what unlike cloth and folds leave.
+        proportion: Cost of one standard deviation of a rule of `Proportions`, by the garment's area: as much as a
+            strain of 3 % everywhere, which is what unlike cloth and folds leave.
         believed: Strain that the drape's cloth is believed to have, as in grading; woven cloth hangs within 3 %.
         facing: As in the coarse registration.
         keep: Damping of the control points, relative to the mean diagonal of their matrix.
@@ -45,7 +45,7 @@ class IsometrySettings:
     border: float = 0.002
     along: float = 0.05
     reach: float = 3.0
-    proportion: float = 0.1
+    proportion: float = 0.001
     believed: float = 0.03
     facing: float = 0.3
     keep: float = 1e-4
@@ -59,7 +59,7 @@ class Isometry:
 
     Minimises over the nodes x and the effective control points c at once
 
-        sum_f A_f |F_f - R_f U_f J_f|^2 + sum_v a_v (n_v . (x_v - q_v))^2 / l^2 + contours + w A sum_k ln^2(r_k / s_k)
+        sum_f A_f |F_f - R_f U_f J_f|^2 + sum_v a_v (n_v . (x_v - q_v))^2 / l^2 + contours + w A sum_k r_k^2
         + sum_f b_f A_f |J_f G_f - I|^2
 
     For fixed rotations R_f it is one linear system; the nodes are eliminated from it. Seams stay equal to first order
@@ -67,15 +67,15 @@ class Isometry:
 
     Notation: F_f the map from face f's present flat shape to 3D, J_f the map to its new flat shape, linear in c;
     U_f the strain that the cloth has on the target; q_v, n_v closest point and normal on the target, l `surface`; r_k
-    the ratios of `Proportions` and s_k the template's, w `proportion`, A the garment's area; J_f G_f the map from the
-    flat shape at the start, b_f `stay` or `stay_band`.
+    what the rules of `Proportions` miss, w `proportion`, A the garment's area; J_f G_f the map from the flat shape at
+    the start, b_f `stay` or `stay_band`.
 
     Attributes:
         goal: The target.
         borders: Nodes of each open contour, and the target's contour [m], shape [k, 3].
         strain: U, shape [face_count, 2, 2].
         free: Control points (x0, y0, ...) by effective ones, shape [2 point_count, effective_count].
-        proportions: Ratios to keep.
+        proportions: Rules to keep.
         start: Control points at the start [m], shape [point_count, 2].
         anchor: Matrix of the last sum, shape [effective_count, effective_count].
         settings: How.
@@ -197,17 +197,6 @@ class Isometry:
         pull = self.settings.proportion * area
         rows = seam_rows(pattern, pattern.points) @ self.free
         return solve_sewn(matrix + pull * rates.T @ rates, right + pull * rates.T @ missing, rows, np.zeros(len(rows)))
-
-
-def believed_strain(drape: Garment, believed: float) -> np.ndarray:
-    """Give the drape's right stretch of each face, clipped to what woven cloth does, shape [face_count, 2, 2].
-
-    Narrow panels keep it whatever it is, as in grading: a band is cut shorter than what it holds.
-    """
-    values, axes = np.linalg.eigh(right_stretch(drape, drape.nodes))
-    narrow = narrow_panels(drape.pattern)[drape.panel_of_face]
-    values = np.where(narrow[:, None], values, np.clip(values, 1.0 - believed, 1.0 + believed))
-    return np.asarray((axes * values[:, None, :]) @ np.swapaxes(axes, 1, 2))
 
 
 def _anchor(garment: Garment, free: np.ndarray, settings: IsometrySettings) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,7 +12,8 @@ from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target
 from .grading import GradeSettings, move_pattern, step_without_folds
-from .isometry import Isometry, IsometrySettings, believed_strain
+from .isometry import Isometry, IsometrySettings
+from .strain import believed_strain
 
 
 @dataclass(frozen=True)
@@ -68,15 +70,32 @@ def slide_seams(
     chosen = settings.isometry
     coarse = mesh_pattern(garment.pattern, min(chosen.vertices, len(garment.nodes)))
     found = coarse.at(resample(garment, garment.nodes, coarse))
-    problem = Isometry.of(found, target, body, like, believed_strain(found, chosen.believed), chosen)
-    tried, turn = found, 0
-    for step in range(chosen.steps):
+    problem = Isometry.of(found, target, body, like, believed_strain(found, found, chosen.believed), chosen)
+
+    def tell(step: int) -> None:
         hooks.progress("grade", step / chosen.steps, "sliding the seams into place")
+
+    return solve_isometry(problem, found, settings.settled, tell)
+
+
+def solve_isometry(problem: Isometry, start: Garment, settled: float, tell: Callable[[int], None]) -> Garment:
+    """Repeat the step of a problem with momentum until the pattern rests, or its settings' number of steps is over.
+
+    Args:
+        problem: What to solve.
+        start: The garment to start from.
+        settled: Largest motion of a control point in one step [m] below which it ends.
+        tell: Hears the number of each step before it is made.
+    """
+    found = tried = start
+    turn = 0
+    for step in range(problem.settings.steps):
+        tell(step)
         before, found = found, problem.step(tried)
         ahead = found.nodes - before.nodes
         turn = 0 if step and float(np.sum((tried.nodes - found.nodes) * ahead)) > 0.0 else turn + 1
         way = found.pattern.points - before.pattern.points
-        if float(np.linalg.norm(way, axis=1).max()) < settings.settled:
+        if float(np.linalg.norm(way, axis=1).max()) < settled:
             break
         share = turn / (turn + 3.0)
         further = step_without_folds(found.pattern, found.pattern.points + share * way, GradeSettings())[0]

@@ -148,7 +148,7 @@ def test_isometry_finds_a_larger_pattern(scene: Scene) -> None:
 def test_proportions_are_those_of_the_base_pattern(scene: Scene) -> None:
     """A rate with a wrong sign, or of the wrong panel, breaks this: differences of a pattern of straight edges."""
     kept = find_proportions(scene.template)
-    assert kept.pairs
+    assert kept.sisters and kept.edges and kept.directed
     np.testing.assert_allclose(kept.linearise(scene.template)[0], 0.0, atol=1e-12)
     rng = np.random.default_rng(2)
     way = 1e-5 * rng.normal(size=scene.template.points.shape)
