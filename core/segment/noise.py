@@ -8,8 +8,8 @@ import scipy.sparse.linalg as spla
 
 NOISY = 4e-3
 """Noise of the scan [m per coordinate] from which it is smoothed first. Below, the garment's own edges average it out
-(2 mm gave 1.1 mm); clean garments of 3 to 8 thousand vertices show 0.9 to 1.8 mm, folds. With smoothing 5 mm gave 1.7 mm
-to the truth, without 2.6."""
+(2 mm gave 1.1 mm); clean garments of 3 to 8 thousand vertices show 0.9 to 1.8 mm, folds. With smoothing 5 mm
+gave 1.7 mm to the truth, without 2.6."""
 
 ROUGH = 0.35
 """Roughness over edge length that noise has at least: a coarse but clean mesh has 0.14 to 0.2, one with 5 mm of noise
