@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .body import Body
-from .pattern import Garment, Pattern
-from .scan import Scan, Selection
-from .segment import Target
+from .scan import Selection
 from .settings import RecoverySettings
-from .simulate import Fabric, FabricEstimate
+
+if TYPE_CHECKING:  # so that a refusal of a bad file need not wait for the other rooms
+    from .body import Body
+    from .pattern import Garment, Pattern
+    from .scan import Scan
+    from .segment import Target
+    from .simulate import Fabric, FabricEstimate
 
 STAGES = ("scan", "body", "segment", "template", "grade", "drape", "deform", "fit", "redrape", "measure")
 """The stages of a recovery in order; progress and seconds are reported by these names. Only methods that recover the

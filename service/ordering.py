@@ -77,11 +77,13 @@ def _check_meshes(
 
 
 def _check_names(chosen: RecoverySettings) -> None:
-    from ..core.segment import CATEGORIES
     from ..core.simulate import get_fabric
 
-    if chosen.garment is not None and chosen.garment not in CATEGORIES:
-        raise SettingsBad(f"garment '{chosen.garment}' is not one of {', '.join(CATEGORIES)}.")
+    if chosen.garment is not None:
+        from ..core.segment import CATEGORIES
+
+        if chosen.garment not in CATEGORIES:
+            raise SettingsBad(f"garment '{chosen.garment}' is not one of {', '.join(CATEGORIES)}.")
     get_fabric(chosen.fabric)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_matrix
 
 from . import refusal
 from .repair import Surface, boundary_edges, clean_cut, half_edges
@@ -59,6 +58,8 @@ def soften(vertices: np.ndarray, faces: np.ndarray, cloth: np.ndarray) -> np.nda
 
     A round f <- f / 2 + (mean over neighbours) / 2 widens by a variance of edge^2 / 4 in each direction.
     """
+    from scipy.sparse import coo_matrix
+
     directed, _ = half_edges(faces)
     count = len(vertices)
     tail, head = np.concatenate([directed, directed[:, ::-1]]).T

@@ -5,9 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 MERGE = 1e-7
 """Vertices closer than this share of the bounding box's diagonal are one: the resolution of float32, in which STL and
@@ -145,6 +142,9 @@ def _twins(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def _pieces(count: int, first: np.ndarray, second: np.ndarray) -> tuple[int, np.ndarray]:
     """Label `count` nodes by the connected piece that the links make."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
     links = coo_matrix((np.ones(len(first), bool), (first, second)), shape=(count, count))
     number, labels = connected_components(links, directed=False)
     return int(number), labels
@@ -322,6 +322,8 @@ def turn_from_body(vertices: np.ndarray, faces: np.ndarray, body_vertices: np.nd
 
     Each face compares its normal with the body's normal at the nearest body vertex.
     """
+    from scipy.spatial import cKDTree
+
     a, b, c = (body_vertices[body_faces[:, k]] for k in range(3))
     normals = np.zeros_like(body_vertices)
     cross = np.cross(b - a, c - a)
