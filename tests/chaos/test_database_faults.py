@@ -13,6 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from garmentq.service.database import Database
 from garmentq.service.jobs import (
     Claim,
     FenceLost,
@@ -47,6 +48,15 @@ def never() -> bool:
 def hooks_of(database, store, held):
     """Give a claim's hooks without a running watch."""
     return make_hooks(database, store, held, Watch(database, held, 30.0, 1.0, 60.0, never))
+
+
+def test_r6_a_database_that_stays_away_for_a_lease(database, queue_job, tmp_path):
+    """Broken where a worker that cannot reach the database believes for ever that the job is its own."""
+    held = claim(database, queue_job(), "a", 30.0)
+    away = Database(f"sqlite:///{tmp_path / 'no' / 'such' / 'folder.db'}", pooled=False)
+    with Watch(away, held, 0.2, 0.05, 60.0, never) as watch:
+        wait_for(watch.must_stop)
+    assert watch.reason == "lost"
 
 
 def test_r7_a_locked_database_is_waited_for(settings, database, queue_job, database_kind):
@@ -146,7 +156,7 @@ def test_r12_the_workers_clock_does_not_matter(database, queue_job, monkeypatch)
         monkeypatch.setattr(time, "time", lambda shift=shift, real=real: real() + shift)
         held = claim(database, job, "a", 0.3)
         assert reap(database, 9) == 0
-        wait_for(lambda: reap(database, 9) == 1, 10.0)
+        wait_for(lambda: reap(database, 9) == 1)
         monkeypatch.undo()
     assert held.attempt == 2
 

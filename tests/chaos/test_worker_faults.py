@@ -17,12 +17,9 @@ import pytest
 from garmentq.service.jobs import find_job, read_events
 from garmentq.service.models import ArtifactRow
 from garmentq.workers.broker import is_broker_up, run_folder, start_broker
-from garmentq_home import wait_ended, wait_for
+from garmentq_home import WAIT_SECONDS, wait_ended, wait_for
 from garmentq_standin import STEPS, hold_gate
 from sqlalchemy import func, select
-
-WAIT_SECONDS = 90.0
-"""A deadline that only a hang reaches, however loaded the machine is."""
 
 LONG = {"lease_seconds": 600.0}
 """For what must work without any lease that runs out."""
@@ -51,7 +48,7 @@ def count_results(database, job):
 
 def wait_steps(path: Path, count: int):
     """Wait until so many steps were done, and give them."""
-    wait_for(lambda: len(steps(path)) >= count, WAIT_SECONDS)
+    wait_for(lambda: len(steps(path)) >= count)
     return steps(path)
 
 
@@ -81,7 +78,7 @@ def test_r1_killed_child(settings, database, queue_job, start_worker, marks):
     with start_worker(**LONG):
         os.kill(wait_steps(marks, 8)[-1][1], signal.SIGKILL)
         hold_gate(marks, STEPS)
-        row = wait_ended(settings, job, WAIT_SECONDS)
+        row = wait_ended(settings, job)
     assert (row.state, row.attempts, count_results(database, job)) == ("succeeded", 2, 1)
     assert [step for step, _ in steps(marks)] == [*range(8), *range(5, STEPS)], "from the last checkpoint on"
     [loss] = [event for event in read_events(database, job) if event.kind == "worker_lost"]
@@ -100,7 +97,7 @@ def test_r2_killed_worker_and_r13_stopped_worker(settings, database, queue_job, 
         first.wait()
     hold_gate(marks, 16)
     with start_worker(**LONG) as second:
-        wait_for(lambda: steps(marks)[-1][0] == 15, WAIT_SECONDS)
+        wait_for(lambda: steps(marks)[-1][0] == 15)
         second.terminate()
         assert second.wait(timeout=WAIT_SECONDS) == 0
     row = find_job(database, job)
@@ -108,7 +105,7 @@ def test_r2_killed_worker_and_r13_stopped_worker(settings, database, queue_job, 
     assert (row.state, row.attempts) == ("queued", lost) and lost > 0, "the kill counts, the stop does not"
     hold_gate(marks, STEPS)
     with start_worker(**LONG):
-        check_once(database, wait_ended(settings, job, WAIT_SECONDS))
+        check_once(database, wait_ended(settings, job))
     done = [step for step, _ in steps(marks)]
     assert done[-24:] == list(range(16, STEPS)), "the stop kept the very step"
     assert set(done) == set(range(STEPS)) and len(done) <= STEPS + 3 * lost, "a crash costs what no checkpoint has"
@@ -120,11 +117,11 @@ def test_r3_poison_and_r13_deaf_job(settings, database, queue_job, start_worker,
     start_broker(settings)
     poison, leaver, good = queue_job("crash"), queue_job("leave"), queue_job("shirt")
     with start_worker(grace_seconds=0.5, **LONG) as process:
-        rows = [wait_ended(settings, job, WAIT_SECONDS) for job in (poison, leaver, good)]
+        rows = [wait_ended(settings, job) for job in (poison, leaver, good)]
         assert [(row.state, row.attempts) for row in rows] == [("dead", 3), ("dead", 3), ("succeeded", 1)]
         assert "signal 9" in rows[0].error_message and "exitcode 3" in rows[1].error_message
         deaf = queue_job("stuck")
-        wait_for(lambda: find_job(database, deaf).state == "running", WAIT_SECONDS)
+        wait_for(lambda: find_job(database, deaf).state == "running")
         process.terminate()
         process.wait(timeout=WAIT_SECONDS)
     assert (find_job(database, deaf).state, find_job(database, deaf).attempts) == ("queued", 0)
@@ -139,11 +136,11 @@ def test_r4_zombie(settings, database, queue_job, start_worker, marks):
     with start_worker(**SHORT), start_worker(**SHORT):
         zombie = wait_steps(marks, 8)[-1][1]
         os.kill(zombie, signal.SIGSTOP)
-        wait_for(lambda: any(process != zombie for _, process in steps(marks)), WAIT_SECONDS)
+        wait_for(lambda: any(process != zombie for _, process in steps(marks)))
         hold_gate(marks, STEPS)  # both may go on: one of them must not write
         os.kill(zombie, signal.SIGCONT)
-        check_once(database, wait_ended(settings, job, WAIT_SECONDS))
-        wait_for(lambda: f"job {job}: lost" in (settings.home / "worker.log").read_text(), WAIT_SECONDS)
+        check_once(database, wait_ended(settings, job))
+        wait_for(lambda: f"job {job}: lost" in (settings.home / "worker.log").read_text())
     assert count_results(database, job) == 1
 
 
@@ -155,15 +152,15 @@ def test_r5_broker_killed_and_flushed(settings, database, queue_job, start_worke
     start_broker(settings)
     with start_worker(republish_seconds=0.5, **LONG):
         first = [queue_job(f"short{i}") for i in range(4)]
-        wait_ended(settings, first[0], WAIT_SECONDS)
+        wait_ended(settings, first[0])
         os.kill(int((run_folder(settings) / "broker.pid").read_text()), signal.SIGKILL)
-        wait_for(lambda: not is_broker_up(settings), WAIT_SECONDS)
+        wait_for(lambda: not is_broker_up(settings))
         second = [queue_job(f"away{i}") for i in range(3)]
         start_broker(settings)
         client = redis.Redis(unix_socket_path=str(run_folder(settings) / "broker.sock"))
         client.flushall()
         client.close()
-        rows = [wait_ended(settings, job, WAIT_SECONDS) for job in first + second]
+        rows = [wait_ended(settings, job) for job in first + second]
     assert {row.state for row in rows} == {"succeeded"}
     assert all(kinds(database, row.id).count("started") == 1 for row in rows), "no job may start twice"
 
@@ -185,18 +182,18 @@ def test_r6_the_database_server_stops_and_starts(
     with start_worker(**LONG):
         for gate in (8, 22):
             hold_gate(marks, gate)
-            wait_for(lambda gate=gate: steps(marks) and steps(marks)[-1][0] == gate - 1, WAIT_SECONDS)
+            wait_for(lambda gate=gate: steps(marks) and steps(marks)[-1][0] == gate - 1)
             postgres_server.stop()
             try:
                 answer = ask(app, f"/v1/jobs/{job}")
                 assert (answer.status_code, answer.json()["code"]) == (503, "service.database_unreachable")
                 assert int(answer.headers["retry-after"]) > 0
                 hold_gate(marks, gate + 7)
-                wait_for(lambda gate=gate: steps(marks)[-1][0] == gate + 6, WAIT_SECONDS)  # it goes on without
+                wait_for(lambda gate=gate: steps(marks)[-1][0] == gate + 6)  # it goes on without
             finally:
                 postgres_server.start()
         hold_gate(marks, STEPS)
-        row = wait_ended(settings, job, WAIT_SECONDS)
+        row = wait_ended(settings, job)
         assert ask(app, f"/v1/jobs/{job}").json()["state"] == "succeeded"
     assert (row.state, row.attempts) == ("succeeded", 1)
     assert [step for step, _ in steps(marks)] == list(range(STEPS)), "no step twice"
@@ -210,11 +207,11 @@ def test_priorities_queues_and_three_dispatchers_r19(settings, database, queue_j
     jobs = [queue_job(f"short{i}", priority=i) for i in range(8)]
     other = queue_job("gpu", queue="gpu")
     with start_worker("--queues", "cpu"):
-        rows = [wait_ended(settings, job, WAIT_SECONDS) for job in jobs]
+        rows = [wait_ended(settings, job) for job in jobs]
         assert [row.id for row in sorted(rows, key=lambda row: row.started)] == jobs[::-1]
         assert find_job(database, other).state == "queued"
     with start_worker(), start_worker(), start_worker():
         more = [queue_job(f"more{i}") for i in range(20)]
-        rows = [wait_ended(settings, job, WAIT_SECONDS) for job in [other, *more]]
+        rows = [wait_ended(settings, job) for job in [other, *more]]
     assert {row.state for row in rows} == {"succeeded"}
     assert all(kinds(database, row.id).count("started") == 1 for row in rows)

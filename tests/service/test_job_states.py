@@ -73,7 +73,7 @@ def test_each_job_is_claimed_once_by_many_processes(settings, database, queue_jo
         )
         for i in range(4)
     ]
-    got = [process.communicate(timeout=60)[0].split() for process in processes]
+    got = [process.communicate(timeout=300)[0].split() for process in processes]
     assert [process.returncode for process in processes] == [0] * 4
     assert Counter(job for part in got for job in part) == Counter(jobs)
 

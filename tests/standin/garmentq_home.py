@@ -29,6 +29,9 @@ from sqlalchemy.pool import NullPool
 
 STANDIN = Path(__file__).parent
 
+WAIT_SECONDS = 120.0
+"""A deadline that only a hang reaches, however loaded the machine is."""
+
 SERVER, BLANK = pytest.StashKey[PostgresServer](), pytest.StashKey[str]()
 
 DATABASES = ("sqlite", "postgresql")
@@ -91,7 +94,7 @@ def put_file(folder: Path, name: str, content: str = "") -> Path:
     return path
 
 
-def wait_for(check: Callable[[], object], seconds: float = 30.0) -> None:
+def wait_for(check: Callable[[], object], seconds: float = WAIT_SECONDS) -> None:
     """Wait until something is true, and fail where it does not become so."""
     deadline = time.monotonic() + seconds
     while not check():
@@ -231,7 +234,7 @@ def read_job(settings: ServiceSettings, job: str) -> JobRow:
         opened.dispose()
 
 
-def wait_ended(settings: ServiceSettings, job: str, seconds: float = 30.0) -> JobRow:
+def wait_ended(settings: ServiceSettings, job: str, seconds: float = WAIT_SECONDS) -> JobRow:
     """Wait until a job has ended."""
     wait_for(lambda: read_job(settings, job).state in ENDED, seconds)
     return read_job(settings, job)
