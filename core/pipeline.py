@@ -18,7 +18,8 @@ from .body import Body, BodyMissing, builtin_body, is_smpl, load_smpl, register_
 from .checkpoints import keep_body, keep_drape, kept_body, kept_drape
 from .deform import Deformation, DeformSettings, deform
 from .drape import Stand, drape_graded, drape_template, redrape
-from .fit import InverseFit, PatternFit, fit_inverse, fit_pattern
+from .errors import Cancelled, GarmentqError
+from .fit import InverseFit, PatternFit, find_held, fit_inverse, fit_pattern
 from .grade import choose_template, grade_pattern, slide_seams
 from .hooks import SILENT, Hooks
 from .measure import judge, measure_fit, measure_knowledge, measure_seams
@@ -27,7 +28,7 @@ from .recovery import Recovery, Request
 from .scan import Pieces, Scan, load_pieces
 from .segment import CATEGORIES, Target, segment_garment
 from .settings import RecoverySettings, SettingsBad
-from .simulate import Drape, get_fabric
+from .simulate import Drape, Fabric, get_fabric
 
 PACKAGES = ("garmentq", "torch", "numpy", "scipy", "numba", "trimesh", "libigl")
 """The packages whose versions decide the digits of a result; the manifest names them."""
@@ -85,6 +86,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
             target = replace(target, category=check_category(settings.garment))
     template, base = find_template(request, target)
     base = replace(base, symmetric=settings.free != "symmetry")
+    find_held(base, base, settings.locks)  # a lock of nothing is refused now, not after the drape
     garment, drape, notes = drape_to_scan(base, body, target, settings, clock)
     warnings = [*scan.repairs, *notes]
     simulation: np.ndarray | None = None
@@ -105,14 +107,13 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     garment = garment.at(graded)
     if settings.method == "hybrid":
         with clock.stage("fit", "fitting the pattern through the simulator") as inner:
-            fitted = fit_pattern(
-                garment, detail.nodes, target, base, fabric, body,
-                vertex_count=settings.vertex_count, deforming=preset, locks=settings.locks, hooks=inner,
-            )  # fmt: skip
-            detail = fitted.detail
-        fabric = fitted.fabric
-        garment, simulation = fitted.garment.at(fitted.graded), fitted.simulation
-        warnings += fitted.warnings
+            found = refit(garment, detail.nodes, target, base, fabric, body, settings, preset, inner)
+        if isinstance(found, PatternFit):
+            fitted, fabric, detail = found, found.fabric, found.detail
+            garment, simulation = found.garment.at(found.graded), found.simulation
+            warnings += found.warnings
+        else:
+            warnings.append(found)
     redraped = None
     known: dict[str, float | None] = {}
     if fitted is not None:
@@ -147,6 +148,29 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         point_std=fitted.point_std if isinstance(fitted, PatternFit) else None,
         redraped=redraped,
     )
+
+
+def refit(
+    garment: Garment,
+    registered: np.ndarray,
+    target: Target,
+    base: Pattern,
+    fabric: Fabric,
+    body: Body,
+    settings: RecoverySettings,
+    deforming: DeformSettings,
+    hooks: Hooks,
+) -> PatternFit | str:
+    """Recover the pattern through the simulator; where that fails, say why: the graded pattern then stands."""
+    try:
+        return fit_pattern(
+            garment, registered, target, base, fabric, body,
+            vertex_count=settings.vertex_count, deforming=deforming, locks=settings.locks, hooks=hooks,
+        )  # fmt: skip
+    except Cancelled:
+        raise
+    except (GarmentqError, np.linalg.LinAlgError) as error:
+        return f"the pattern is the graded one, for it could not be fitted through the simulator: {error}"
 
 
 def drape_to_scan(

@@ -8,10 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from garmentq.core import pipeline
 from garmentq.core.body import builtin_body
+from garmentq.core.deform import DeformSettings
 from garmentq.core.drape import DrapeSettings, Stand, drape_template
+from garmentq.core.errors import Cancelled, GarmentqError
 from garmentq.core.export import write_recovery
-from garmentq.core.pattern import load_pattern, panel_area, seam_mismatch
+from garmentq.core.fit import LockUnknown
+from garmentq.core.hooks import SILENT
+from garmentq.core.pattern import load_pattern, load_template, panel_area, seam_mismatch
 from garmentq.core.pipeline import recover
 from garmentq.core.recovery import STAGES, Recovery, Request
 from garmentq.core.settings import RecoverySettings
@@ -83,3 +88,29 @@ def test_fit_and_new_drape_are_reported_beside_each_other(recovered: Recovery) -
     assert recovered.metrics["redrape.residual"] is not None
     assert {estimate.name for estimate in recovered.estimates} == {"H00", "H01", "H11", "H22", "k", "density"}
     assert "simulation_fit" in {gate.name for gate in recovered.gates}
+
+
+def test_a_fit_that_fails_leaves_the_graded_pattern(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Breaks if a result that is usable without the fit is thrown away with it, or a cancelled job goes on."""
+
+    def fail(*arguments: object, **options: object) -> None:
+        raise error
+
+    monkeypatch.setattr(pipeline, "fit_pattern", fail)
+    nothing = [None] * 6
+    for error in (GarmentqError("the cloth is knotted."), np.linalg.LinAlgError("singular")):
+        found = pipeline.refit(*nothing, RecoverySettings(), DeformSettings(), SILENT)
+        assert isinstance(found, str) and str(error) in found
+    error = Cancelled()
+    with pytest.raises(Cancelled):
+        pipeline.refit(*nothing, RecoverySettings(), DeformSettings(), SILENT)
+
+
+def test_a_lock_of_nothing_is_refused_before_the_drape(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Breaks if a misspelt panel is found out only after a minute's work."""
+    base = load_template("skirt")
+    worn = drape_template(base, Stand.of(builtin_body(WEARER)), settings=DrapeSettings(template_vertices=300))
+    trimesh.Trimesh(worn.nodes, worn.faces, process=False).export(tmp_path / "scan.ply")
+    monkeypatch.setattr(pipeline, "drape_to_scan", lambda *arguments: pytest.fail("draped"))
+    with pytest.raises(LockUnknown, match="nowhere"):
+        recover(Request(tmp_path / "scan.ply", WEARER, settings=RecoverySettings(lock="panel:nowhere")))
