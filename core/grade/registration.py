@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 
 import igl
 import numpy as np
 import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from ..hooks import SILENT, Hooks
-from ..pattern import Garment
+from ..pattern import Garment, Pattern
 from ..segment import Target
 
 
@@ -26,6 +28,10 @@ class RegistrationSettings:
         contour_reach: The same for matched contours: 5 mm, they fit almost exactly.
         facing: A closest point counts where both normals agree to this cosine; 0.3 (72 degrees) keeps folds and drops
             the other leg.
+        across_seams: Cost of a kink of the displacement at a seam between parts of the garment, such as sleeve and body
+            or top and skirt, as a share of that within one. Each is graded in its own proportion: a sleeve twice as
+            long must not take the shoulder along. A thousandth halves the error of the panels' areas on five garments,
+            from 7 to 3.5 %, and takes their outlines from 21 to 15 mm; a hundredth goes half of that way.
         samples: Target vertices that look for the source, at most; as many as a garment mesh has.
     """
 
@@ -34,6 +40,7 @@ class RegistrationSettings:
     reach_last: float = 0.015
     contour_reach: float = 0.005
     facing: float = 0.3
+    across_seams: float = 0.001
     samples: int = 3000
 
 
@@ -56,7 +63,7 @@ def register_coarsely(
     """
     settings = settings or RegistrationSettings()
     start = garment.nodes
-    stiffness, mass = bending_operators(garment)
+    stiffness, mass = bending_operators(garment, settings.across_seams)
     pins, pinned = _pin_contours(garment, target, settings)
     goal = Surface(target.vertices, target.faces)
     picked = np.linspace(0, len(goal.vertices) - 1, min(settings.samples, len(goal.vertices))).astype(np.int64)
@@ -161,13 +168,38 @@ def match_loop(source: np.ndarray, target: np.ndarray, samples: int = 128) -> tu
     return _at(target, share + start), (lengths + np.roll(lengths, 1)) / 2
 
 
-def bending_operators(garment: Garment) -> tuple[sp.csr_matrix, np.ndarray]:
+def bending_operators(garment: Garment, across: float = 1.0) -> tuple[sp.csr_matrix, np.ndarray]:
     """Give the matrix of int |lap d|^2 dA over the flat rest shape, [node_count, node_count], and node areas [m2].
 
-    L^T M^-1 L with the cotangent Laplacian L and the lumped areas M. Rows of nodes on open contours are left out, so
-    that a displacement that grows linearly towards a contour costs nothing.
+    L^T M^-1 L with the cotangent Laplacian L and the lumped areas M; the share `across` of it over the sewn garment,
+    the rest over its parts, between which the displacement may kink. Rows of nodes on open contours, or on the rim of a
+    part, are left out, so that a displacement that grows linearly towards them costs nothing.
+
+    Args:
+        garment: The garment.
+        across: Cost of a kink at a seam between parts, as a share of what it costs elsewhere.
     """
-    corners, faces, count = garment.rest, garment.faces, len(garment.nodes)
+    sewn, mass = _bending(garment.rest, garment.faces, len(garment.nodes))
+    part = find_parts(garment.pattern)
+    own, vertex = np.unique(part[garment.panel_of_uv] * len(garment.nodes) + garment.uv_node, return_inverse=True)
+    parts, _ = _bending(garment.rest, vertex[garment.uv_faces], len(own))
+    node = sp.csr_matrix((np.ones(len(own)), (np.arange(len(own)), own % len(garment.nodes))), (len(own), len(mass)))
+    return sp.csr_matrix(across * sewn + (1.0 - across) * (node.T @ parts @ node)), mass
+
+
+def find_parts(pattern: Pattern) -> np.ndarray:
+    """Tell which panels are graded as one, as a number for each panel, shape [panel_count].
+
+    Panels that are sewn to each other along two seams or more, as a front and its back, share girth and height.
+    """
+    at = {panel.name: i for i, panel in enumerate(pattern.panels)}
+    sewn = Counter(tuple(sorted((at[seam.a.panel], at[seam.b.panel]))) for seam in pattern.seams)
+    pairs = np.array([pair for pair, count in sewn.items() if count >= 2], dtype=np.int64).reshape(-1, 2)
+    link = sp.csr_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (len(at), len(at)))
+    return np.asarray(connected_components(link, directed=False)[1])
+
+
+def _bending(corners: np.ndarray, faces: np.ndarray, count: int) -> tuple[sp.csr_matrix, np.ndarray]:
     rows, columns, values = [], [], []
     for k in range(3):
         i, j = faces[:, (k + 1) % 3], faces[:, (k + 2) % 3]
