@@ -24,9 +24,10 @@ class RecoverySettings:
     """Choose how one garment is recovered.
 
     Attributes:
-        method: `deform`: grade, drape, then deform onto the scan. `hybrid`: then refit the pattern to the deformed mesh
-            and through the simulator, and drape it again as the simulation mesh. `inverse`: descend from the graded
-            pattern through the simulator (the thesis' loop), drape what it ends at, and deform that onto the scan.
+        method: `hybrid`: grade, drape, deform onto the scan, then refit the pattern to the deformed mesh and through
+            the simulator, and drape it again as the simulation mesh; the default, for it recovers pattern and cloth.
+            `deform` stops at the detail mesh, in under half the time. `inverse`: descend from the graded pattern
+            through the simulator (the thesis' loop), drape what it ends at, and deform that onto the scan.
         preset: Deformer preset; `default`, or `thesis` for the published weights in the reading that works.
         garment: Category that overrides the one chosen from the contours, or None.
         template: Name of a shipped or imported template that overrides the chosen one, or None.
@@ -50,7 +51,7 @@ class RecoverySettings:
             garment does, and are not taken for skin.
     """
 
-    method: str = "deform"
+    method: str = "hybrid"
     preset: str = "default"
     garment: str | None = None
     template: str | None = None

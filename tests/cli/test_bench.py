@@ -79,7 +79,7 @@ def test_one_line_a_target_and_status_5(packs: Path, requests: list) -> None:
     assert requests[0].scan.name == "scan.ply" and requests[0].labels.name == "labels.npz"
     assert requests[0].body is None and requests[0].settings.keep == "1"
     good, refused = lines["good"], lines["refused"]
-    assert (good["ok"], good["error"], good["category"], good["method"]) == (True, None, "skirt", "deform")
+    assert (good["ok"], good["error"], good["category"], good["method"]) == (True, None, "skirt", "hybrid")
     assert good["metrics"]["surface_rms_mm.s2t"] > 0.0
     assert good["metrics"]["panel_outline_mm"] == pytest.approx(0.0, abs=1e-6)
     assert good["stage_seconds"] == {"scan": 0.2, "deform": 3.4}
