@@ -1,8 +1,9 @@
 """The first drape: from a flat pattern to a garment that hangs on a body in any pose."""
 
-from .carry import CarrySettings, carry
+from .carry import CarrySettings, Way, carry, take_pose
 from .dress import DressSettings, dress, place, waist_loop
 from .follow import FollowSettings, Threads, follow, lay_threads
+from .sizing import measure_wearer, size_template
 from .stage import DrapeSettings, Stand, drape_graded, drape_template, redrape, waist_height
 from .tie import tie_contour
 
@@ -13,14 +14,18 @@ __all__ = [
     "FollowSettings",
     "Stand",
     "Threads",
+    "Way",
     "carry",
     "drape_graded",
     "drape_template",
     "dress",
     "follow",
     "lay_threads",
+    "measure_wearer",
     "place",
     "redrape",
+    "size_template",
+    "take_pose",
     "tie_contour",
     "waist_height",
     "waist_loop",

@@ -15,6 +15,10 @@ from ..pattern import Garment
 from ..segment import find_loops
 from .follow import FollowSettings, Lookup, Threads, follow, lay_threads
 
+LIFT = 0.03
+"""How far above the body's shoulders a garment is laid [m]: a sleeve that droops then still starts above the middle of
+the stretched arm, so that its upper seam is pushed up and not down; what is too high sinks under its weight."""
+
 
 @dataclass(frozen=True)
 class DressSettings:
@@ -75,7 +79,7 @@ def place(garment: Garment, body: Body, *, waist_height: float | None = None, fl
         height = waist_height if waist_height is not None else natural_height(_loop_length(garment, waist), body)
         nodes[:, 1] += height - nodes[waist, 1].mean()
     else:
-        nodes[:, 1] += _shoulder_shift(nodes, body)
+        nodes[:, 1] += _shoulder_shift(nodes, garment.faces, body)
     return nodes
 
 
@@ -87,13 +91,13 @@ def natural_height(girth: float, body: Body) -> float:
     """
     low, high = body.joint("pelvis")[1], body.joint("spine3")[1]
     heights = np.linspace(low, high, 25)
-    girths = np.array([_convex_girth(body, height) for height in heights])
+    girths = np.array([convex_girth(body, height) for height in heights])
     narrowest = int(np.argmin(girths))
     wide = np.nonzero(girths[: narrowest + 1] <= girth)[0]
     return float(heights[wide[0]] if len(wide) else heights[narrowest])
 
 
-def _convex_girth(body: Body, height: float) -> float:
+def convex_girth(body: Body, height: float) -> float:
     """Measure the convex hull of the body within half a vertex spacing, 1 cm, of a height [m]."""
     near = body.vertices[np.abs(body.vertices[:, 1] - height) < 0.01][:, [0, 2]]
     if len(near) < 3:
@@ -174,8 +178,8 @@ def _side(garment: Garment) -> np.ndarray:
     return total / np.maximum(count, 1.0)
 
 
-def _shoulder_shift(nodes: np.ndarray, body: Body) -> float:
-    """Give the shift in y [m] that lays the garment's upper outline 1 cm above the body's, from neck to shoulder."""
+def _shoulder_shift(nodes: np.ndarray, faces: np.ndarray, body: Body) -> float:
+    """Give the shift in y [m] that lays the garment's upper outline above the body's, from neck to shoulder."""
     left, right = body.joint("left_shoulder"), body.joint("right_shoulder")
     centre, half = 0.5 * (left[0] + right[0]), 0.5 * abs(left[0] - right[0])
     gaps = []
@@ -184,10 +188,35 @@ def _shoulder_shift(nodes: np.ndarray, body: Body) -> float:
         for sign in (-1.0, 1.0):
             x = centre + sign * share * half
             skin = below_head & (np.abs(body.vertices[:, 0] - x) < 0.015)
-            cloth = np.abs(nodes[:, 0] - x) < 0.015
-            if skin.any() and cloth.any():
-                gaps.append(body.vertices[skin, 1].max() + 0.01 - nodes[cloth, 1].max())
+            cloth = _outline_height(nodes, faces, x)
+            if skin.any() and cloth is not None:
+                gaps.append(body.vertices[skin, 1].max() + LIFT - cloth)
     return float(np.max(gaps)) if gaps else float(left[1] - nodes[:, 1].max())
+
+
+def _outline_height(nodes: np.ndarray, faces: np.ndarray, x: float) -> float | None:
+    """Give the highest y of a flattened garment on the line at x [m], or None where it does not reach so far."""
+    start, end = (nodes[faces[:, ends]].reshape(-1, 3) for ends in ([0, 1, 2], [1, 2, 0]))
+    across = (start[:, 0] - x) * (end[:, 0] - x) < 0
+    if not across.any():
+        return None
+    share = (x - start[across, 0]) / (end[across, 0] - start[across, 0])
+    return float((start[across, 1] + share * (end[across, 1] - start[across, 1])).max())
+
+
+def _half(garment: Garment) -> np.ndarray:
+    """Tell nodes of panels that belong to the wearer's left (+1) or right (-1) half alone; 0 for all others.
+
+    A panel is one half's where its middle lies further out than a quarter of its width.
+    """
+    total, count = np.zeros(len(garment.nodes)), np.zeros(len(garment.nodes))
+    for i, panel in enumerate(garment.pattern.panels):
+        x = (panel.points @ panel.rotation[:2, :2].T + panel.translation[:2])[:, 0]
+        middle, width = 0.5 * (x.max() + x.min()), x.max() - x.min()
+        member = garment.uv_node[garment.panel_of_uv == i]
+        np.add.at(total, member, np.sign(middle) if abs(middle) > 0.25 * width else 0.0)
+        np.add.at(count, member, 1.0)
+    return np.sign(np.where(np.abs(total) == count, total, 0.0))
 
 
 def squashed(lookup: Lookup, middle: float, scale: float) -> Lookup:
@@ -220,12 +249,15 @@ def _flat_lookup(lookup: Lookup, middle: float, side: np.ndarray, flatten: float
     return flat
 
 
-def sided(lookup: Lookup, middle: float, side: np.ndarray) -> Lookup:
+def sided(lookup: Lookup, outline: Lookup, middle: float, side: np.ndarray) -> Lookup:
     """Add the middle plane as an obstacle: no front node passes behind it, no back node before it.
 
     While the body is thin, a crease 1 cm deep would otherwise slip through the neck or the waist to the other side.
+    Seams between front and back are in that plane and stay outside the `outline` that the body cuts there: a thin body
+    pushes them out of the plane at best, and a sleeve's upper seam would sink through the arm.
     """
     off_seam = np.abs(side) > 0.5
+    on_seam = np.nonzero(~off_seam)[0]
     sign = np.sign(side)
 
     def lookup_sided(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -235,23 +267,38 @@ def sided(lookup: Lookup, middle: float, side: np.ndarray) -> Lookup:
         nearer = off_seam & (ahead < distance / slope)
         distance[nearer] = ahead[nearer]
         gradient[nearer] = sign[nearer, None] * np.array([0.0, 0.0, 1.0])
+        if len(on_seam):
+            distance[on_seam], gradient[on_seam] = outline(points[on_seam])
+            gradient[on_seam, 2] = 0.0
         return distance, gradient
 
     return lookup_sided
 
 
 def relax_flat(
-    threads: Threads, nodes: np.ndarray, side: np.ndarray, lookup: Lookup, middle: float, settings: DressSettings
+    threads: Threads,
+    nodes: np.ndarray,
+    side: np.ndarray,
+    half: np.ndarray,
+    lookup: Lookup,
+    middle: float,
+    settings: DressSettings,
 ) -> np.ndarray:
     """Relax the edges of flattened, welded panels in their planes and give the nodes [m], shape [node_count, 3].
 
     Each step moves in x and y only: front nodes stay at +flatten, back nodes at -flatten from the middle plane, and
-    seams between them in it, outside the outline that the body cuts there (between the legs, under the arms).
+    seams between them in it, outside the outline that the body cuts there (between the legs, under the arms). What
+    belongs to one half of the wearer stays on it: the forks of trousers, drafted past the middle, are worn in it, from
+    front to back, and would otherwise lie across each other.
     """
+    apart = 0.5 * settings.flatten
+    centre = 0.5 * float(nodes[:, 0].min() + nodes[:, 0].max())
     flat = _flat_lookup(lookup, middle, side, settings.flatten)
     for _ in range(settings.relax):
         nodes, _ = follow(threads, nodes, flat, 1, settings=settings.follow)
         nodes[:, 2] = middle + settings.flatten * side
+        nodes[half > 0, 0] = np.maximum(nodes[half > 0, 0], centre + apart)
+        nodes[half < 0, 0] = np.minimum(nodes[half < 0, 0], centre - apart)
     return nodes
 
 
@@ -287,16 +334,26 @@ def dress(
     waist = waist_loop(garment)
     height = None if waist is None else float(nodes[waist, 1].mean())
     side = _side(garment)
-    nodes = relax_flat(threads, nodes, side, lookup, middle, settings)
+    nodes = relax_flat(threads, nodes, side, _half(garment), lookup, middle, settings)
     between = np.abs(side) < 0.5
     for frame in range(settings.frames):
         scale = settings.squash + (1.0 - settings.squash) * (frame + 1) / settings.frames
         nodes, _ = follow(
-            threads, nodes, sided(squashed(lookup, middle, scale), middle, side), 3, settings=settings.follow
+            threads, nodes, sided(squashed(lookup, middle, scale), lookup, middle, side), 3, settings=settings.follow
         )
         nodes[between, 2] = middle
         if waist is not None and height is not None:
             nodes[waist, 1] += height - nodes[waist, 1].mean()
         hooks.check()
-    nodes, _ = follow(threads, nodes, lookup, settings.settle, settings=settings.follow, gravity=9.81, held=waist)
+    nodes, _ = follow(
+        threads,
+        nodes,
+        lookup,
+        settings.settle,
+        settings=settings.follow,
+        gravity=9.81,
+        held=waist,
+        apart=True,
+        centres=True,
+    )
     return nodes

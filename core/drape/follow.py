@@ -8,10 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from ..measure import self_intersections
 from ..pattern import Garment
+from .layers import HalfSpaces, find_layers
 
 Lookup = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
-"""Signed distance [m] of points [n, 3] and its gradient [n, 3]; positive outside."""
+"""Signed distance [m] of points [n, 3] and its gradient; positive outside. Where a point is near two surfaces (between
+arm and trunk), a second row of n values follows the first: shapes [m] and [m, 3], m = n or 2 n."""
+
+
+UNDO_ROUNDS = 12
+"""Rounds in which steps that cross are undone: an undone node may cross a neighbour that moved on."""
 
 
 @dataclass(frozen=True)
@@ -23,12 +30,16 @@ class Threads:
         lengths: Flat rest lengths [m]; on a seam the mean of its two sides, shape [pair_count].
         stiffness: Share of an error that one sweep removes, 1 for edges, less across hinges, shape [pair_count].
         inverse_mass: 1 / mass up to a common factor, shape [node_count].
+        faces: The mesh, shape [face_count, 3].
+        edges: Its edges, each once, shape [edge_count, 2].
     """
 
     ends: np.ndarray
     lengths: np.ndarray
     stiffness: np.ndarray
     inverse_mass: np.ndarray
+    faces: np.ndarray
+    edges: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -43,6 +54,10 @@ class FollowSettings:
         friction: Coulomb coefficient against the body.
         bending: Stiffness across hinges; 0.1 keeps folds wider than three edges and does not hold a skirt open.
         travel: Longest move of a node in a step [m]; half an edge, so that nothing jumps through the body.
+        gap: Distance between two layers of cloth [m]; half the thickness, so that two fit between touching limbs.
+        reach: Distance up to which layers watch each other [m]; the steps that outrun it and cross are undone.
+        push: How far the body pushes a node in a step in which layers are kept apart [m]; less than half the reach, so
+            that the layers above are found and pushed along.
     """
 
     dt: float = 1.0 / 60.0
@@ -52,6 +67,9 @@ class FollowSettings:
     friction: float = 0.4
     bending: float = 0.1
     travel: float = 8e-3
+    gap: float = 2e-3
+    reach: float = 10e-3
+    push: float = 4e-3
 
 
 def lay_threads(garment: Garment, bending: float = 0.1) -> Threads:
@@ -77,6 +95,8 @@ def lay_threads(garment: Garment, bending: float = 0.1) -> Threads:
         lengths=np.concatenate([lengths, cross_lengths]),
         stiffness=np.concatenate([np.ones(len(pairs)), np.full(len(cross), bending)]),
         inverse_mass=mass.mean() / np.maximum(mass, 1e-3 * mass.mean()),
+        faces=faces,
+        edges=pairs,
     )
 
 
@@ -112,9 +132,13 @@ def _sweep(
     contact: np.ndarray,
     normal: np.ndarray,
     offset: np.ndarray,
+    corners: np.ndarray,
+    shares: np.ndarray,
+    sides: np.ndarray,
+    least: np.ndarray,
     sweeps: int,
 ) -> np.ndarray:
-    """Project, in place, onto the lengths (Gauss-Seidel, alternating direction) and above the contact planes.
+    """Project, in place, onto the lengths (Gauss-Seidel, alternating direction), into half-spaces, above planes.
 
     Gives the sum of the pushes [m] that each contact took, shape [contact_count].
     """
@@ -143,6 +167,7 @@ def _sweep(
             nodes[j, 0] -= weight[j] * scale * dx
             nodes[j, 1] -= weight[j] * scale * dy
             nodes[j, 2] -= weight[j] * scale * dz
+        _part(nodes, weight, corners, shares, sides, least)
         for c in range(len(contact)):
             i = contact[c]
             if weight[i] == 0.0:
@@ -153,7 +178,34 @@ def _sweep(
                 nodes[i, 0] += depth * normal[c, 0]
                 nodes[i, 1] += depth * normal[c, 1]
                 nodes[i, 2] += depth * normal[c, 2]
+        _part(nodes, weight, corners, shares, sides, least)
     return press
+
+
+@njit(cache=True)
+def _part(
+    nodes: np.ndarray,
+    weight: np.ndarray,
+    corners: np.ndarray,
+    shares: np.ndarray,
+    sides: np.ndarray,
+    least: np.ndarray,
+) -> None:
+    """Project, in place, each constraint's nodes into its half-space, the lighter ones further."""
+    for c in range(len(corners)):
+        value, total = -least[c], 0.0
+        for k in range(4):
+            i = corners[c, k]
+            for d in range(3):
+                value += shares[c, k] * sides[c, d] * nodes[i, d]
+            total += shares[c, k] * shares[c, k] * weight[i]
+        if value >= 0.0 or total < 1e-12:
+            continue
+        for k in range(4):
+            i = corners[c, k]
+            move = -value * shares[c, k] * weight[i] / total
+            for d in range(3):
+                nodes[i, d] += move * sides[c, d]
 
 
 def follow(
@@ -166,6 +218,9 @@ def follow(
     velocities: np.ndarray | None = None,
     gravity: float = 0.0,
     held: np.ndarray | None = None,
+    ride: np.ndarray | None = None,
+    apart: bool = False,
+    centres: bool = False,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Move cloth for some steps and give its nodes [m] and velocities [m/s], each of shape [node_count, 3].
 
@@ -181,6 +236,9 @@ def follow(
         velocities: Start velocities [m/s]; zero where None.
         gravity: Acceleration downwards along -y [m/s2].
         held: Nodes that do not move, shape [held_count], or None.
+        ride: Displacement [m] that the first step begins with, shape [node_count, 3]: what the body carries along.
+        apart: Keep layers of cloth apart too.
+        centres: Keep the centres of faces out of the body too.
     """
     x = np.array(nodes, dtype=np.float64)
     v = np.zeros_like(x) if velocities is None else np.array(velocities, dtype=np.float64)
@@ -188,32 +246,73 @@ def follow(
     if held is not None:
         weight[held] = 0.0
         v[held] = 0.0
-    none = np.zeros(0, dtype=np.int64)
-    for _ in range(steps):
+    crossed = self_intersections(x, threads.faces) if apart else np.zeros(0, dtype=np.int64)
+    for step in range(steps):
         before = x.copy()
         v[:, 1] -= settings.dt * gravity * (weight > 0)
-        move = settings.dt * v
-        length = np.linalg.norm(move, axis=1, keepdims=True)
-        x = x + move * np.minimum(1.0, settings.travel / np.maximum(length, 1e-12))
-        contact, normal, offset = none, np.zeros((0, 3)), np.zeros(0)
-        if lookup is not None:
-            distance, gradient = lookup(x)
-            reach = np.abs(distance) if distance.size else distance
-            contact = np.nonzero((distance < settings.thickness + settings.travel) & (reach < 0.5))[0]
-            slope = np.linalg.norm(gradient[contact], axis=1, keepdims=True)
-            normal = gradient[contact] / np.maximum(slope, 1e-9)
-            gap = distance[contact] / np.maximum(slope[:, 0], 0.3)
-            offset = (normal * x[contact]).sum(1) - gap + settings.thickness
+        start = before if ride is None or step else before + ride
+        x = start + _limited(settings.dt * v, settings.travel)
+        spaces = HalfSpaces.none()
+        if apart:
+            spaces = find_layers(before, threads.faces, threads.edges, crossed, settings.gap, settings.reach)
+        contact, normal, offset = _planes(lookup, x, settings)
+        if apart:
+            offset = np.minimum(offset, (normal * x[contact]).sum(1) + settings.push)
+        if centres:
+            spaces = spaces.joined(_face_planes(lookup, x, threads.faces, settings))
         press = _sweep(
-            x, threads.ends, threads.lengths, threads.stiffness, weight, contact, normal, offset, settings.sweeps
-        )
+            x, threads.ends, threads.lengths, threads.stiffness, weight, contact, normal, offset,
+            spaces.corners, spaces.weights, spaces.normals, spaces.offsets, settings.sweeps,
+        )  # fmt: skip
         if len(contact):
-            _rub(x, before, contact, normal, settings.friction * press)
-        change = x - before
-        length = np.linalg.norm(change, axis=1, keepdims=True)
-        x = before + change * np.minimum(1.0, 3 * settings.travel / np.maximum(length, 1e-12))
-        v = (x - before) / settings.dt * (1.0 - settings.damping)
+            _rub(x, start, contact, normal, settings.friction * press)
+        x = start + _limited(x - start, 3 * settings.travel)
+        if apart:
+            crossed = undo_crossings(x, before, threads.faces, crossed)
+        v = (x - start) / settings.dt * (1.0 - settings.damping)
     return x, v
+
+
+def _limited(change: np.ndarray, longest: float) -> np.ndarray:
+    """Shorten each row [m] of a change to a length at most."""
+    length = np.linalg.norm(change, axis=1, keepdims=True)
+    return change * np.minimum(1.0, longest / np.maximum(length, 1e-12))
+
+
+def _planes(
+    lookup: Lookup | None, points: np.ndarray, settings: FollowSettings
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Give the planes of the body that points are near: indices [m], unit normals [m, 3], offsets [m]."""
+    if lookup is None or not len(points):
+        return np.zeros(0, dtype=np.int64), np.zeros((0, 3)), np.zeros(0)
+    distance, gradient = lookup(points)
+    row = np.nonzero((distance < settings.thickness + settings.travel) & (np.abs(distance) < 0.5))[0]
+    contact = row % len(points)
+    slope = np.linalg.norm(gradient[row], axis=1, keepdims=True)
+    normal = gradient[row] / np.maximum(slope, 1e-9)
+    gap = distance[row] / np.maximum(slope[:, 0], 0.3)
+    return contact, normal, (normal * points[contact]).sum(1) - gap + settings.thickness
+
+
+def _face_planes(lookup: Lookup | None, points: np.ndarray, faces: np.ndarray, settings: FollowSettings) -> HalfSpaces:
+    """Keep the centres of faces out of the body, by a quarter of the thickness."""
+    face, normal, offset = _planes(lookup, points[faces].mean(1), settings)
+    corners = np.concatenate([faces[face], faces[face, :1]], axis=1)
+    weights = np.tile([1 / 3, 1 / 3, 1 / 3, 0.0], (len(face), 1))
+    return HalfSpaces(corners, weights, normal, offset - 0.75 * settings.thickness)
+
+
+def undo_crossings(nodes: np.ndarray, before: np.ndarray, faces: np.ndarray, crossed: np.ndarray) -> np.ndarray:
+    """Take, in place, the nodes of faces that have crossed in a step back to where they were; give those that cross."""
+    found = self_intersections(nodes, faces)
+    for turn in range(UNDO_ROUNDS):
+        fresh = np.setdiff1d(found, crossed)
+        if not len(fresh):
+            break
+        back = np.unique(faces[fresh])
+        nodes[back] = before[back] + (0.5 if turn < 3 else 0.0) * (nodes[back] - before[back])
+        found = self_intersections(nodes, faces)
+    return found
 
 
 def _rub(x: np.ndarray, before: np.ndarray, contact: np.ndarray, normal: np.ndarray, grip: np.ndarray) -> None:

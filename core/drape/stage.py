@@ -11,7 +11,7 @@ from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target, name_contours
 from ..simulate import Drape, Fabric, Hold, SimulateSettings, Topology, equilibrium, push_out
-from .carry import carry
+from .carry import Way, take_pose
 from .dress import DressSettings, dress, waist_loop
 from .follow import FollowSettings, Lookup, follow, lay_threads
 from .tie import tie_contour
@@ -127,23 +127,23 @@ def drape_template(
     )
     hooks.progress("template", 0.6, "taking the pose")
     waist = waist_loop(garment)
-    if waist is None:
-        nodes = carry(threads, nodes, body)
-    else:
-        # What hangs from the waist has no arms to be tangled by, and starts the grading as the T-pose left it.
-        nodes = skin(nodes, weights_at(body, nodes, rest=True), body.transforms)
     wanted = None if target is None else target.contour("waist")
-    if waist is not None and wanted is not None and target is not None:
-        nodes[waist] = tie_contour(nodes[waist], target.vertices[wanted.vertices])
-    nodes, _ = follow(
-        threads,
-        nodes,
-        look_up(stand.grid),
-        settings.pose_steps,
-        settings=settings.follow,
-        gravity=9.81,
-        held=waist,
-    )
+    if waist is None or target is None:
+        nodes, _ = take_pose(threads, nodes, Way.of(body), look_up(stand.grid), held=waist)
+    else:
+        # What hangs from the waist is tied to the scan's, and starts the grading as the T-pose left it.
+        nodes = skin(nodes, weights_at(body, nodes, rest=True), body.transforms)
+        if wanted is not None:
+            nodes[waist] = tie_contour(nodes[waist], target.vertices[wanted.vertices])
+        nodes, _ = follow(
+            threads,
+            nodes,
+            look_up(stand.grid),
+            settings.pose_steps,
+            settings=settings.follow,
+            gravity=9.81,
+            held=waist,
+        )
     contours, _ = name_contours(nodes, garment.faces, body)
     return garment.at(nodes, contours)
 

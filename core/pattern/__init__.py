@@ -5,17 +5,26 @@ from .curves import edge_length, edge_points, panel_area, panel_outline, reverse
 from .division import divide_edges
 from .garment import Garment
 from .garmentcode import load_pattern, read_pattern, save_pattern, write_pattern
+from .measures import BodyMeasures
 from .meshing import choose_edge_length, contains
 from .pattern import EDGE_KINDS, Edge, EdgeRef, Panel, Pattern, Seam
 from .resampling import resample
 from .seams import equalise_seams, seam_lengths, seam_mismatch, seam_slopes
 from .sewing import mesh_pattern
 from .symmetry import Mirror, Symmetry, find_symmetry
-from .templates import TemplateInfo, TemplateUnknown, list_templates, load_draped_template, load_template
+from .templates import (
+    TemplateInfo,
+    TemplateUnknown,
+    draft_template,
+    list_templates,
+    load_draped_template,
+    load_template,
+)
 from .validity import check_outline
 
 __all__ = [
     "EDGE_KINDS",
+    "BodyMeasures",
     "ControlMap",
     "Edge",
     "EdgeRef",
@@ -31,6 +40,7 @@ __all__ = [
     "choose_edge_length",
     "contains",
     "divide_edges",
+    "draft_template",
     "edge_length",
     "edge_points",
     "equalise_seams",

@@ -12,6 +12,7 @@ from ..errors import NotFound
 from ..segment.target import Contour
 from .garment import Garment
 from .garmentcode import load_pattern
+from .measures import BodyMeasures
 from .pattern import Pattern
 from .sewing import mesh_pattern
 
@@ -71,10 +72,26 @@ def load_template(name: str) -> Pattern:
     Raises:
         TemplateUnknown: where there is none of that name; the message lists those there are.
     """
+    _check_name(name)
+    return load_pattern(LIBRARY / f"{name}.json")
+
+
+def _check_name(name: str) -> None:
     if name not in (info.name for info in TEMPLATES):
         known = ", ".join(info.name for info in TEMPLATES)
         raise TemplateUnknown(f"template '{name}' is not one of {known}; `garmentq templates list` shows them.")
-    return load_pattern(LIBRARY / f"{name}.json")
+
+
+def draft_template(name: str, measures: BodyMeasures) -> Pattern:
+    """Draft a shipped base pattern anew for a body of other measures.
+
+    Raises:
+        TemplateUnknown: where there is none of that name.
+    """
+    from .drafting import DRAFTS  # it needs scipy.optimize, which a mere reader of templates does not pay for
+
+    _check_name(name)
+    return DRAFTS[name](measures)
 
 
 def load_draped_template(name: str) -> Garment | None:

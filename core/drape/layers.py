@@ -1,0 +1,215 @@
+"""Half-spaces that cloth keeps to for one step: layers of cloth stay apart, and faces stay out of the body."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+
+@dataclass(frozen=True)
+class HalfSpaces:
+    """Hold linear constraints on points of cloth: normal . sum_k weights_k x_k >= offset.
+
+    Attributes:
+        corners: The nodes that a constraint moves, shape [count, 4].
+        weights: Their weights, shape [count, 4].
+        normals: Unit length, shape [count, 3].
+        offsets: Least value [m], shape [count].
+    """
+
+    corners: np.ndarray
+    weights: np.ndarray
+    normals: np.ndarray
+    offsets: np.ndarray
+
+    @classmethod
+    def none(cls) -> HalfSpaces:
+        """Give no constraints."""
+        return cls(np.zeros((0, 4), np.int64), np.zeros((0, 4)), np.zeros((0, 3)), np.zeros(0))
+
+    def joined(self, other: HalfSpaces) -> HalfSpaces:
+        """Give these constraints and then the others."""
+        return HalfSpaces(
+            np.concatenate([self.corners, other.corners]),
+            np.concatenate([self.weights, other.weights]),
+            np.concatenate([self.normals, other.normals]),
+            np.concatenate([self.offsets, other.offsets]),
+        )
+
+
+def find_layers(
+    nodes: np.ndarray, faces: np.ndarray, edges: np.ndarray, crossed: np.ndarray, gap: float, reach: float
+) -> HalfSpaces:
+    """Find near pairs of a node and a face, and of two edges, of cloth and keep them on their sides of each other.
+
+    Where no two faces cross, the direction between the two nearest points tells the sides. A pair nearer than the gap
+    may stay as near as it is but for a tenth of the gap, so that layers part without a jerk. Faces that already cross
+    are left out: where they are does not tell which side they belong on.
+
+    Args:
+        nodes: Positions [m], shape [node_count, 3].
+        faces: Shape [face_count, 3].
+        edges: Each edge of the mesh once, shape [edge_count, 2].
+        crossed: Indices of faces that cross others.
+        gap: Distance to keep [m].
+        reach: Distance up to which pairs are found [m].
+    """
+    lost_faces, lost_nodes = np.zeros(len(faces), dtype=np.bool_), np.zeros(len(nodes), dtype=np.bool_)
+    lost_faces[crossed] = True
+    lost_nodes[faces[crossed]] = True
+    nodes = np.ascontiguousarray(nodes, dtype=np.float64)
+    single = np.arange(len(nodes))[~lost_nodes]
+    sheets = np.ascontiguousarray(faces[~lost_faces], dtype=np.int64)
+    sides = np.ascontiguousarray(edges[~lost_nodes[edges].all(1)], dtype=np.int64)
+    pairs = [_near_faces(nodes, single, sheets, reach), _near_edges(nodes, sides, reach)]
+    corners, weights, normals, distances = (np.concatenate(columns) for columns in zip(*pairs, strict=True))
+    return HalfSpaces(corners, weights, normals, np.minimum(gap, distances + 0.1 * gap))
+
+
+@njit(cache=True)
+def _boxes(nodes, groups):  # type: ignore[no-untyped-def]
+    """Give the lowest and highest corners [m] of groups of nodes."""
+    low, high = np.zeros((len(groups), 3)), np.zeros((len(groups), 3))
+    for g in range(len(groups)):
+        for d in range(3):
+            low[g, d] = high[g, d] = nodes[groups[g, 0], d]
+            for k in range(1, groups.shape[1]):
+                low[g, d] = min(low[g, d], nodes[groups[g, k], d])
+                high[g, d] = max(high[g, d], nodes[groups[g, k], d])
+    return low, high
+
+
+@njit(cache=True)
+def _near_faces(nodes, single, faces, reach):  # type: ignore[no-untyped-def]
+    """Collect pairs of a node and a face within reach; faces stand in the order of their lowest y."""
+    low, high = _boxes(nodes, faces)
+    order = np.argsort(low[:, 1], kind="mergesort")
+    floor = low[order, 1]
+    tall = (high[:, 1] - low[:, 1]).max() if len(faces) else 0.0
+    found, table, values = 0, np.zeros((64, 4), np.int64), np.zeros((64, 8))
+    for i in single:
+        x, y, z = nodes[i, 0], nodes[i, 1], nodes[i, 2]
+        for b in range(np.searchsorted(floor, y - reach - tall), len(order)):
+            f = order[b]
+            if floor[b] > y + reach:
+                break
+            if (
+                high[f, 1] < y - reach
+                or low[f, 0] > x + reach
+                or high[f, 0] < x - reach
+                or low[f, 2] > z + reach
+                or high[f, 2] < z - reach
+                or i == faces[f, 0]
+                or i == faces[f, 1]
+                or i == faces[f, 2]
+            ):
+                continue
+            if found == len(table):
+                table = np.concatenate((table, np.zeros_like(table)))
+                values = np.concatenate((values, np.zeros_like(values)))
+            table[found, 0] = i
+            table[found, 1:] = faces[f]
+            if _node_face(nodes, table[found], values[found]) and 1e-9 < values[found, 7] < reach:
+                found += 1
+    return table[:found], values[:found, :4], values[:found, 4:7], values[:found, 7]
+
+
+@njit(cache=True)
+def _near_edges(nodes, edges, reach):  # type: ignore[no-untyped-def]
+    """Collect pairs of edges within reach that share no node, in the order of their lowest y."""
+    low, high = _boxes(nodes, edges)
+    order = np.argsort(low[:, 1], kind="mergesort")
+    found, table, values = 0, np.zeros((64, 4), np.int64), np.zeros((64, 8))
+    for a in range(len(order)):
+        i = order[a]
+        p, q = edges[i]
+        for b in range(a + 1, len(order)):
+            j = order[b]
+            if low[j, 1] > high[i, 1] + reach:
+                break
+            if (
+                low[j, 0] > high[i, 0] + reach
+                or high[j, 0] < low[i, 0] - reach
+                or low[j, 2] > high[i, 2] + reach
+                or high[j, 2] < low[i, 2] - reach
+            ):
+                continue
+            r, s = edges[j]
+            if p == r or p == s or q == r or q == s:
+                continue
+            if found == len(table):
+                table = np.concatenate((table, np.zeros_like(table)))
+                values = np.concatenate((values, np.zeros_like(values)))
+            table[found, 0], table[found, 1], table[found, 2], table[found, 3] = p, q, r, s
+            if _edge_edge(nodes, table[found], values[found]) and 1e-9 < values[found, 7] < reach:
+                found += 1
+    return table[:found], values[:found, :4], values[:found, 4:7], values[:found, 7]
+
+
+@njit(cache=True)
+def _finish(nodes, pair, value):  # type: ignore[no-untyped-def]
+    """Write the unit vector between the two nearest points and their distance [m] behind their four weights."""
+    total = 0.0
+    for d in range(3):
+        part = 0.0
+        for k in range(4):
+            part += value[k] * nodes[pair[k], d]
+        value[4 + d] = part
+        total += part * part
+    value[7] = np.sqrt(total)
+    for d in range(3):
+        value[4 + d] /= max(value[7], 1e-300)
+
+
+@njit(cache=True)
+def _node_face(nodes, pair, value):  # type: ignore[no-untyped-def]
+    """Find the point of a triangle nearest to a node; false where it is on an edge, which is the edges' pair."""
+    p, a, b, c = pair[0], pair[1], pair[2], pair[3]
+    d00, d01, d11, d20, d21 = 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(3):
+        u, v, w = nodes[b, k] - nodes[a, k], nodes[c, k] - nodes[a, k], nodes[p, k] - nodes[a, k]
+        d00 += u * u
+        d01 += u * v
+        d11 += v * v
+        d20 += w * u
+        d21 += w * v
+    area = d00 * d11 - d01 * d01
+    if area <= 1e-12 * d00 * d11:
+        return False
+    s = (d11 * d20 - d01 * d21) / area
+    t = (d00 * d21 - d01 * d20) / area
+    if s < 0.0 or t < 0.0 or s + t > 1.0:
+        return False
+    value[0], value[1], value[2], value[3] = 1.0, s + t - 1.0, -s, -t
+    _finish(nodes, pair, value)
+    return True
+
+
+@njit(cache=True)
+def _edge_edge(nodes, pair, value):  # type: ignore[no-untyped-def]
+    """Find the nearest points of two segments (Ericson 2005, 5.1.9)."""
+    p, q, r, s = pair[0], pair[1], pair[2], pair[3]
+    a, e, f, c, b = 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(3):
+        u, v, w = nodes[q, k] - nodes[p, k], nodes[s, k] - nodes[r, k], nodes[p, k] - nodes[r, k]
+        a += u * u
+        e += v * v
+        f += v * w
+        c += u * w
+        b += u * v
+    if a <= 1e-18 or e <= 1e-18:
+        return False
+    area = a * e - b * b
+    one = 0.5
+    if area > 1e-12 * a * e:
+        one = min(1.0, max(0.0, (b * f - c * e) / area))
+    two = (b * one + f) / e
+    if two < 0.0:
+        two, one = 0.0, min(1.0, max(0.0, -c / a))
+    elif two > 1.0:
+        two, one = 1.0, min(1.0, max(0.0, (b - c) / a))
+    value[0], value[1], value[2], value[3] = 1.0 - one, one, two - 1.0, -two
+    _finish(nodes, pair, value)
+    return True

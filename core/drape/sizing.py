@@ -1,0 +1,75 @@
+"""Draft a shipped template to the wearer's own measures: worn in its size before anything is simulated."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from ..body import Body, rest_body
+from ..pattern import BodyMeasures, Pattern, draft_template
+from .dress import convex_girth
+
+STEP = 0.01
+"""Distance of the heights at which girths are taken [m]: the spacing of the body's vertices."""
+
+ARM_ROOT = 0.04
+"""How far outside the shoulder's joint the arm's underside gives the height of the armpit [m]: past the rounding of the
+trunk into the arm, before the arm tapers."""
+
+BELOW_ARMPIT = 0.04
+"""How far below the armpit the bust is measured [m], where a tape lies under the arms."""
+
+WAIST_SPAN = 7
+"""Cuts over which the trunk's girth is averaged before its narrowest place is looked for: the width of a waistband;
+single cuts of the vertices differ by 5 mm."""
+
+BONE_END = 0.018
+"""How far the shoulder's bone end lies outside its joint [m]; on the body of the drafts 18.0 against 16.2 cm."""
+
+NECK_ABOVE = 0.03
+"""How far above the neck's joint its width is taken [m], above the slope of the shoulders."""
+
+NECK_POINT = 1.36
+"""Half distance of the side neck points over the neck's half width; on the body of the drafts 7 cm."""
+
+
+def measure_wearer(body: Body) -> BodyMeasures:
+    """Take the measures that the drafts need from a body, in its T-pose.
+
+    Girths are those of a tape: of the convex hull of a level cut. The hips are the widest place from the crotch to the
+    pelvis, the waist the narrowest from there to the armpit.
+    """
+    rest = rest_body(body)
+    centre, shoulder, neck = rest.joint("pelvis")[0], rest.joint("left_shoulder"), rest.joint("neck")
+    off = np.abs(rest.vertices[:, 0] - centre)
+    heights = rest.vertices[:, 1]
+    half = abs(shoulder[0] - centre)
+    crotch = float(heights[(off < STEP) & (heights > 0.5 * rest.joint("pelvis")[1])].min())
+    root = (np.abs(off - half - ARM_ROOT) < STEP) & (heights > rest.joint("spine3")[1])
+    armpit = float(heights[root].min())
+    seat = np.arange(crotch, rest.joint("pelvis")[1], STEP)
+    trunk = np.arange(rest.joint("pelvis")[1], armpit - BELOW_ARMPIT, STEP)
+    around_seat = np.array([convex_girth(rest, height) for height in seat])
+    around_trunk = uniform_filter1d([convex_girth(rest, height) for height in trunk], WAIST_SPAN, mode="nearest")
+    throat = np.abs(heights - neck[1] - NECK_ABOVE) < STEP
+    return BodyMeasures(
+        bust=convex_girth(rest, armpit - BELOW_ARMPIT),
+        waist=float(around_trunk.min()),
+        hip=float(around_seat.max()),
+        nape_height=float(neck[1]),
+        armpit_height=armpit,
+        waist_height=float(trunk[around_trunk.argmin()]),
+        hip_height=float(seat[around_seat.argmax()]),
+        crotch_height=crotch,
+        shoulder_half_width=float(half + BONE_END),
+        neck_half_width=NECK_POINT * float(off[throat].max()),
+    )
+
+
+def size_template(name: str, body: Body) -> Pattern:
+    """Draft a shipped template anew from the measures of a body.
+
+    Raises:
+        TemplateUnknown: where there is none of that name.
+    """
+    return draft_template(name, measure_wearer(body))
