@@ -25,7 +25,7 @@ $(VENV)/.installed-test: $(VENV)/.installed
 	touch $@
 
 demo: $(VENV)/.installed
-	$(BIN)/garmentq run examples/data/person.ply --keep 1 --keep 2 --method deform --home demo --out demo/result
+	$(BIN)/garmentq run examples/data/person.ply --keep 1 --keep 2 --cloth 3 --method deform --home demo --out demo/result
 
 test: $(VENV)/.installed-test
 	$(BIN)/python -m pytest

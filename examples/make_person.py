@@ -54,8 +54,11 @@ FACES = 60000
 HOLE = (0.09, 1.18, -1.0, 0.035)
 """A hole at the back of the T-shirt: x, y [m], the sign of z, and its radius [m]."""
 
-COLOURS = np.array([[205, 170, 145], [70, 95, 170], [60, 60, 66]], np.uint8)
-"""Of skin, T-shirt and trousers, which have the labels 0, 1 and 2."""
+FACING = 0.3
+"""Cosine between the normals of scan and garment below which the scan shows a garment's inside or its edge."""
+
+COLOURS = np.array([[205, 170, 145], [70, 95, 170], [60, 60, 66], [110, 100, 100]], np.uint8)
+"""Of skin, T-shirt, trousers, and the insides of both, which have the labels 0, 1, 2 and 3."""
 
 
 def drape_trousers() -> Mesh:
@@ -173,7 +176,7 @@ def write_scan(surface: Mesh, meshes: list[Mesh], path: Path) -> None:
     faces = faces[~gone[faces].any(axis=1)]
     used, index = np.unique(faces, return_inverse=True)
     vertices, faces = vertices[used], index.reshape(-1, 3)
-    label = np.argmin([igl.point_mesh_squared_distance(vertices, *mesh)[0] for mesh in meshes], axis=0)
+    label = _label(vertices, faces, meshes)
     rng = np.random.default_rng(0)
     mesh = trimesh.Trimesh(vertices + rng.normal(0.0, NOISE, vertices.shape), faces, process=False)
     shade = COLOURS[label] + rng.normal(0.0, 6.0, (len(label), 3))
@@ -181,6 +184,23 @@ def write_scan(surface: Mesh, meshes: list[Mesh], path: Path) -> None:
     mesh.vertex_attributes["label"] = label.astype(np.uint8)
     mesh.export(path)
     print(f"{len(vertices)} vertices, {len(faces)} faces in {path}")
+
+
+def _label(vertices: np.ndarray, faces: np.ndarray, meshes: list[Mesh]) -> np.ndarray:
+    """Give each vertex the nearest mesh's number, or one more where it does not look the way that mesh does.
+
+    From below a scanner looks into sleeves and hems, and edges are rounded: that is neither skin nor the garment.
+    """
+    normals = trimesh.Trimesh(vertices, faces, process=False).vertex_normals
+    distance, facing = [], []
+    for mesh in meshes:
+        squared, face, _ = igl.point_mesh_squared_distance(vertices, *mesh)
+        outward = trimesh.Trimesh(*mesh, process=False).face_normals[face]
+        distance.append(squared)
+        facing.append(np.einsum("ij,ij->i", outward, normals))
+    label = np.argmin(distance, axis=0)
+    towards = np.take_along_axis(np.array(facing), label[None], axis=0)[0]
+    return np.where(towards > FACING, label, len(meshes))
 
 
 def main() -> None:
