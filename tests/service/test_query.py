@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 from garmentq.core.measure import measure_knowledge
+from garmentq.core.settings import RecoverySettings
 from garmentq.core.simulate import FabricEstimate
 from garmentq.service.database import open_database
 from garmentq.service.jobs import claim, list_jobs
@@ -62,7 +63,8 @@ def results(database, store, folder):
     """Store skirts with t2s 1, 2, 3 mm and shirts with 2, 4 mm; give their ids by name. One more job is only queued."""
     ids = {}
     for name, rms in (("skirt1", 1.0), ("skirt2", 2.0), ("skirt3", 3.0), ("shirt2", 2.0), ("shirt4", 4.0)):
-        order = Order(put_file(folder, f"{name}.ply"), put_file(folder, "body.ply"))
+        settings = RecoverySettings(method="deform")
+        order = Order(put_file(folder, f"{name}.ply"), put_file(folder, "body.ply"), settings=settings)
         ids[name] = submit(database, store, order).job
         held = claim(database, ids[name], "a", 30.0)
         files = folder / name
