@@ -74,12 +74,12 @@ class Proportions:
             missing.append((ratio - now) / LENGTH_SPREAD)
             rates.append((_length_rate(pattern, one, first) - _length_rate(pattern, other, first)) / LENGTH_SPREAD)
         for ref, across, spread in zip(self.directed, self.across, self.spread, strict=True):
-            a, b, chord = _ends(pattern, ref, first)
+            start, end, chord = _ends(pattern, ref, first)
             scaled = across / float(np.linalg.norm(chord)) / spread
             angle = float(scaled @ chord)
             trust = np.sqrt(DIRECTION_SHARE / (1.0 + angle**2))
             row = np.zeros((len(pattern.points), 2))
-            row[b], row[a] = trust * scaled, -trust * scaled
+            row[end], row[start] = trust * scaled, -trust * scaled
             missing.append(-trust * angle)
             rates.append(row)
         count = 2 * len(pattern.points)
