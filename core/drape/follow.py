@@ -270,6 +270,8 @@ def follow(
         if apart:
             crossed = undo_crossings(x, before, threads.faces, crossed)
         v = (x - start) / settings.dt * (1.0 - settings.damping)
+        if apart:
+            v[contact[press > 0.25 * settings.thickness]] = 0.0
     return x, v
 
 
