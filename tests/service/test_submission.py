@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import pytest
 from garmentq.core.errors import BadInput
 from garmentq.core.settings import RecoverySettings
-from garmentq.service.jobs import claim, fail, find_job, list_jobs
+from garmentq.service.jobs import cancel, claim, fail, find_job, list_jobs, retry
+from garmentq.service.keys import QueueFull, create_key
 from garmentq.service.submission import BodyUnreadable, Order, clean_name, submit
 from garmentq_home import put_file
 
@@ -105,3 +107,18 @@ def test_labels_and_what_is_kept_are_part_of_the_order(database, store, tmp_path
     assert not submit(database, store, orders[0]).is_new
     request = find_job(database, jobs[0]).request
     assert request["body"] is None and request["labels"]["name"] == "labels.npz"
+
+
+def test_a_job_counts_for_the_key_that_queued_it_last(database, store, order, tmp_path):
+    """Broken where sharing a job fills the quota of a key that queued nothing, or a retry is free of charge."""
+    ours, theirs = (create_key(database, name, ("submit",), quota=1)[0].id for name in ("ours", "theirs"))
+    first = submit(database, store, replace(order, key=ours, quota=1)).job
+    assert submit(database, store, replace(order, key=theirs, quota=1)).job == first
+    other = replace(order, scan=put_file(tmp_path, "other.ply"))
+    with pytest.raises(QueueFull):
+        submit(database, store, replace(other, key=ours, quota=1))
+    cancel(database, first)
+    retry(database, first, theirs, 1)
+    with pytest.raises(QueueFull):
+        submit(database, store, replace(other, key=theirs, quota=1))
+    assert submit(database, store, replace(other, key=ours, quota=1)).is_new
