@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from garmentq.core.body import Body, builtin_body
 from garmentq.core.errors import Cancelled
-from garmentq.core.grade import slide_seams
+from garmentq.core.grade import SlideSettings, slide_seams
 from garmentq.core.hooks import Hooks
 from garmentq.core.pattern import Edge, EdgeRef, Garment, Panel, Pattern, Seam, mesh_pattern, panel_area, seam_mismatch
 from garmentq.core.segment import Contour, Target, find_loops
@@ -102,7 +104,8 @@ def test_what_is_isometric_stays(body, target):
 def test_the_same_input_gives_the_same_pattern(body, target):
     """Broken by any randomness in the steps."""
     start = fold(TOP + 0.02, 150)
-    first, second = (slide_seams(start, target, body, start.pattern) for _ in range(2))
+    short = SlideSettings(isometry=replace(SlideSettings().isometry, steps=3))
+    first, second = (slide_seams(start, target, body, start.pattern, settings=short) for _ in range(2))
     np.testing.assert_array_equal(first.pattern.points, second.pattern.points)
     np.testing.assert_array_equal(first.nodes, second.nodes)
 
