@@ -17,7 +17,7 @@ import numpy as np
 from .body import Body, BodyMissing, builtin_body, is_smpl, load_smpl, register_body
 from .checkpoints import keep_body, keep_drape, kept_body, kept_drape
 from .deform import Deformation, DeformSettings, deform
-from .drape import Stand, drape_graded, drape_template, redrape
+from .drape import Stand, describe_motion, drape_as_scanned, drape_template, redrape
 from .errors import Cancelled, GarmentqError
 from .fit import InverseFit, PatternFit, find_held, fit_inverse, fit_pattern
 from .grade import choose_template, grade_pattern, slide_seams
@@ -107,7 +107,9 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     garment = garment.at(graded)
     if settings.method == "hybrid":
         with clock.stage("fit", "fitting the pattern through the simulator") as inner:
-            found = refit(garment, detail.nodes, target, base, fabric, body, settings, preset, inner)
+            # cloth in motion tells nothing of its fabric
+            known_fabric = settings if drape.spin is None else replace(settings, locks=(*settings.locks, "fabric"))
+            found = refit(garment, detail.nodes, target, base, fabric, body, known_fabric, preset, inner)
         if isinstance(found, PatternFit):
             fitted, fabric, detail = found, found.fabric, found.detail
             garment, simulation = found.garment.at(found.graded), found.simulation
@@ -195,7 +197,11 @@ def drape_to_scan(
     warnings = list(grading.warnings)
     with clock.stage("drape", "draping the graded pattern") as inner:
         fabric = get_fabric(settings.fabric)
-        garment, drape = drape_graded(graded, stand, fabric, target, vertex_count=settings.vertex_count, hooks=inner)
+        garment, drape = drape_as_scanned(
+            graded, stand, fabric, target, vertex_count=settings.vertex_count, hooks=inner
+        )
+    if drape.spin is not None:
+        warnings.append(describe_motion(drape.spin))
     if not drape.converged:
         warnings.append(drape.message)
     keep_drape(clock.hooks, garment, drape, warnings)
@@ -285,6 +291,7 @@ def measure(
     metrics |= measure_seams(garment.pattern)
     metrics["drape.residual"] = drape.residual
     metrics["drape.iterations"] = float(drape.iterations)
+    metrics["drape.spin_rad_s"] = 0.0 if drape.spin is None else drape.spin.rate
     metrics["body.fit_rms_mm"] = 1e3 * body.fit_rms
     return metrics
 

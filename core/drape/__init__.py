@@ -3,6 +3,7 @@
 from .carry import CarrySettings, Way, carry, take_pose
 from .dress import DressSettings, dress, place, waist_loop
 from .follow import FollowSettings, Threads, follow, lay_threads
+from .motion import MotionSettings, describe_motion, drape_as_scanned
 from .sizing import measure_wearer, size_template
 from .stage import DrapeSettings, Stand, drape_graded, drape_template, redrape, waist_height
 from .tie import tie_contour
@@ -12,10 +13,13 @@ __all__ = [
     "DrapeSettings",
     "DressSettings",
     "FollowSettings",
+    "MotionSettings",
     "Stand",
     "Threads",
     "Way",
     "carry",
+    "describe_motion",
+    "drape_as_scanned",
     "drape_graded",
     "drape_template",
     "dress",

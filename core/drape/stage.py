@@ -10,7 +10,7 @@ from ..body import Body, DistanceGrid, rest_body, skin, unskin, weights_at
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target, name_contours
-from ..simulate import Drape, Fabric, Hold, SimulateSettings, Topology, equilibrium, push_out
+from ..simulate import Drape, Fabric, Hold, SimulateSettings, Spin, Topology, equilibrium, push_out
 from .carry import Way, take_pose
 from .dress import DressSettings, dress, waist_loop
 from .follow import FollowSettings, Lookup, follow, lay_threads
@@ -156,6 +156,7 @@ def drape_graded(
     *,
     vertex_count: int = 4000,
     mesh: Garment | None = None,
+    spin: Spin | None = None,
     settings: DrapeSettings = DrapeSettings(),
     hooks: Hooks = SILENT,
 ) -> tuple[Garment, Drape]:
@@ -168,6 +169,7 @@ def drape_graded(
         target: Where its waist, if any, holds the garment's.
         vertex_count: Vertices of the mesh.
         mesh: The pattern's mesh where there is one already, wherever its nodes are; `vertex_count` then says nothing.
+        spin: The rotation in which the wearer turns, or None for cloth under its weight alone.
         settings: Steps.
         hooks: Progress and cancellation.
 
@@ -196,6 +198,7 @@ def drape_graded(
         hold=hold,
         settings=settings.simulate,
         hooks=hooks,
+        spin=spin,
     )
     nodes = push_out(drape.nodes, stand.body, garment.faces)
     contours, _ = name_contours(nodes, garment.faces, stand.body)

@@ -12,7 +12,7 @@ from .settings import GRAVITY, SimulateSettings, SimulateSettingsBad
 if TYPE_CHECKING:
     from .derivative import AtRest, Derivative, Implicit, NotAtRest, Response, with_friction_frozen
     from .dynamics import State, settle
-    from .energy import Energy, Inertia
+    from .energy import Energy, Inertia, Spin
     from .friction import Friction
     from .hold import Hold, HoldBad
     from .newton import factor_blend
@@ -42,6 +42,7 @@ _LAZY = {
     "Response": "derivative",
     "Sensitivity": "sensitivity",
     "Solver": "solver",
+    "Spin": "energy",
     "State": "dynamics",
     "SuperLU": "solver",
     "Topology": "topology",
@@ -86,6 +87,7 @@ __all__ = [
     "SimulateSettings",
     "SimulateSettingsBad",
     "Solver",
+    "Spin",
     "State",
     "SuperLU",
     "Topology",

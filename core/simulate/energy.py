@@ -18,6 +18,9 @@ from .topology import Topology
 
 _NO_BLOCKS = np.zeros((0, 3, 3))
 
+_LEVEL = np.array([1.0, 0.0, 1.0])
+"""Part of a vector that lies level: y is up."""
+
 
 @dataclass(frozen=True)
 class Inertia:
@@ -33,6 +36,19 @@ class Inertia:
 
 
 @dataclass(frozen=True)
+class Spin:
+    """Let the cloth turn with its wearer about a vertical axis: in that frame each mass is drawn outwards by omega^2 r.
+
+    Attributes:
+        rate: Angular velocity omega [rad/s].
+        centre: A point of the axis [m], shape [3].
+    """
+
+    rate: float
+    centre: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
 class Energy:
     """Give the energy [J] of a cloth in its surroundings, its gradient [N] and its Hessian [N/m].
 
@@ -45,6 +61,7 @@ class Energy:
         settings: Contact parameters.
         friction: Lagged friction, or None.
         inertia: For an implicit time step, or None.
+        spin: For cloth in steady rotation, or None.
     """
 
     topology: Topology
@@ -55,6 +72,7 @@ class Energy:
     settings: SimulateSettings = field(default_factory=SimulateSettings)
     friction: Friction | None = None
     inertia: Inertia | None = None
+    spin: Spin | None = None
 
     @property
     def masses(self) -> np.ndarray:
@@ -87,6 +105,17 @@ class Energy:
         energy, gradient, blocks = self._evaluate(nodes, 2, exact)
         gradient[self.fixed] = 0.0
         return energy, gradient, blocks
+
+    def accelerate(self, nodes: np.ndarray) -> np.ndarray:
+        """Give weight and centrifugal force of a unit of mass at nodes [m], both of shape [node_count, 3] [m/s2].
+
+        a = g + omega^2 r,  r the vector from the vertical axis. At rest it is g. Coriolis forces vanish at rest in the
+        frame that turns.
+        """
+        found = np.tile(np.asarray(self.gravity, dtype=np.float64), (len(nodes), 1))
+        if self.spin is not None:
+            found += self.spin.rate**2 * _LEVEL * (nodes - np.asarray(self.spin.centre))
+        return found
 
     def touch(self, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Give the contact force [N], shape [node_count], and its unit direction, shape [node_count, 3]."""
@@ -157,15 +186,20 @@ class Energy:
             energy += friction(
                 nodes, f.anchors, f.normals, f.limits, f.slip, order, topology.diagonal, gradient, blocks
             )
-        energy += self._add_loads(nodes, order, gradient, blocks)
+        energy += self._add_loads(nodes, order, exact, gradient, blocks)
         return float(energy), gradient, blocks
 
-    def _add_loads(self, nodes: np.ndarray, order: int, gradient: np.ndarray, blocks: np.ndarray) -> float:
-        """Add weight, inertia and springs, which are linear or quadratic."""
+    def _add_loads(self, nodes: np.ndarray, order: int, exact: bool, gradient: np.ndarray, blocks: np.ndarray) -> float:
+        """Add weight, rotation, inertia and springs: linear or quadratic. The PSD form drops the rotation's."""
         masses, gravity = self.masses, np.asarray(self.gravity, dtype=np.float64)
         energy = -float(masses @ (nodes @ gravity))
-        gradient -= masses[:, None] * gravity
+        gradient -= masses[:, None] * self.accelerate(nodes)
         diagonal = self.topology.diagonal
+        if self.spin is not None:
+            outward = _LEVEL * (nodes - np.asarray(self.spin.centre))
+            energy -= 0.5 * self.spin.rate**2 * float(masses @ (outward**2).sum(1))
+            if order == 2 and exact:
+                blocks[diagonal] -= self.spin.rate**2 * masses[:, None, None] * np.diag(_LEVEL)
         if self.inertia is not None:
             stiffness = (self.inertia.weight * masses)[:, None]
             away = nodes - self.inertia.target

@@ -62,7 +62,8 @@ def descend(
         steps: Most steps.
         residual: Largest force, relative to the mean weight of a node, at which to stop.
     """
-    origin, pairs, done = nodes, [], 0
+    origin, done = nodes, 0
+    pairs: list[tuple[np.ndarray, np.ndarray]] = []
     reached = relative_residual(energy, gradient)
     while done < steps and reached > residual:
         direction = -_apply(solver, pairs, gradient.ravel()).reshape(-1, 3)

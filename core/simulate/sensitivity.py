@@ -163,8 +163,8 @@ def _unit_folds(energy: Energy, nodes: np.ndarray) -> np.ndarray:
 
 
 def _acceleration(energy: Energy, nodes: np.ndarray) -> np.ndarray:
-    """Give what a unit of mass adds to the gradient [m/s2], shape [node_count, 3]: weight and inertia."""
-    found = np.tile(-np.asarray(energy.gravity, dtype=np.float64), (len(nodes), 1))
+    """Give what a unit of mass adds to the gradient [m/s2], shape [node_count, 3]: weight, rotation and inertia."""
+    found = -energy.accelerate(nodes)
     if energy.inertia is not None:
         found += energy.inertia.weight * (nodes - energy.inertia.target)
     return found

@@ -11,7 +11,7 @@ from ..body import DistanceGrid
 from ..errors import BadInput
 from ..hooks import SILENT, Hooks
 from .dynamics import bring_to_hold, lag_friction
-from .energy import Energy
+from .energy import Energy, Spin
 from .fabric import Fabric
 from .hold import Hold
 from .newton import factor_blend, relative_residual
@@ -52,6 +52,7 @@ class Drape:
         outcome: Key of `MESSAGES`.
         message: What that means and what to do.
         anchors: Where friction holds each node [m], shape [node_count, 3].
+        spin: The rotation in which it rests, or None for cloth at rest under its weight alone.
     """
 
     nodes: np.ndarray
@@ -62,6 +63,7 @@ class Drape:
     outcome: str
     message: str
     anchors: np.ndarray
+    spin: Spin | None = None
 
 
 def equilibrium(
@@ -76,6 +78,7 @@ def equilibrium(
     hooks: Hooks = SILENT,
     anchors: np.ndarray | None = None,
     solver: Solver | None = None,
+    spin: Spin | None = None,
 ) -> Drape:
     """Find positions at which no force is left on any node, from nodes [m], shape [node_count, 3].
 
@@ -93,7 +96,7 @@ def equilibrium(
         raise NodesBad()
     anchors = nodes.copy() if anchors is None else anchors
     solver = solver or make_solver(topology)
-    energy = Energy(topology, fabric, grid, hold, gravity, settings)
+    energy = Energy(topology, fabric, grid, hold, gravity, settings, spin=spin)
     started, calm, outcome, done, lagging = time.process_time(), 0, "iterations", 0, True
     for done in range(settings.max_iterations + 1):
         hooks.check()
@@ -128,4 +131,4 @@ def equilibrium(
     end, gradient = energy.gradient(nodes)
     slid = anchors if energy.friction is None else energy.friction.slide(nodes)
     residual, converged = relative_residual(energy, gradient), outcome in ("converged", "still")
-    return Drape(nodes, residual, done, converged, end, outcome, MESSAGES[outcome], slid)
+    return Drape(nodes, residual, done, converged, end, outcome, MESSAGES[outcome], slid, spin)
