@@ -5,21 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 
-from ..segment import Contour, Target, smooth_noise
+from ..segment import Contour, Target, flatten_spikes, smooth_noise
 from .operators import border_edges, half_edges, twins, unit, vertex_areas, vertex_normals
 from .surface import Surface, SurfacePoints
-
-SPIKE_EDGES = 1.3
-"""Distance from the median of its ring, in median edges, beyond which it is a spike (a trial found 113 of 115)."""
-
-SPIKE_OWN = 0.7
-"""A spike is also at least this share of its own shortest edge away: a coarse but sound patch is not."""
-
-SPIKE_RING = 0.8
-"""A spike also lies outside this quantile of its ring's distances from the ring's median: a sound vertex lies within
-its ring, however unevenly a scan was decimated. Not the maximum: one of the ring may be a spike itself."""
 
 UNSIGNED_SHARE = 0.25
 """Share of normals against the source after the vote above which signs mean nothing. Wrong folds give about 0.05."""
@@ -101,39 +90,6 @@ def prepare_target(
         rim_edges=rim_edges,
         rim_vertices=rim_vertices,
     )
-
-
-def flatten_spikes(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Move vertices far from the median of their ring onto it.
-
-    A vertex is a spike when it is further from the component-wise median of its neighbours than `SPIKE_EDGES` median
-    edges, than `SPIKE_OWN` of its own shortest edge and than most of these neighbours are (`SPIKE_RING`). Two rounds,
-    because two spikes may be neighbours.
-
-    Returns:
-        The vertices [m] and which of them moved.
-    """
-    directed, _ = half_edges(faces)
-    edges = np.unique(np.sort(directed, axis=1), axis=0)
-    both = np.concatenate([edges, edges[:, ::-1]])
-    graph = sp.csr_matrix((np.ones(len(both)), (both[:, 0], both[:, 1])), shape=(len(vertices),) * 2)
-    degree = np.diff(graph.indptr)
-    ring = np.full((len(vertices), max(int(degree.max(initial=0)), 1)), -1)
-    ring[np.arange(ring.shape[1])[None] < degree[:, None]] = graph.indices
-    used = np.flatnonzero(degree >= 3)
-    moved = np.zeros(len(vertices), dtype=bool)
-    vertices = vertices.copy()
-    length = float(np.median(np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1)))
-    for _ in range(2):
-        around = np.where((ring[used] >= 0)[..., None], vertices[ring[used]], np.nan)
-        middle = np.nanmedian(around, axis=1)
-        own = np.nanmin(np.linalg.norm(around - vertices[used][:, None], axis=2), axis=1)
-        off = np.linalg.norm(vertices[used] - middle, axis=1)
-        reach = np.nanquantile(np.linalg.norm(around - middle[:, None], axis=2), SPIKE_RING, axis=1)
-        spike = (off > SPIKE_EDGES * length) & (off > SPIKE_OWN * own) & (off > reach)
-        vertices[used[spike]] = middle[spike]
-        moved[used[spike]] = True
-    return vertices, moved
 
 
 def vote_orientation(surface: Surface, normals: np.ndarray, nodes: np.ndarray, faces: np.ndarray) -> tuple[bool, bool]:

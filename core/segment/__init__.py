@@ -5,7 +5,7 @@ from .contours import name_contours
 from .garment import NoContour, segment_garment
 from .inspect import Inspection, inspect_file
 from .loop import find_loops, resample_loop, smooth_loop, smoothed_length
-from .noise import smooth_noise
+from .noise import flatten_spikes, smooth_noise
 from .target import CATEGORIES, CONTOUR_NAMES, Contour, Target
 
 __all__ = [
@@ -17,6 +17,7 @@ __all__ = [
     "Target",
     "choose_category",
     "find_loops",
+    "flatten_spikes",
     "inspect_file",
     "name_contours",
     "resample_loop",

@@ -10,7 +10,7 @@ from ..scan import Scan, vertex_normals
 from .category import choose_category
 from .contours import name_contours
 from .loop import smoothed_length
-from .noise import smooth_noise
+from .noise import flatten_spikes, smooth_noise
 from .target import Target
 
 
@@ -21,7 +21,7 @@ class NoContour(BadInput):
 
 
 def segment_garment(scan: Scan, body: Body) -> Target:
-    """Name the contours of a scanned garment, choose its category, and take off what is noise.
+    """Name the contours of a scanned garment, choose its category, and take off outliers and noise.
 
     Noise as large as half an edge makes a surface up to twice as large and its contours longer: a pattern graded to it
     would be too large, and fold. So what grading, drape and deformer see is the smoothed surface.
@@ -35,8 +35,9 @@ def segment_garment(scan: Scan, body: Body) -> Target:
         raise NoContour(
             f"{scan.name} has no open contour: {found}; give one open surface (no thickness), worn by the given body."
         )
-    vertices, noise = smooth_noise(scan.vertices, scan.faces)
-    if noise > 0.0:
+    vertices, spikes = flatten_spikes(scan.vertices, scan.faces)
+    vertices, noise = smooth_noise(vertices, scan.faces)
+    if noise > 0.0 or spikes.any():
         contours = tuple(replace(c, length=smoothed_length(vertices[c.vertices])) for c in contours)
     return Target(
         vertices=vertices,
