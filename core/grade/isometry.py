@@ -72,7 +72,8 @@ class Isometry:
 
     Attributes:
         goal: The target.
-        borders: Nodes of each open contour, and the target's contour [m], shape [k, 3].
+        borders: Nodes of each open contour, and the target's contour or, where it is not trusted, their own place [m],
+            shape [k, 3].
         strain: U, shape [face_count, 2, 2].
         free: Control points (x0, y0, ...) by effective ones, shape [2 point_count, effective_count].
         proportions: Rules to keep.
@@ -113,8 +114,11 @@ class Isometry:
         borders = []
         for contour in name_contours(garment.nodes, garment.faces, body)[0]:
             other = target.contour(contour.name)
+            # Where none is to be trusted it stays where registration left it: panels that end nowhere would shrink.
+            loop = garment.nodes[contour.vertices]
             if other is not None and other.trusted:
-                borders.append((contour.vertices, target.vertices[other.vertices]))
+                loop = target.vertices[other.vertices]
+            borders.append((contour.vertices, loop))
         free = find_symmetry(like).matrix.toarray()
         return cls(
             goal=Surface(target.vertices, target.faces),
