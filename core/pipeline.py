@@ -108,7 +108,8 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     if settings.method == "hybrid":
         with clock.stage("fit", "fitting the pattern through the simulator") as inner:
             # cloth in motion tells nothing of its fabric
-            known_fabric = settings if drape.spin is None else replace(settings, locks=(*settings.locks, "fabric"))
+            locks = settings.locks if drape.spin is None else (*settings.locks, "fabric")
+            known_fabric = replace(settings, lock=",".join(locks) or None)
             found = refit(garment, detail.nodes, target, base, fabric, body, known_fabric, preset, inner)
         if isinstance(found, PatternFit):
             fitted, fabric, detail = found, found.fabric, found.detail
