@@ -15,20 +15,26 @@ WINDING_REACH = 0.05
 """Distance beyond which a point that the pseudonormal calls outside is not asked for its winding number [m]."""
 
 
+LIFT = 5e-4
+"""How far above a face's middle there must be air for it to be skin in the open [m]: the distance that cloth keeps.
+Nearer parts leave it no room."""
+
+
 class BodyDistance:
     """Answer signed distances to a closed body mesh, positive outside.
 
     Inside is where the winding number exceeds one half, which stands small holes and parts that overlap (thighs, arms
-    against the trunk). At the surface itself, where an offset has no direction, the way out is the angle-weighted
-    pseudonormal (Baerentzen and Aanaes 2005). A mesh that is inside out is turned.
+    against the trunk). Skin that another part swallows is no way out, so only faces in the open are the surface that
+    distances and directions are taken from. At the surface itself, where an offset has no direction, the way out is
+    the angle-weighted pseudonormal (Baerentzen and Aanaes 2005). A mesh that is inside out is turned.
     """
 
     def __init__(self, vertices: np.ndarray, faces: np.ndarray) -> None:
         corner = vertices[faces]
         if np.einsum("ij,ij", corner[:, 0], np.cross(corner[:, 1], corner[:, 2])) < 0:
             faces = faces[:, ::-1]
-        self._surface = Surface(vertices, faces)
-        vertices, faces = self._surface.vertices, self._surface.faces
+        whole = Surface(vertices, faces)
+        vertices, faces = whole.vertices, whole.faces
         self._winding = igl.FastWindingNumberBVH()
         self._winding.init(vertices, faces, 2)
         self._face = unit(face_vectors(vertices, faces))
@@ -45,7 +51,10 @@ class BodyDistance:
         edge = self._face[owner]
         both = unit(edge[pairs[:, 0]] + edge[pairs[:, 1]])
         edge[pairs[:, 0]], edge[pairs[:, 1]] = both, both
-        self._edge = edge.reshape(-1, 3, 3)
+        above = vertices[faces].mean(axis=1) + LIFT * self._face
+        open_air = np.asarray(self._winding.winding_number(np.ascontiguousarray(above))).reshape(-1) <= 0.5
+        self._surface = whole if open_air.all() else Surface(vertices, faces[open_air])
+        self._face, self._edge = self._face[open_air], edge.reshape(-1, 3, 3)[open_air]
 
     def __call__(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Give signed distances [m], unit directions out of the body, and closest points [m]."""

@@ -29,6 +29,9 @@ DEFAULT = DeformSettings()
 DEEP = 1e-3
 """Depth in the body above which the user is warned [m]; the pipeline's hard limit."""
 
+CLEARINGS = 4
+"""Turns of smoothing and clearing at most at the end; at touching thighs more gain nothing."""
+
 
 def deform(
     garment: Garment,
@@ -76,6 +79,12 @@ def deform(
     if settings.clear_body:
         laplacian = (gradient.T @ sp.diags(np.repeat(areas, 2)) @ gradient).tocsr()
         x = clear_body(x, faces, laplacian, distance, settings.body_margin)
+        # Where body parts touch the way out is long, and triangles there are torn by it: smooth and clear in turns.
+        for _ in range(CLEARINGS if settings.polish_iterations > 0 else 0):
+            eased = ease_stretch(x, gradient, areas, faces)
+            if np.array_equal(eased, x):
+                break
+            x = clear_body(eased, faces, laplacian, distance, settings.body_margin)
     flips = (int(flipped(nodes, faces, goal).sum()), int(flipped(x, faces, goal).sum()))
     crossings = (len(self_intersections(nodes, faces)), len(self_intersections(x, faces)))
     depth = body_depth(x, faces, distance)

@@ -31,6 +31,7 @@ class DressSettings:
         frames: Frames in which it is inflated; 40 move its surface by about 3 mm a frame.
         relax: Steps that relax the welded panels' edges in their planes; 60 were enough from 5 times too long.
         settle: Steps under gravity at the end.
+        outline: Keep the seams between front and back outside the body's outline in the middle plane.
         follow: The position-based steps.
     """
 
@@ -39,6 +40,7 @@ class DressSettings:
     frames: int = 40
     relax: int = 60
     settle: int = 60
+    outline: bool = True
     follow: FollowSettings = field(default_factory=FollowSettings)
 
 
@@ -249,12 +251,13 @@ def _flat_lookup(lookup: Lookup, middle: float, side: np.ndarray, flatten: float
     return flat
 
 
-def sided(lookup: Lookup, outline: Lookup, middle: float, side: np.ndarray) -> Lookup:
+def sided(lookup: Lookup, outline: Lookup | None, middle: float, side: np.ndarray) -> Lookup:
     """Add the middle plane as an obstacle: no front node passes behind it, no back node before it.
 
     While the body is thin, a crease 1 cm deep would otherwise slip through the neck or the waist to the other side.
     Seams between front and back are in that plane and stay outside the `outline` that the body cuts there: a thin body
-    pushes them out of the plane at best, and a sleeve's upper seam would sink through the arm.
+    pushes them out of the plane at best, and a sleeve's upper seam would sink through the arm. Without an outline they
+    are as free as the thin body leaves them.
     """
     off_seam = np.abs(side) > 0.5
     on_seam = np.nonzero(~off_seam)[0]
@@ -267,7 +270,7 @@ def sided(lookup: Lookup, outline: Lookup, middle: float, side: np.ndarray) -> L
         nearer = off_seam & (ahead < distance / slope)
         distance[nearer] = ahead[nearer]
         gradient[nearer] = sign[nearer, None] * np.array([0.0, 0.0, 1.0])
-        if len(on_seam):
+        if outline is not None and len(on_seam):
             distance[on_seam], gradient[on_seam] = outline(points[on_seam])
             gradient[on_seam, 2] = 0.0
         return distance, gradient
@@ -336,10 +339,11 @@ def dress(
     side = _side(garment)
     nodes = relax_flat(threads, nodes, side, _half(garment), lookup, middle, settings)
     between = np.abs(side) < 0.5
+    outline = lookup if settings.outline else None
     for frame in range(settings.frames):
         scale = settings.squash + (1.0 - settings.squash) * (frame + 1) / settings.frames
         nodes, _ = follow(
-            threads, nodes, sided(squashed(lookup, middle, scale), lookup, middle, side), 3, settings=settings.follow
+            threads, nodes, sided(squashed(lookup, middle, scale), outline, middle, side), 3, settings=settings.follow
         )
         nodes[between, 2] = middle
         if waist is not None and height is not None:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ..body import Body, DistanceGrid, rest_body, skin, unskin, weights_at
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
-from ..segment import Target, name_contours
+from ..segment import Target, find_loops, name_contours
 from ..simulate import Drape, Fabric, Hold, SimulateSettings, Spin, Topology, equilibrium, push_out
 from .carry import Way, take_pose
 from .dress import DressSettings, dress, waist_loop
@@ -99,7 +99,8 @@ def drape_template(
     """Mesh, sew and dress a base pattern on the wearer, in the wearer's pose, and name its contours.
 
     The first drape happens on the T-pose; the cloth is then carried into the pose with the skin around it and settles
-    on the wearer's own mesh. Where the target has a waist, the garment's waist is tied to it.
+    on the wearer's own mesh. Where the target has a waist, the garment's waist is tied to it. Where an opening goes
+    round nothing, the wearer is dressed again with seams that are free in the middle plane.
 
     Args:
         pattern: The base pattern.
@@ -145,7 +146,13 @@ def drape_template(
             held=waist,
         )
     contours, _ = name_contours(nodes, garment.faces, body)
-    return garment.at(nodes, contours)
+    worn = garment.at(nodes, contours)
+    if settings.dress.outline and len(contours) < len(find_loops(garment.faces)):
+        # On bodies of loose parts (mannequins) a seam can be pushed along an arm: an opening then goes round nothing.
+        freed = replace(settings, dress=replace(settings.dress, outline=False))
+        again = drape_template(pattern, stand, target, settings=freed, hooks=hooks)
+        return again if len(again.contours) > len(contours) else worn
+    return worn
 
 
 def drape_graded(

@@ -170,7 +170,7 @@ def test_the_pattern_of_our_own_drape_is_recovered(scene: Scene) -> None:
 
 def test_the_simulator_corrects_a_wrong_pattern(scene: Scene) -> None:
     """Breaks where Gauss-Newton does not lower the misfit, loses the symmetry or opens a seam."""
-    fit = fit_shape(state(scene, ShapeSettings(iterations=3)))
+    fit = fit_shape(state(scene, ShapeSettings(iterations=3, spread=0.01)))
     assert len(fit.misfits) > 1
     assert all(after < before for before, after in zip(fit.misfits, fit.misfits[1:], strict=False))
     assert fit.misfits[-1] < 0.5 * fit.misfits[0]
@@ -296,6 +296,6 @@ def test_left_and_right_may_be_freed(scene: Scene) -> None:
     assert skew(scene.template) < 1e-6
     assert skew(asked) > 0.03
     settings = IsometrySettings(vertices=250, steps=1)
-    for like, limit in ((free, 1e-4), (scene.template, 0.0)):
+    for like, limit in ((free, 1e-5), (scene.template, 0.0)):
         found = fit_isometry(scene.worn, scene.registered, scene.target, scene.body, like, settings)
         assert (skew(found.pattern) > limit) if like is free else (skew(found.pattern) < 1e-6)
