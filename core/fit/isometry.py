@@ -10,6 +10,10 @@ from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target
 
+STEPS = IsometrySettings(stay_band=1.0)
+"""As `IsometrySettings` says; and bands keep the graded shape: where their long seams lie on a smooth surface cannot be
+seen, and without it a stiff skirt's waistband lost half its width to the skirt."""
+
 SETTLED = 3e-4
 """Largest motion of a control point in one step [m] below which the pattern rests: far less than what is left."""
 
@@ -41,7 +45,7 @@ def fit_isometry(
     Returns:
         A mesh of `settings.vertices` vertices of the fitted pattern, its nodes on the target.
     """
-    settings = settings or IsometrySettings()
+    settings = settings or STEPS
     coarse = mesh_pattern(garment.pattern, min(settings.vertices, len(registered)))
     fitted = coarse.at(resample(garment, registered, coarse))
     strain = believed_strain(coarse, garment, settings.believed) @ hidden_folds(fitted, garment, registered)
