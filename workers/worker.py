@@ -59,6 +59,7 @@ class Duties(bootsteps.StartStopStep):
         self.app = parent.app
         self.rounds = parent.timer.call_repeatedly(self.settings.poll_seconds, self._round)
         self.showed = 0.0
+        self.began = time.monotonic()
         if parent.app.garmentq_goes_home and self.settings.idle_seconds:
             period = min(IDLE_CHECK_SECONDS, self.settings.idle_seconds)
             parent.timer.call_repeatedly(period, self._go_home_if_idle)
@@ -86,6 +87,9 @@ class Duties(bootsteps.StartStopStep):
             log.warning("a round of the dispatcher failed: %s: %s", type(error).__name__, error)
 
     def _go_home_if_idle(self) -> None:
+        """Stop where nothing happened for long; a worker waits as long for its first job, whatever lies behind."""
+        if time.monotonic() - self.began < self.settings.idle_seconds:
+            return
         try:
             if is_idle(self.database, self.settings.idle_seconds):
                 log.info("no job for %g s: this worker stops", self.settings.idle_seconds)
