@@ -8,52 +8,18 @@ target pack in DIR is registered too: there only the surface can be measured. On
 from __future__ import annotations
 
 import argparse
+import sys
 import time
 from pathlib import Path
 
-import igl
 import numpy as np
-import trimesh
-from garmentq.core.body import JOINTS, register_body, skin
-from garmentq.core.body.template import Template, articulate, load_template, rotations_of, transforms_of
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "standin"))
+
+from everyday_body import everyday_body
+from garmentq.core.body import JOINTS, register_body
+from garmentq.core.body.template import load_template
 from garmentq.core.scan import load_scan
-
-NOISE = 2e-3
-"""Noise of the mesh [m per coordinate]: a hand-held scanner's."""
-FACES = 12000
-"""Faces after the decimation: none of the model's edges is left where two meet."""
-SHAPE = 0.8
-"""Spread of the random shapes in standard deviations of the model: nearly all remain within its range."""
-
-
-def everyday_body(template: Template, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Make a random person in a random everyday pose.
-
-    Returns:
-        Vertices [m], faces, true joints [m] of shape [24, 3], and the direction in which the person faces, shape [3].
-    """
-    rng = np.random.default_rng(seed)
-    gender = ("female", "male")[seed % 2]
-    count = template.shape_count
-    root = np.linalg.cholesky(template.covariances[gender] + 1e-9 * np.eye(count))
-    rest, joints = template.shaped(template.means[gender] + SHAPE * root @ rng.standard_normal(count))
-    angles = np.zeros((24, 3))
-    drop, stride, heading = rng.uniform(-0.2, 1.3), rng.uniform(-0.5, 0.5), rng.uniform(0, 2 * np.pi)
-    angles[0] = (0, heading, 0)
-    for side, sign in (("left", -1), ("right", 1)):
-        shoulder = (rng.normal(0, 0.2), sign * rng.uniform(-0.2, 0.7), sign * (drop + rng.normal(0, 0.15)))
-        angles[JOINTS.index(f"{side}_shoulder")] = shoulder
-        angles[JOINTS.index(f"{side}_elbow")] = (0, sign * rng.uniform(0, 1.3), 0)
-        angles[JOINTS.index(f"{side}_hip")] = (sign * stride, rng.normal(0, 0.1), -sign * rng.uniform(0, 0.15))
-        angles[JOINTS.index(f"{side}_knee")] = (rng.uniform(0, 0.5), 0, 0)
-    for name in ("spine1", "spine2", "spine3", "neck", "head"):
-        angles[JOINTS.index(name)] = rng.normal(0, 0.08, 3)
-    world, posed = articulate(rotations_of(angles), joints, rng.uniform(-1, 1, 3))
-    skinned = skin(rest, template.weights, transforms_of(world, posed, joints))
-    finer = trimesh.Trimesh(skinned, template.faces, process=False).subdivide()
-    vertices, faces, *_ = igl.qslim(np.asfortranarray(finer.vertices), np.asfortranarray(finer.faces, np.int32), FACES)
-    front = np.array([np.sin(heading), 0.0, np.cos(heading)])
-    return vertices + rng.normal(0, NOISE, vertices.shape), faces, posed, front
 
 
 def swaps(found: np.ndarray, true: np.ndarray) -> int:
@@ -72,7 +38,7 @@ def measure_everyday(count: int) -> None:
     template = load_template()
     means, worst, swapped, backward, seconds, fits = [], [], 0, 0, [], []
     for seed in range(count):
-        vertices, faces, joints, front = everyday_body(template, seed)
+        vertices, faces, joints, heading = everyday_body(template, seed)
         started = time.process_time()
         body = register_body(vertices, faces)
         seconds.append(time.process_time() - started)
@@ -81,7 +47,7 @@ def measure_everyday(count: int) -> None:
         worst.append(error.max())
         fits.append(1e3 * body.fit_rms)
         swapped += swaps(body.joints, joints)
-        backward += int((body.heading @ front)[2] < 0)
+        backward += int((body.heading @ [np.sin(heading), 0.0, np.cos(heading)])[2] < 0)
         print(
             f"{seed:3d}: joints {error.mean():5.1f} mm, worst {error.max():5.1f} ({JOINTS[int(error.argmax())]}), "
             f"surface {fits[-1]:.1f} mm, {seconds[-1]:.1f} s",

@@ -1,23 +1,27 @@
 """Load on the HTTP API: uploads at once and the server's memory, submitting into a long table, querying many results.
 
-python benchmarks/service_load.py            # all three, about two minutes
-python benchmarks/service_load.py query      # one of uploads, submit, query
+python benchmarks/service_load.py                                     # all three, about a minute
+python benchmarks/service_load.py submit --database postgresql        # one of uploads, submit, query
 """
 
 from __future__ import annotations
 
-import os
+import argparse
 import socket
 import subprocess
 import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import httpx
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "standin"))
+
 from garmentq.service.database import Database, open_database
 from garmentq.service.keys import create_key
 from garmentq.service.models import JobRow, MaterialRow, MetricRow, OwnerRow, PatternRow, ScanRow
@@ -25,28 +29,49 @@ from garmentq.service.query import find_jobs, parse_conditions
 from garmentq.service.settings import ServiceSettings
 from garmentq.service.store import Store
 from garmentq.service.submission import Order, submit
+from garmentq_home import make_environment
+from postgres_server import PostgresServer
 from sqlalchemy import insert
 
-STANDIN = Path(__file__).parents[1] / "tests" / "standin"
 METRICS = ("surface_rms_mm.t2s", "surface_rms_mm.s2t", "hausdorff_mm", "normal_cosine", "panel_area_error")
 
 
-def start(home: Path) -> tuple[subprocess.Popen[bytes], str]:
-    """Start `garmentq serve` with the quick stand-in for the checker of meshes."""
+@contextmanager
+def serving(settings: ServiceSettings) -> Iterator[tuple[subprocess.Popen[bytes], str]]:
+    """Run `garmentq serve` with the quick stand-in for the checker of meshes, and no rate limit for the one client."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
-    environment = {**os.environ, "PYTHONPATH": str(STANDIN), "GARMENTQ_CHECKER": "garmentq_standin:check"}
-    command = [sys.executable, "-m", "garmentq.cli.main", "serve", "--home", str(home), "--port", str(port)]
+    unlimited = dict.fromkeys(("GARMENTQ_API_REQUESTS_PER_SECOND", "GARMENTQ_API_BURST"), "100000")
+    environment = make_environment(settings) | unlimited | {"GARMENTQ_CHECKER": "garmentq_standin:check"}
+    command = [sys.executable, "-m", "garmentq.cli.main", "serve", "--port", str(port)]
     process = subprocess.Popen(command, env=environment, stderr=subprocess.DEVNULL)
     url = f"http://127.0.0.1:{port}"
-    for _ in range(200):
-        try:
-            httpx.get(f"{url}/healthz")
-            return process, url
-        except httpx.TransportError:
-            time.sleep(0.1)
-    raise SystemExit("the service did not start")
+    try:
+        for _ in range(200):
+            try:
+                httpx.get(f"{url}/healthz")
+                break
+            except httpx.TransportError:
+                time.sleep(0.1)
+        else:
+            raise SystemExit("the service did not start")
+        yield process, url
+    finally:
+        process.terminate()
+        process.wait()
+
+
+@contextmanager
+def fresh_settings(kind: str) -> Iterator[ServiceSettings]:
+    """Give settings of an empty service, on a database of its own."""
+    postgres = PostgresServer() if kind == "postgresql" else None
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            yield ServiceSettings(home=Path(folder), database_url=postgres.url if postgres else "")
+    finally:
+        if postgres is not None:
+            postgres.end()
 
 
 def peak_mb(pid: int) -> float:
@@ -65,10 +90,9 @@ def mesh(seed: int, size: int) -> bytes:
     return head.encode() + points.tobytes() + b"\x03" + np.array([0, 1, 2], np.int32).tobytes()
 
 
-def measure_uploads(count: int = 50, size: int = 20 * 10**6) -> None:
+def measure_uploads(settings: ServiceSettings, count: int = 50, size: int = 20 * 10**6) -> None:
     """Send many files at once."""
-    with tempfile.TemporaryDirectory() as folder:
-        process, url = start(Path(folder))
+    with serving(settings) as (process, url):
         idle = peak_mb(process.pid)
         answers: list[int] = []
         base = mesh(0, size)
@@ -86,8 +110,6 @@ def measure_uploads(count: int = 50, size: int = 20 * 10**6) -> None:
         seconds = time.monotonic() - begun
         print(f"{count} uploads of {size / 1e6:.0f} MB at once: {answers.count(201)} kept in {seconds:.1f} s, "
               f"peak {peak_mb(process.pid):.0f} MB (idle {idle:.0f} MB)")  # fmt: skip
-        process.terminate()
-        process.wait()
 
 
 def fill(database: Database, count: int, state: str) -> None:
@@ -122,37 +144,36 @@ def fill(database: Database, count: int, state: str) -> None:
                 ])  # fmt: skip
 
 
-def measure_submit(table: int = 10_000, count: int = 300) -> None:
+def measure_submit(settings: ServiceSettings, table: int = 10_000, count: int = 300) -> None:
     """Ask for new jobs while the table is long, in this process and over HTTP, by a key that owns all that are there.
 
     In this process: `submit()`, from the call to the end of its transaction. Over HTTP: POST /v1/jobs, from the first
     byte sent to the last received: key, quota, copy of the scan, names and body, and the same `submit()`. The mesh is
     10 kB and was uploaded before; parsing it in a process of its own is the checker's, and is not in here.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        home, body = Path(folder), "builtin:female,height=1.70"
-        settings = ServiceSettings(home=home)
-        database, store = open_database(settings), Store(settings.store_path)
-        fill(database, table, "queued")
-        key, token = create_key(database, "load", ("read", "submit"), quota=1_000_000)
-        with database.write() as session:
-            session.execute(insert(OwnerRow), [{"key": key.id, "job": f"{index:012x}"} for index in range(table)])
-        content, path = mesh(1, 10_000), home / "a.ply"
-        path.write_bytes(content)
-        order = Order(path, body, force=True, key=key.id, quota=1_000_000)
-        show(f"submit(), {table} jobs in the table", lambda: submit(database, store, order), count)
-        process, url = start(home)
-        with httpx.Client(base_url=url, timeout=60, headers={"authorization": f"Bearer {token}"}) as client:
-            scan = client.post("/v1/scans", params={"name": "a.ply"}, content=content).json()["sha256"]
+    body = "builtin:female,height=1.70"
+    database, store = open_database(settings), Store(settings.store_path)
+    fill(database, table, "queued")
+    key, token = create_key(database, "load", ("read", "submit"), quota=1_000_000)
+    with database.write() as session:
+        session.execute(insert(OwnerRow), [{"key": key.id, "job": f"{index:012x}"} for index in range(table)])
+    content, path = mesh(1, 10_000), settings.home / "a.ply"
+    path.write_bytes(content)
+    order = Order(path, body, force=True, key=key.id, quota=1_000_000)
+    show(f"submit(), {table} jobs in the table", lambda: submit(database, store, order), count)
+    with (
+        serving(settings) as (_, url),
+        httpx.Client(base_url=url, timeout=60, headers={"authorization": f"Bearer {token}"}) as client,
+    ):
+        scan = client.post("/v1/scans", params={"name": "a.ply"}, content=content).json()["sha256"]
 
-            def ask() -> None:
-                wanted = {"scan": scan, "body": body, "force": True}
-                assert client.post("/v1/jobs", json=wanted).status_code == 202
+        def ask() -> None:
+            answer = client.post("/v1/jobs", json={"scan": scan, "body": body, "force": True})
+            if answer.status_code != 202:
+                raise SystemExit(f"not taken: {answer.status_code} {answer.text}")
 
-            show(f"POST /v1/jobs, {table} jobs in the table", ask, count)
-        process.terminate()
-        process.wait()
-        database.dispose()
+        show(f"POST /v1/jobs, {table} jobs in the table", ask, count)
+    database.dispose()
 
 
 def show(what: str, ask: Callable[[], object], count: int) -> None:
@@ -166,25 +187,31 @@ def show(what: str, ask: Callable[[], object], count: int) -> None:
     print(f"{what}: median {low:.0f} ms, 95th percentile {high:.0f} ms")
 
 
-def measure_query(count: int = 100_000) -> None:
+def measure_query(settings: ServiceSettings, count: int = 100_000) -> None:
     """Ask the questions of docs/cli.md."""
-    with tempfile.TemporaryDirectory() as folder:
-        database = open_database(ServiceSettings(home=Path(folder)))
-        fill(database, count, "succeeded")
-        for where, sort in (
-            ("", "-created"), ("garment = skirt", "-created"), ("surface_rms_mm.t2s < 4", "-created"),
-            ("surface_rms_mm.t2s < 0.01", "surface_rms_mm.t2s"), ("surface_rms_mm.t2s < 4", "surface_rms_mm.t2s"),
-            ("garment = skirt and surface_rms_mm.t2s < 4 and hausdorff_mm < 5", "-created"), ("", "hausdorff_mm"),
-        ):  # fmt: skip
-            times = []
-            for _ in range(5):
-                begun = time.monotonic()
-                found = find_jobs(database, parse_conditions(where) if where else [], sort)
-                times.append(1000 * (time.monotonic() - begun))
-            print(f"query over {count}: {where or 'all'!r} by {sort}: {len(found)} jobs in {np.median(times):.0f} ms")
+    database = open_database(settings)
+    fill(database, count, "succeeded")
+    for where, sort in (
+        ("", "-created"), ("garment = skirt", "-created"), ("surface_rms_mm.t2s < 4", "-created"),
+        ("surface_rms_mm.t2s < 0.01", "surface_rms_mm.t2s"), ("surface_rms_mm.t2s < 4", "surface_rms_mm.t2s"),
+        ("garment = skirt and surface_rms_mm.t2s < 4 and hausdorff_mm < 5", "-created"), ("", "hausdorff_mm"),
+    ):  # fmt: skip
+        times = []
+        for _ in range(5):
+            begun = time.monotonic()
+            found = find_jobs(database, parse_conditions(where) if where else [], sort)
+            times.append(1000 * (time.monotonic() - begun))
+        print(f"query over {count}: {where or 'all'!r} by {sort}: {len(found)} jobs in {np.median(times):.0f} ms")
+    database.dispose()
 
 
 if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parts = {"uploads": measure_uploads, "submit": measure_submit, "query": measure_query}
-    for part in sys.argv[1:] or parts:
-        parts[part]()
+    parser.add_argument("parts", nargs="*", metavar="PART", default=[*parts], help=f"some of {', '.join(parts)}")
+    parser.add_argument("--database", choices=["sqlite", "postgresql"], default="sqlite")
+    given = parser.parse_args()
+    for part in given.parts:
+        with fresh_settings(given.database) as chosen:
+            print(f"{given.database}:", flush=True)
+            parts[part](chosen)

@@ -7,17 +7,13 @@ from __future__ import annotations
 
 import json
 import sys
-import time
-import traceback
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from ..core.errors import GarmentqError
+from .bench_lines import Line, append_lines, keep_failure
 from .terminal import print_table
-
-Line = dict[str, Any]
 
 SAMPLES = 10_000
 """Samples of each surface for the distances: they then scatter by about a per cent."""
@@ -96,11 +92,11 @@ def ablate_pack(order: dict[str, Any], write: Callable[[Line], None]) -> None:
     """
     from ..core.measure import read_packs
 
-    pack = read_packs(Path(order["pack"]))[0]
-    try:
+    pack, stage, line = read_packs(Path(order["pack"]))[0], None, empty_line(Path(order["pack"]).name)
+    with keep_failure(line):
         stage = _Stage.of(pack, order["preset"])
-    except GarmentqError as error:
-        write(empty_line(pack.name) | {"error": {"code": error.code, "message": error.message}})
+    if stage is None:
+        write(line)
         return
     for switch in SWITCHES:
         if switch.table in order["tables"]:
@@ -109,17 +105,10 @@ def ablate_pack(order: dict[str, Any], write: Callable[[Line], None]) -> None:
 
 def _run(stage: _Stage, switch: Switch) -> Line:
     """Run one row; an error is in its line."""
-    started = time.process_time()
     line = empty_line(stage.pack.name, switch)
-    try:
+    with keep_failure(line):
         line["metrics"] = stage.descend(switch) if switch.table == "3.4" else stage.deform(switch)
         line["ok"] = True
-    except GarmentqError as error:
-        line["error"] = {"code": error.code, "message": error.message}
-    except Exception as error:  # a bug in one row must not hide the others; the traceback goes to the log
-        traceback.print_exc()
-        line["error"] = {"code": "bench.exception", "message": f"{type(error).__name__}: {error}"}
-    line["cpu_seconds"] = time.process_time() - started
     return line
 
 
@@ -129,7 +118,7 @@ class _Stage:
 
     pack: Any
     base: Any
-    body: Any
+    stand: Any
     target: Any
     fabric: Any
     graded: Any
@@ -155,7 +144,7 @@ class _Stage:
         body = find_body(request, pieces, SILENT)
         target = segment_garment(pieces.garment, body)
         base = find_template(request, target)[1]
-        stand, fabric, count = Stand.of(body), get_fabric(settings.fabric), settings.vertex_count
+        stand, fabric, count = Stand(body), get_fabric(settings.fabric), settings.vertex_count
         worn = drape_template(base, stand, target)
         garment = worn
         for _ in range(GRADINGS):
@@ -163,7 +152,7 @@ class _Stage:
         graded = drape_graded(garment, stand, fabric, target, vertex_count=count)[0]
         ungraded = drape_graded(worn, stand, fabric, target, vertex_count=count)[0]
         chosen = DeformSettings.thesis() if preset == "thesis" else DeformSettings()
-        return cls(pack, base, body, target, fabric, graded, ungraded, chosen)
+        return cls(pack, base, stand, target, fabric, graded, ungraded, chosen)
 
     def descend(self, switch: Switch) -> dict[str, float | None]:
         """Run the inverse loop and measure its simulation mesh."""
@@ -171,7 +160,7 @@ class _Stage:
 
         few = InverseSettings(iterations=STEPS[0], fabric_iterations=STEPS[1])
         settings = replace(few, **switch.descent)
-        found = fit_inverse(self.graded, self.target, self.base, self.fabric, self.body, settings=settings)
+        found = fit_inverse(self.graded, self.target, self.base, self.fabric, self.stand, settings=settings)
         return self._measure(found.garment, found.simulation)
 
     def deform(self, switch: Switch) -> dict[str, float | None]:
@@ -180,7 +169,7 @@ class _Stage:
 
         start = self.graded if switch.graded else self.ungraded
         settings = replace(self.preset, **switch.deforming)
-        return self._measure(start, deform(start, self.target, self.body, settings=settings).nodes)
+        return self._measure(start, deform(start, self.target, self.stand.body, settings=settings).nodes)
 
     def _measure(self, garment: Any, nodes: Any) -> dict[str, float | None]:
         """Measure nodes against the truth as it is in the file."""
@@ -249,12 +238,7 @@ def judge_rows(lines: Sequence[Line]) -> Iterator[tuple[Line, str]]:
 def main(arguments: list[str]) -> None:
     """Read an order, append its lines."""
     order = {"preset": "default", "tables": ["3.4", "4.3"]} | json.loads(Path(arguments[0]).read_text(encoding="utf-8"))
-    with Path(arguments[1]).open("a", encoding="utf-8") as out:
-
-        def write(line: Line) -> None:
-            out.write(json.dumps(line, allow_nan=False) + "\n")
-            out.flush()
-
+    with append_lines(Path(arguments[1])) as write:
         ablate_pack(order, write)
 
 

@@ -8,19 +8,15 @@ from __future__ import annotations
 import json
 import sys
 import tempfile
-import time
-import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..core.errors import GarmentqError
+from .bench_lines import Line, append_lines, keep_failure
 from .bench_table import mean
 from .terminal import print_table
-
-Line = dict[str, Any]
 
 SHOWN = ("surface_rms_mm.s2t", "surface_rms_mm.t2s", "normal_cosine", "flipped_faces", "self_intersecting_faces")
 """What a line tells of a result, all against the clean truth."""
@@ -29,7 +25,7 @@ SAME = 1e-6
 """Positions closer than this [m] are the same target: float32 in another unit or axis rounds to a tenth of it."""
 
 
-def study_pack(order: dict[str, Any], write: Any) -> None:
+def study_pack(order: dict[str, Any], write: Callable[[Line], None]) -> None:
     """Recover a pack under every damage and preset; hand each line to `write` as soon as it is known.
 
     The body is registered once where its file is the same. A damage whose target comes out of the repair as the clean
@@ -68,16 +64,9 @@ def empty_line(target: str, damage: str, preset: str) -> Line:
 
 
 def _study(pack: Any, damage: Any, preset: str, seed: int, folder: Path, known: dict[Any, Any]) -> Line:
-    started = time.process_time()
     line = empty_line(pack.name, damage.name, preset)
-    try:
+    with keep_failure(line):
         line |= _recover(pack, damage, preset, seed, folder, known)
-    except GarmentqError as error:
-        line["error"] = {"code": error.code, "message": error.message}
-    except Exception as error:  # a bug under one damage must not hide the others; the traceback goes to the log
-        traceback.print_exc()
-        line["error"] = {"code": "bench.exception", "message": f"{type(error).__name__}: {error}"}
-    line["cpu_seconds"] = time.process_time() - started
     return line
 
 
@@ -168,12 +157,7 @@ def study_settings(order: dict[str, Any]) -> dict[str, Any]:
 def main(arguments: list[str]) -> None:
     """Read an order, append its lines."""
     order = json.loads(Path(arguments[0]).read_text(encoding="utf-8"))
-    with Path(arguments[1]).open("a", encoding="utf-8") as out:
-
-        def write(line: Line) -> None:
-            out.write(json.dumps(line, allow_nan=False) + "\n")
-            out.flush()
-
+    with append_lines(Path(arguments[1])) as write:
         study_pack(study_settings(order), write)
 
 

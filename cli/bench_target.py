@@ -7,13 +7,11 @@ from __future__ import annotations
 
 import json
 import sys
-import time
-import traceback
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..core.errors import GarmentqError
+from .bench_lines import keep_failure
 
 
 def recover_target(order: dict[str, Any]) -> dict[str, Any]:
@@ -26,17 +24,10 @@ def recover_target(order: dict[str, Any]) -> dict[str, Any]:
     Returns:
         The line that `garmentq bench --json` prints; an error is in it, never raised.
     """
-    started = time.process_time()
     line = empty_line(Path(order["pack"]).name, order["method"])
-    try:
+    with keep_failure(line):
         line |= _recover(order)
-    except GarmentqError as error:
-        line["error"] = {"code": error.code, "message": error.message}
-    except Exception as error:  # a bug in one target must not hide the others; the traceback goes to its log
-        traceback.print_exc()
-        line["error"] = {"code": "bench.exception", "message": f"{type(error).__name__}: {error}"}
     if not line["ok"]:
-        line["cpu_seconds"] = time.process_time() - started
         line["peak_mb"] = _peak_mb()
     return line
 

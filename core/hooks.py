@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -48,6 +48,10 @@ class Hooks:
         """Report progress of a stage and raise `Cancelled` if the job was cancelled meanwhile."""
         self.on_progress(stage, float(min(max(fraction, 0.0), 1.0)), message)
         self.check()
+
+    def quiet(self) -> Hooks:
+        """Give the same hooks without the progress: for a stage within a stage, whose fractions would jump."""
+        return replace(self, on_progress=_no_progress)
 
     def check(self) -> None:
         """Raise `Cancelled` if the job was cancelled."""

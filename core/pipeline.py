@@ -87,7 +87,8 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     template, base = find_template(request, target)
     base = replace(base, symmetric=settings.free != "symmetry")
     find_held(base, base, settings.locks)  # a lock of nothing is refused now, not after the drape
-    garment, drape, notes = drape_to_scan(base, body, target, settings, clock)
+    stand = Stand(body)
+    garment, drape, notes = drape_to_scan(base, stand, target, settings, clock)
     warnings = [*scan.repairs, *notes]
     simulation: np.ndarray | None = None
     fitted: PatternFit | InverseFit | None = None
@@ -95,7 +96,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     if settings.method == "inverse":
         with clock.stage("fit", "descending through the simulator") as inner:
             fitted = fit_inverse(
-                garment, target, base, fabric, body,
+                garment, target, base, fabric, stand,
                 vertex_count=settings.vertex_count, locks=settings.locks, hooks=inner,
             )  # fmt: skip
         fabric, garment, graded, simulation = fitted.fabric, fitted.garment, fitted.graded, fitted.simulation
@@ -109,8 +110,10 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         with clock.stage("fit", "fitting the pattern through the simulator") as inner:
             # cloth in motion tells nothing of its fabric
             locks = settings.locks if drape.spin is None else (*settings.locks, "fabric")
-            known_fabric = replace(settings, lock=",".join(locks) or None)
-            found = refit(garment, detail.nodes, target, base, fabric, body, known_fabric, preset, inner)
+            found = refit(
+                garment, detail.nodes, target, base, fabric, stand,
+                vertex_count=settings.vertex_count, deforming=preset, locks=locks, hooks=inner,
+            )  # fmt: skip
         if isinstance(found, PatternFit):
             fitted, fabric, detail = found, found.fabric, found.detail
             garment, simulation = found.garment.at(found.graded), found.simulation
@@ -122,7 +125,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     if fitted is not None:
         known = measure_knowledge(fitted.estimates, getattr(fitted, "point_std", None))
         with clock.stage("redrape", "dressing the body in the recovered pattern") as inner:
-            redraped, again = redrape(garment, Stand.of(body), fabric, target, hooks=inner)
+            redraped, again = redrape(garment, stand, fabric, target, hooks=inner)
         if not again.converged:
             warnings.append(f"the re-draped mesh is {again.message}")
         known |= {"redrape.residual": again.residual, "redrape.iterations": float(again.iterations)}
@@ -159,17 +162,12 @@ def refit(
     target: Target,
     base: Pattern,
     fabric: Fabric,
-    body: Body,
-    settings: RecoverySettings,
-    deforming: DeformSettings,
-    hooks: Hooks,
+    stand: Stand,
+    **options: Any,
 ) -> PatternFit | str:
     """Recover the pattern through the simulator; where that fails, say why: the graded pattern then stands."""
     try:
-        return fit_pattern(
-            garment, registered, target, base, fabric, body,
-            vertex_count=settings.vertex_count, deforming=deforming, locks=settings.locks, hooks=hooks,
-        )  # fmt: skip
+        return fit_pattern(garment, registered, target, base, fabric, stand, **options)
     except Cancelled:
         raise
     except (GarmentqError, np.linalg.LinAlgError) as error:
@@ -177,18 +175,18 @@ def refit(
 
 
 def drape_to_scan(
-    base: Pattern, body: Body, target: Target, settings: RecoverySettings, clock: Clock
+    base: Pattern, stand: Stand, target: Target, settings: RecoverySettings, clock: Clock
 ) -> tuple[Garment, Drape, list[str]]:
     """Dress the wearer in a base pattern, grade it to the target and drape what was graded.
 
     Returns:
         The graded garment at rest, its drape, and what the user should know.
     """
+    body = stand.body
     kept = kept_drape(clock.hooks, base, settings.vertex_count, body)
     if kept is not None:
         return kept
     with clock.stage("template", "dressing the body in the template") as inner:
-        stand = Stand.of(body)
         worn = drape_template(base, stand, target, hooks=inner)
     with clock.stage("grade", "grading the pattern to the scan") as inner:
         grading = grade_pattern(worn, target, body, hooks=inner)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -73,7 +73,7 @@ def drape_as_scanned(
     rest = miss(garment, target)
     if rest <= motion.missed:
         return garment, drape
-    quiet, found = replace(hooks, on_progress=_quiet), []
+    quiet, found = hooks.quiet(), []
     for rate in motion.rates:
         spin = spin_of(stand.body, rate)
         coarse = drape_graded(
@@ -114,7 +114,3 @@ def miss(garment: Garment, target: Target) -> float:
     ways = ((garment.nodes, target.vertices, target.faces), (target.vertices, garment.nodes, garment.faces))
     squares = [igl.point_mesh_squared_distance(points, nodes, faces)[0].mean() for points, nodes, faces in ways]
     return float(np.sqrt(max(squares)))
-
-
-def _quiet(stage: str, fraction: float, message: str) -> None:
-    """Keep the searched drapes out of the progress."""

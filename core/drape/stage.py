@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -45,28 +46,28 @@ class DrapeSettings:
 class Stand:
     """Hold a body with the distance grids that every drape on it needs.
 
+    Each grid takes about a second and is filled when it is first asked for.
+
     Attributes:
         body: The wearer.
-        rest: The same person in the T-pose.
-        grid: Distance to the wearer's own mesh in its pose.
-        rest_grid: Distance to `rest`.
     """
 
     body: Body
-    rest: Body
-    grid: DistanceGrid
-    rest_grid: DistanceGrid
 
-    @classmethod
-    def of(cls, body: Body) -> Stand:
-        """Fill the two distance grids of a body (about 2 s each)."""
-        rest = rest_body(body)
-        return cls(
-            body,
-            rest,
-            DistanceGrid.from_mesh(body.vertices, body.faces),
-            DistanceGrid.from_mesh(rest.vertices, rest.faces),
-        )
+    @cached_property
+    def rest(self) -> Body:
+        """Give the same person in the T-pose."""
+        return rest_body(self.body)
+
+    @cached_property
+    def grid(self) -> DistanceGrid:
+        """Give the distance to the wearer's own mesh in its pose."""
+        return DistanceGrid.from_mesh(self.body.vertices, self.body.faces)
+
+    @cached_property
+    def rest_grid(self) -> DistanceGrid:
+        """Give the distance to `rest`."""
+        return DistanceGrid.from_mesh(self.rest.vertices, self.rest.faces)
 
 
 def look_up(grid: DistanceGrid) -> Lookup:

@@ -200,17 +200,14 @@ class DescentProblem:
 
         The drape's part is pulled back through its equilibrium: one factor, one back-substitution.
         """
-        from ..simulate import AtRest, factor_blend, with_friction_frozen
+        from ..simulate import linearise_at
 
         weights = self.settings
         value, upstream = self.chamfer.evaluate(nodes)
         more, slope = self.contour.evaluate(nodes)
         value, upstream = value + weights.contour * more, upstream + weights.contour * slope
-        energy = with_friction_frozen(self.energy(variables), nodes, anchors)
-        blocks = energy.hessian(nodes)[2]
-        factor_blend(energy, self.solver, nodes, blocks, 1.0)
-        sensitivity = AtRest(energy, nodes, blocks, self.solver).pull(upstream)
-        gradient = self.parameters.pull(energy, sensitivity)
+        rest = linearise_at(self.energy(variables), nodes, anchors, self.solver)
+        gradient = self.parameters.pull(rest.energy, rest.pull(upstream))
         points, shape = self.points_of(variables), len(variables) - len(STIFFNESSES)
         unequal, by_seam, _ = self.seam.evaluate(points, self.seam.best_ratios(points))
         folded, by_panel = self.panel.evaluate(points)

@@ -6,19 +6,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..body import Body, DistanceGrid
 from ..deform import Deformation, DeformSettings, deform
-from ..drape import waist_loop
+from ..drape import Stand
 from ..grade import move_pattern
 from ..hooks import SILENT, Hooks
-from ..pattern import Garment, Pattern, mesh_pattern, resample
-from ..segment import Target, name_contours
+from ..pattern import Garment, Pattern, resample
+from ..segment import Target
 from ..simulate import Fabric, FabricEstimate
 from .isometry import fit_isometry
 from .locks import find_held, keep_held
 from .material import fit_bending, nearest_fabrics, posterior, state_density
 from .settings import ShapeSettings
 from .shape import ShapeFit, ShapeProblem, fit_shape
+from .stand import hold_waist, stand_pattern
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ def fit_pattern(
     target: Target,
     like: Pattern,
     fabric: Fabric,
-    body: Body,
+    stand: Stand,
     *,
     vertex_count: int | None = None,
     settings: ShapeSettings | None = None,
@@ -72,7 +72,7 @@ def fit_pattern(
         target: The scan's surface with named contours.
         like: The template: tells symmetry, proportions and gathered seams.
         fabric: The cloth.
-        body: The wearer.
+        stand: The wearer.
         vertex_count: Vertices of the recovered pattern's mesh, or None for as many as there are.
         settings: How to fit through the simulator.
         deforming: How to register again.
@@ -82,37 +82,25 @@ def fit_pattern(
     Raises:
         LockUnknown: where a lock names no panel of the pattern.
     """
-    from ..simulate import Hold, Topology, equilibrium, push_out
+    from ..simulate import Topology, equilibrium, push_out
 
     settings = settings or ShapeSettings()
     warnings = []
     held = find_held(garment.pattern, like, locks)
-    isometric = fit_isometry(garment, registered, target, body, like, hooks=hooks)
+    isometric = fit_isometry(garment, registered, target, stand.body, like, hooks=hooks)
     pattern = isometric.pattern
     if held.any():
         pattern = keep_held(pattern, garment.pattern, like, held)
-    # Meshed anew: triangles that moved along with so many points get thin in narrow corners.
-    refitted = mesh_pattern(pattern, vertex_count or len(registered))
+    refitted = stand_pattern(pattern, vertex_count or len(registered), isometric, isometric.nodes, stand.body)
     graded = resample(garment, garment.nodes, refitted)
-    placed = resample(isometric, isometric.nodes, refitted)
-    refitted = refitted.at(placed, name_contours(placed, refitted.faces, body)[0])
     hooks.progress("fit", 0.2, "registering again")
-    detail = deform(
-        refitted, target, body, settings=deforming or DeformSettings(), hooks=replace(hooks, on_progress=_quiet)
-    )
+    detail = deform(refitted, target, stand.body, settings=deforming or DeformSettings(), hooks=hooks.quiet())
     registered = detail.nodes
     refitted = refitted.at(registered)
-    hooks.progress("fit", 0.3, "distances to the body")
-    grid = DistanceGrid.from_mesh(body.vertices, body.faces)
-
-    def hold_waist(worn: Garment) -> Hold | None:
-        waist = waist_loop(worn)
-        return None if waist is None else Hold(waist, worn.nodes[waist])
-
-    coarse = mesh_pattern(refitted.pattern, min(settings.vertices, len(registered)))
-    nodes = resample(refitted, registered, coarse)
-    coarse = coarse.at(nodes, name_contours(nodes, coarse.faces, body)[0])
-    problem = ShapeProblem.of(coarse, like, fabric, grid, hold_waist(coarse), settings, held)
+    hooks.progress("fit", 0.3, "preparing the fit through the simulator")
+    count = min(settings.vertices, len(registered))
+    coarse = stand_pattern(refitted.pattern, count, refitted, registered, stand.body)
+    problem = ShapeProblem.of(coarse, like, fabric, stand.grid, hold_waist(coarse), settings, held)
     estimates: tuple[FabricEstimate, ...] = ()
     if "fabric" not in locks:
         fabric, bending = fit_bending(problem, hooks=hooks)
@@ -124,11 +112,11 @@ def fit_pattern(
     recovered = move_pattern(refitted, shape.pattern)
     hooks.progress("fit", 0.9, "draping the recovered pattern")
     drape = equilibrium(
-        Topology.from_garment(recovered), fabric, registered, grid=grid, hold=hold_waist(recovered), hooks=hooks
+        Topology.from_garment(recovered), fabric, registered, grid=stand.grid, hold=hold_waist(recovered), hooks=hooks
     )
     if not drape.converged:
         warnings.append(f"the simulation mesh is {drape.message}")
-    simulation = push_out(drape.nodes, body, recovered.faces)
+    simulation = push_out(drape.nodes, stand.body, recovered.faces)
     return PatternFit(
         recovered,
         graded,
@@ -141,7 +129,3 @@ def fit_pattern(
         point_std,
         tuple(warnings),
     )
-
-
-def _quiet(stage: str, fraction: float, message: str) -> None:
-    """Keep the second registration's progress out of the fit's."""

@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..body import Body, DistanceGrid
-from ..drape import tie_contour, waist_loop
+from ..drape import Stand
 from ..hooks import SILENT, Hooks
-from ..pattern import Garment, Pattern, mesh_pattern, resample
-from ..segment import Target, name_contours
+from ..pattern import Garment, Pattern, resample
+from ..segment import Target
 from ..simulate import Fabric, FabricEstimate
 from .descent import Descent, DescentProblem, InverseSettings, descend
 from .locks import find_held
 from .losses.range import STIFFNESSES
 from .material import nearest_fabrics, ratio_prior, state_density
 from .settings import MaterialSettings
-
-if TYPE_CHECKING:
-    from ..simulate import Hold
+from .stand import hold_waist, stand_pattern
 
 
 @dataclass(frozen=True)
@@ -53,7 +49,7 @@ def fit_inverse(
     target: Target,
     like: Pattern,
     fabric: Fabric,
-    body: Body,
+    stand: Stand,
     *,
     vertex_count: int | None = None,
     settings: InverseSettings | None = None,
@@ -67,7 +63,7 @@ def fit_inverse(
         target: The scan's surface with named contours.
         like: The template: tells symmetry, which seams are gathered and which corners are to stay.
         fabric: The cloth to begin with.
-        body: The wearer.
+        stand: The wearer.
         vertex_count: Vertices of the recovered pattern's mesh, or None for as many as there are.
         settings: Weights and steps.
         locks: What stays as it is given: `fabric`, `panel:NAME` (and its mirror image).
@@ -80,22 +76,21 @@ def fit_inverse(
 
     settings = settings or InverseSettings()
     held = find_held(garment.pattern, like, locks)
-    hooks.progress("fit", 0.0, "distances to the body")
-    grid = DistanceGrid.from_mesh(body.vertices, body.faces)
-    coarse = _stand(garment, garment.nodes, garment.pattern, min(settings.vertices, len(garment.nodes)), body)
-    hold = _hold_waist(coarse, target)
-    problem = DescentProblem.of(coarse, target, like, fabric, grid, hold, settings, held)
+    count = min(settings.vertices, len(garment.nodes))
+    coarse = stand_pattern(garment.pattern, count, garment, garment.nodes, stand.body)
+    hold = hold_waist(coarse, target)
+    problem = DescentProblem.of(coarse, target, like, fabric, stand.grid, hold, settings, held)
     fit_fabric = "fabric" not in locks and settings.fabric_iterations > 0
     descent = descend(problem, hooks, fit_fabric)
     hooks.progress("fit", 0.9, "draping the recovered pattern")
     count = vertex_count or len(garment.nodes)
-    fine = _stand(coarse, descent.best_nodes, problem.pattern_of(descent.best), count, body)
+    fine = stand_pattern(problem.pattern_of(descent.best), count, coarse, descent.best_nodes, stand.body)
     found = problem.fabric_of(descent.best) if fit_fabric else fabric
     drape = equilibrium(
-        Topology.from_garment(fine), found, fine.nodes, grid=grid, hold=_hold_waist(fine, target), hooks=hooks
+        Topology.from_garment(fine), found, fine.nodes, grid=stand.grid, hold=hold_waist(fine, target), hooks=hooks
     )
     warnings = () if drape.converged else (f"the simulation mesh is {drape.message}",)
-    simulation = push_out(drape.nodes, body, fine.faces)
+    simulation = push_out(drape.nodes, stand.body, fine.faces)
     return InverseFit(
         garment=fine.at(simulation),
         graded=resample(garment, garment.nodes, fine),
@@ -106,24 +101,6 @@ def fit_inverse(
         nearest=nearest_fabrics(found),
         warnings=warnings,
     )
-
-
-def _stand(garment: Garment, nodes: np.ndarray, pattern: Pattern, count: int, body: Body) -> Garment:
-    """Mesh a pattern and stand it where another mesh of it stands, contours named."""
-    mesh = mesh_pattern(pattern, count)
-    placed = resample(garment, nodes, mesh)
-    return mesh.at(placed, name_contours(placed, mesh.faces, body)[0])
-
-
-def _hold_waist(garment: Garment, target: Target) -> Hold | None:
-    """Hold what hangs from the waist by the target's waist; None for what hangs from the shoulders."""
-    from ..simulate import Hold
-
-    waist, wanted = waist_loop(garment), target.contour("waist")
-    if waist is None:
-        return None
-    points = garment.nodes[waist]
-    return Hold(waist, points if wanted is None else tie_contour(points, target.vertices[wanted.vertices]))
 
 
 def _state_fabric(fabric: Fabric) -> tuple[FabricEstimate, ...]:

@@ -131,15 +131,13 @@ def posterior(
     Returns:
         Standard deviation of each control point [m], shape [point_count, 2], and an estimate of each stiffness.
     """
-    from ..simulate import AtRest, Parameters, factor_blend, with_friction_frozen
+    from ..simulate import AtRest, Parameters, linearise_at
 
     settings = settings or MaterialSettings()
     names = (*MEMBRANE, "k")
     parameters: Parameters = replace(problem.parameters, fabric=names)
-    energy = with_friction_frozen(problem.energy(pattern), drape.nodes, drape.anchors)
-    blocks = energy.hessian(drape.nodes)[2]
-    factor_blend(energy, problem.solver, drape.nodes, blocks, 1.0)
-    moves = AtRest(energy, drape.nodes, blocks, problem.solver).push(*parameters.rates(energy))
+    rest: AtRest = linearise_at(problem.energy(pattern), drape.nodes, drape.anchors, problem.solver)
+    moves = rest.push(*parameters.rates(rest.energy))
     shape_count = parameters.count - len(names)
     spreads = np.array([ratio_prior(name, settings)[1] for name in names])
     variance = np.concatenate([np.full(shape_count, problem.settings.spread**2), spreads**2])

@@ -144,16 +144,12 @@ class ShapeProblem:
     def linearise(self, pattern: Pattern, drape: Drape) -> tuple[np.ndarray, np.ndarray]:
         """Give gradient, shape [p], and Gauss-Newton matrix, shape [p, p], of the loss by the parameters.
 
-        The implicit derivative with as much of the exact Hessian as is positive definite: all of it where the cloth is
-        at rest. Where it is not quite, the direction is still one of descent, and only steps that gain are taken.
+        The implicit derivative as `linearise_at` takes it; only steps that gain are taken.
         """
-        from ..simulate import AtRest, factor_blend, with_friction_frozen
+        from ..simulate import linearise_at
 
-        energy = with_friction_frozen(self.energy(pattern), drape.nodes, drape.anchors)
-        blocks = energy.hessian(drape.nodes)[2]
-        factor_blend(energy, self.solver, drape.nodes, blocks, 1.0)
-        rest: AtRest = AtRest(energy, drape.nodes, blocks, self.solver)
-        moves = rest.push(self.parameters.rates(energy)[0])
+        rest: AtRest = linearise_at(self.energy(pattern), drape.nodes, drape.anchors, self.solver)
+        moves = rest.push(self.parameters.rates(rest.energy)[0])
         gradient = np.tensordot(moves, self.loss.gradient(drape.nodes), axes=((0, 1), (0, 1)))
         return gradient, self.loss.curvature(moves)
 

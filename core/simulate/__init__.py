@@ -10,7 +10,7 @@ from .fabrics import FabricUnknown, get_fabric, load_fabrics
 from .settings import GRAVITY, SimulateSettings, SimulateSettingsBad
 
 if TYPE_CHECKING:
-    from .derivative import AtRest, Derivative, Implicit, NotAtRest, Response, with_friction_frozen
+    from .derivative import AtRest, Derivative, Implicit, NotAtRest, Response, linearise_at, with_friction_frozen
     from .dynamics import State, settle
     from .energy import Energy, Inertia, Spin
     from .friction import Friction
@@ -51,6 +51,7 @@ _LAZY = {
     "equilibrium": "statics",
     "fabric_forces": "sensitivity",
     "factor_blend": "newton",
+    "linearise_at": "derivative",
     "list_gathers": "parameters",
     "make_solver": "solver",
     "map_rest": "parameters",
@@ -97,6 +98,7 @@ __all__ = [
     "fabric_forces",
     "factor_blend",
     "get_fabric",
+    "linearise_at",
     "list_gathers",
     "load_fabrics",
     "make_solver",

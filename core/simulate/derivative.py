@@ -122,6 +122,18 @@ class AtRest:
         return -self.solver.solve(forces.reshape(forces.shape[0] * 3, -1)).reshape(forces.shape)
 
 
+def linearise_at(energy: Energy, nodes: np.ndarray, anchors: np.ndarray, solver: Solver) -> AtRest:
+    """Take the derivative where a drape stopped, at nodes and anchors [m], shape [node_count, 3], without settling it.
+
+    As much of the exact Hessian is factored as is positive definite: all of it where the cloth is at rest. Where it is
+    not quite, what a loss is pulled back to is still a direction of descent.
+    """
+    energy = with_friction_frozen(energy, nodes, anchors)
+    blocks = energy.hessian(nodes)[2]
+    factor_blend(energy, solver, nodes, blocks, 1.0)
+    return AtRest(energy, nodes, blocks, solver)
+
+
 def come_to_rest(energy: Energy, nodes: np.ndarray, solver: Solver, tolerance: float, max_iterations: int) -> AtRest:
     """Find where no force is left, from nodes near it [m], and factor the exact Hessian there.
 

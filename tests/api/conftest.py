@@ -5,10 +5,10 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-sys.path[:0] = [str(Path(__file__).parents[1] / "standin"), str(Path(__file__).parent)]
+sys.path.insert(0, str(Path(__file__).parent))
 
-from api_client import address, client  # noqa: E402, F401
-from garmentq_home import (  # noqa: E402, F401
+from api_client import address, client  # noqa: F401
+from garmentq_home import (  # noqa: F401
     blank_database,
     cli,
     database,

@@ -4,44 +4,21 @@ import igl
 import numpy as np
 import pytest
 import trimesh
+from everyday_body import everyday_body
 from garmentq.core.body import JOINTS, Body, NotHuman, builtin_body, register_body, rest_body, skin
 from garmentq.core.body.fit import Fitter, Stage, State, Surface, vertex_normals
 from garmentq.core.body.registration import RegistrationSettings
-from garmentq.core.body.template import articulate, load_template, rotations_of, transforms_of
+from garmentq.core.body.template import load_template, rotations_of
 from garmentq.core.errors import Cancelled
 from garmentq.core.hooks import Hooks
 
 TEMPLATE = load_template()
 
 
-def everyday_body(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """Give a random body in a random everyday pose, place and heading: other triangles, 2 mm noise, joints, heading."""
-    rng = np.random.default_rng(seed)
-    gender = ("female", "male")[seed % 2]
-    root = np.linalg.cholesky(TEMPLATE.covariances[gender] + 1e-9 * np.eye(60))
-    rest, joints = TEMPLATE.shaped(TEMPLATE.means[gender] + 0.8 * root @ rng.standard_normal(60))
-    angles = np.zeros((24, 3))
-    drop, stride, heading = rng.uniform(-0.2, 1.3), rng.uniform(-0.5, 0.5), rng.uniform(0, 2 * np.pi)
-    angles[0] = (0, heading, 0)
-    for side, sign in (("left", -1), ("right", 1)):
-        shoulder = (rng.normal(0, 0.2), sign * rng.uniform(-0.2, 0.7), sign * (drop + rng.normal(0, 0.15)))
-        angles[JOINTS.index(f"{side}_shoulder")] = shoulder
-        angles[JOINTS.index(f"{side}_elbow")] = (0, sign * rng.uniform(0, 1.3), 0)
-        angles[JOINTS.index(f"{side}_hip")] = (sign * stride, rng.normal(0, 0.1), -sign * rng.uniform(0, 0.15))
-        angles[JOINTS.index(f"{side}_knee")] = (rng.uniform(0, 0.5), 0, 0)
-    for name in ("spine1", "spine2", "spine3", "neck", "head"):
-        angles[JOINTS.index(name)] = rng.normal(0, 0.08, 3)
-    world, posed = articulate(rotations_of(angles), joints, rng.uniform(-1, 1, 3))
-    skinned = skin(rest, TEMPLATE.weights, transforms_of(world, posed, joints))
-    finer = trimesh.Trimesh(skinned, TEMPLATE.faces, process=False).subdivide()
-    vertices, faces, *_ = igl.qslim(np.asfortranarray(finer.vertices), np.asfortranarray(finer.faces, np.int32), 12000)
-    return vertices + rng.normal(0, 0.002, vertices.shape), faces, posed, heading
-
-
 @pytest.fixture(scope="module")
 def registered() -> tuple[Body, np.ndarray, np.ndarray, np.ndarray, float]:
     """Register one everyday body for all tests that only look at the outcome."""
-    vertices, faces, joints, heading = everyday_body(3)
+    vertices, faces, joints, heading = everyday_body(TEMPLATE, 3)
     return register_body(vertices, faces, name="someone"), vertices, faces, joints, heading
 
 

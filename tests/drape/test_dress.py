@@ -28,7 +28,7 @@ CONTOURS = {
 @cache
 def stand(pose: str) -> Stand:
     """Give the built-in body in a pose with its distance grids."""
-    return Stand.of(builtin_body(f"builtin:female,height=1.70,pose={pose}"))
+    return Stand(builtin_body(f"builtin:female,height=1.70,pose={pose}"))
 
 
 @pytest.mark.slow

@@ -24,7 +24,7 @@ COUNT = 250
 @pytest.fixture(scope="module")
 def worn():
     """A skirt flared to nearly a circle on a woman: stand, mesh and fabric."""
-    stand = Stand.of(builtin_body("builtin:female,height=1.70"))
+    stand = Stand(builtin_body("builtin:female,height=1.70"))
     straight = load_template("skirt")
     down = (straight.points[:, 1].max() - straight.points[:, 1]) / np.ptp(straight.points[:, 1])
     wide = straight.points * np.stack([1.0 + 1.2 * down, np.full(len(down), 0.7)], axis=1)

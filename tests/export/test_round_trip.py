@@ -21,7 +21,7 @@ FABRIC = get_fabric("cotton_poplin")
 
 @pytest.fixture(scope="module")
 def stand() -> Stand:
-    return Stand.of(builtin_body("builtin:female,height=1.70"))
+    return Stand(builtin_body("builtin:female,height=1.70"))
 
 
 @pytest.fixture(scope="module")

@@ -191,7 +191,7 @@ def test_locks_are_honoured(scene: Scene) -> None:
 def test_the_whole_method_on_a_body() -> None:
     """Breaks where the recovered pattern is not draped, meshed or held, or its drape comes no nearer."""
     template = load_template("skirt")
-    stand = Stand.of(builtin_body("builtin:female,height=1.70"))
+    stand = Stand(builtin_body("builtin:female,height=1.70"))
     fabric = get_fabric("cotton_poplin")
     worn = drape_template(template, stand, settings=DrapeSettings(template_vertices=300))
     waist = waist_loop(worn)
@@ -214,7 +214,7 @@ def test_the_whole_method_on_a_body() -> None:
         contour=0.5,
         simulate=SimulateSettings(max_iterations=8),
     )
-    found = fit_inverse(worn, target, template, fabric, stand.body, vertex_count=300, settings=settings)
+    found = fit_inverse(worn, target, template, fabric, stand, vertex_count=300, settings=settings)
     assert found.simulation.shape == found.graded.shape == found.garment.nodes.shape
     assert {contour.name for contour in found.garment.contours} == {"waist", "hem"}
     surface = Surface(target.vertices, target.faces)

@@ -2,13 +2,7 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "standin"))
-
 from garmentq_home import (  # noqa: F401
     DATABASES,
     blank_database,

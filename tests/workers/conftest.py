@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "standin"))
-
 from garmentq_home import (  # noqa: F401
     blank_database,
     cli,

@@ -1,0 +1,42 @@
+"""The lines of a bench: a failure is told in its line, and a line is on the disk as soon as it is known."""
+
+from __future__ import annotations
+
+import json
+import time
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from ..core.errors import GarmentqError
+
+Line = dict[str, Any]
+
+
+@contextmanager
+def keep_failure(line: Line) -> Iterator[None]:
+    """Run what fills a line; note its CPU seconds, and a failure, which must not hide the other lines, in it."""
+    started = time.process_time()
+    try:
+        yield
+    except GarmentqError as error:
+        line["error"] = {"code": error.code, "message": error.message}
+    except Exception as error:  # a bug: its traceback goes to the log
+        traceback.print_exc()
+        line["error"] = {"code": "bench.exception", "message": f"{type(error).__name__}: {error}"}
+    if line["cpu_seconds"] is None:
+        line["cpu_seconds"] = time.process_time() - started
+
+
+@contextmanager
+def append_lines(path: Path) -> Iterator[Callable[[Line], None]]:
+    """Give what appends a line to a file of lines of JSON and brings it to the disk."""
+    with path.open("a", encoding="utf-8") as out:
+
+        def write(line: Line) -> None:
+            out.write(json.dumps(line, allow_nan=False) + "\n")
+            out.flush()
+
+        yield write
