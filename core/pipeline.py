@@ -93,11 +93,13 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     simulation: np.ndarray | None = None
     fitted: PatternFit | InverseFit | None = None
     graded = garment.nodes
+    # cloth in motion tells nothing of its fabric
+    locks = settings.locks if drape.spin is None else (*settings.locks, "fabric")
     if settings.method == "inverse":
         with clock.stage("fit", "descending through the simulator") as inner:
             fitted = fit_inverse(
                 garment, target, base, fabric, stand,
-                vertex_count=settings.vertex_count, locks=settings.locks, hooks=inner,
+                vertex_count=settings.vertex_count, locks=locks, spin=drape.spin, hooks=inner,
             )  # fmt: skip
         fabric, garment, graded, simulation = fitted.fabric, fitted.garment, fitted.graded, fitted.simulation
         warnings += fitted.warnings
@@ -108,11 +110,9 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     garment = garment.at(graded)
     if settings.method == "hybrid":
         with clock.stage("fit", "fitting the pattern through the simulator") as inner:
-            # cloth in motion tells nothing of its fabric
-            locks = settings.locks if drape.spin is None else (*settings.locks, "fabric")
             found = refit(
                 garment, detail.nodes, target, base, fabric, stand,
-                vertex_count=settings.vertex_count, deforming=preset, locks=locks, hooks=inner,
+                vertex_count=settings.vertex_count, deforming=preset, locks=locks, spin=drape.spin, hooks=inner,
             )  # fmt: skip
         if isinstance(found, PatternFit):
             fitted, fabric, detail = found, found.fabric, found.detail
@@ -125,7 +125,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     if fitted is not None:
         known = measure_knowledge(fitted.estimates, getattr(fitted, "point_std", None))
         with clock.stage("redrape", "dressing the body in the recovered pattern") as inner:
-            redraped, again = redrape(garment, stand, fabric, target, hooks=inner)
+            redraped, again = redrape(garment, stand, fabric, target, spin=drape.spin, hooks=inner)
         if not again.converged:
             warnings.append(f"the re-draped mesh is {again.message}")
         known |= {"redrape.residual": again.residual, "redrape.iterations": float(again.iterations)}

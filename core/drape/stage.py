@@ -219,6 +219,7 @@ def redrape(
     fabric: Fabric,
     target: Target,
     *,
+    spin: Spin | None = None,
     settings: DrapeSettings = DrapeSettings(),
     hooks: Hooks = SILENT,
 ) -> tuple[np.ndarray, Drape]:
@@ -232,6 +233,7 @@ def redrape(
         stand: The wearer.
         fabric: The cloth.
         target: Where its waist, if any, holds the garment's.
+        spin: The rotation in which the wearer turns, or None for cloth under its weight alone.
         settings: Steps.
         hooks: Progress and cancellation.
 
@@ -239,5 +241,5 @@ def redrape(
         Nodes at rest [m], shape [node_count, 3], outside the wearer's exact mesh, and the drape with its residual.
     """
     worn = drape_template(garment.pattern, stand, target, settings=settings, hooks=hooks)
-    draped, drape = drape_graded(worn, stand, fabric, target, mesh=garment, settings=settings, hooks=hooks)
+    draped, drape = drape_graded(worn, stand, fabric, target, mesh=garment, spin=spin, settings=settings, hooks=hooks)
     return draped.nodes, drape

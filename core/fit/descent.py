@@ -19,7 +19,7 @@ from .losses import ChamferLoss, ContourLoss, PanelLoss, RangeLoss, SeamLoss
 from .losses.range import STIFFNESSES, logarithms
 
 if TYPE_CHECKING:
-    from ..simulate import Energy, Hold, Parameters, Solver, Topology
+    from ..simulate import Energy, Hold, Parameters, Solver, Spin, Topology
 
 _LEAST = 0.05
 """Share of its area below which a flat triangle forbids a step: the simulator needs triangles that have some."""
@@ -84,6 +84,7 @@ class DescentProblem:
         chamfer, contour, seam, panel, material: The losses.
         settings: Their weights and the steps.
         held: Which effective coordinates are locked, shape [shape_count].
+        spin: The rotation in which the cloth rests, or None.
     """
 
     garment: Garment
@@ -102,6 +103,7 @@ class DescentProblem:
     material: RangeLoss
     settings: InverseSettings
     held: np.ndarray
+    spin: Spin | None
 
     @classmethod
     def of(
@@ -114,6 +116,7 @@ class DescentProblem:
         hold: Hold | None,
         settings: InverseSettings,
         held: np.ndarray | None = None,
+        spin: Spin | None = None,
     ) -> DescentProblem:
         """Prepare the descent from a garment at rest towards a target."""
         from ..simulate import Parameters, Topology, make_solver
@@ -137,6 +140,7 @@ class DescentProblem:
             material=RangeLoss.of(fabric),
             settings=settings,
             held=np.zeros(symmetry.matrix.shape[1], dtype=bool) if held is None else held,
+            spin=spin,
         )
 
     @property
@@ -170,7 +174,9 @@ class DescentProblem:
         """Give the energy of the cloth; friction is not in it."""
         from ..simulate import Energy
 
-        energy = Energy(self.topology, self.fabric, self.grid, self.hold, settings=self.settings.simulate)
+        energy = Energy(
+            self.topology, self.fabric, self.grid, self.hold, settings=self.settings.simulate, spin=self.spin
+        )
         return self.parameters.move(energy, variables - self.start)
 
     def drape(
@@ -190,6 +196,7 @@ class DescentProblem:
             hooks=hooks,
             anchors=anchors,
             solver=self.solver,
+            spin=self.spin,
         )
         return drape.nodes, drape.anchors
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +20,9 @@ from .material import fit_bending, nearest_fabrics, posterior, state_density
 from .settings import ShapeSettings
 from .shape import ShapeFit, ShapeProblem, fit_shape
 from .stand import hold_waist, stand_pattern
+
+if TYPE_CHECKING:
+    from ..simulate import Spin
 
 
 @dataclass(frozen=True)
@@ -62,6 +66,7 @@ def fit_pattern(
     settings: ShapeSettings | None = None,
     deforming: DeformSettings | None = None,
     locks: tuple[str, ...] = (),
+    spin: Spin | None = None,
     hooks: Hooks = SILENT,
 ) -> PatternFit:
     """Recover the pattern of a registered garment and drape it.
@@ -77,6 +82,7 @@ def fit_pattern(
         settings: How to fit through the simulator.
         deforming: How to register again.
         locks: What stays as it is given: `fabric`, `panel:NAME` (and its mirror image).
+        spin: The rotation in which the cloth was scanned, or None for cloth at rest.
         hooks: Progress, cancellation and checkpoints.
 
     Raises:
@@ -100,7 +106,7 @@ def fit_pattern(
     hooks.progress("fit", 0.3, "preparing the fit through the simulator")
     count = min(settings.vertices, len(registered))
     coarse = stand_pattern(refitted.pattern, count, refitted, registered, stand.body)
-    problem = ShapeProblem.of(coarse, like, fabric, stand.grid, hold_waist(coarse), settings, held)
+    problem = ShapeProblem.of(coarse, like, fabric, stand.grid, hold_waist(coarse), settings, held, spin)
     estimates: tuple[FabricEstimate, ...] = ()
     if "fabric" not in locks:
         fabric, bending = fit_bending(problem, hooks=hooks)
@@ -112,8 +118,9 @@ def fit_pattern(
     recovered = move_pattern(refitted, shape.pattern)
     hooks.progress("fit", 0.9, "draping the recovered pattern")
     drape = equilibrium(
-        Topology.from_garment(recovered), fabric, registered, grid=stand.grid, hold=hold_waist(recovered), hooks=hooks
-    )
+        Topology.from_garment(recovered), fabric, registered,
+        grid=stand.grid, hold=hold_waist(recovered), spin=spin, hooks=hooks,
+    )  # fmt: skip
     if not drape.converged:
         warnings.append(f"the simulation mesh is {drape.message}")
     simulation = push_out(drape.nodes, stand.body, recovered.faces)

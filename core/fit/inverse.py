@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +18,9 @@ from .losses.range import STIFFNESSES
 from .material import nearest_fabrics, ratio_prior, state_density
 from .settings import MaterialSettings
 from .stand import hold_waist, stand_pattern
+
+if TYPE_CHECKING:
+    from ..simulate import Spin
 
 
 @dataclass(frozen=True)
@@ -54,6 +58,7 @@ def fit_inverse(
     vertex_count: int | None = None,
     settings: InverseSettings | None = None,
     locks: tuple[str, ...] = (),
+    spin: Spin | None = None,
     hooks: Hooks = SILENT,
 ) -> InverseFit:
     """Recover a pattern as the thesis does: descend through the simulator from the graded pattern's drape.
@@ -67,6 +72,7 @@ def fit_inverse(
         vertex_count: Vertices of the recovered pattern's mesh, or None for as many as there are.
         settings: Weights and steps.
         locks: What stays as it is given: `fabric`, `panel:NAME` (and its mirror image).
+        spin: The rotation in which the cloth was scanned, or None for cloth at rest.
         hooks: Progress, cancellation and checkpoints.
 
     Raises:
@@ -79,7 +85,7 @@ def fit_inverse(
     count = min(settings.vertices, len(garment.nodes))
     coarse = stand_pattern(garment.pattern, count, garment, garment.nodes, stand.body)
     hold = hold_waist(coarse, target)
-    problem = DescentProblem.of(coarse, target, like, fabric, stand.grid, hold, settings, held)
+    problem = DescentProblem.of(coarse, target, like, fabric, stand.grid, hold, settings, held, spin)
     fit_fabric = "fabric" not in locks and settings.fabric_iterations > 0
     descent = descend(problem, hooks, fit_fabric)
     hooks.progress("fit", 0.9, "draping the recovered pattern")
@@ -87,8 +93,9 @@ def fit_inverse(
     fine = stand_pattern(problem.pattern_of(descent.best), count, coarse, descent.best_nodes, stand.body)
     found = problem.fabric_of(descent.best) if fit_fabric else fabric
     drape = equilibrium(
-        Topology.from_garment(fine), found, fine.nodes, grid=stand.grid, hold=hold_waist(fine, target), hooks=hooks
-    )
+        Topology.from_garment(fine), found, fine.nodes,
+        grid=stand.grid, hold=hold_waist(fine, target), spin=spin, hooks=hooks,
+    )  # fmt: skip
     warnings = () if drape.converged else (f"the simulation mesh is {drape.message}",)
     simulation = push_out(drape.nodes, stand.body, fine.faces)
     return InverseFit(

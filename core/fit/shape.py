@@ -26,7 +26,7 @@ from .losses import RegisteredLoss
 from .settings import ShapeSettings
 
 if TYPE_CHECKING:
-    from ..simulate import AtRest, Drape, Energy, Hold, Parameters, Solver, Topology
+    from ..simulate import AtRest, Drape, Energy, Hold, Parameters, Solver, Spin, Topology
 
 _DEPENDENT = 1e-6
 """Singular value, relative to the largest, below which a seam's row follows from others (a chain that closes)."""
@@ -68,6 +68,7 @@ class ShapeProblem:
         loss: The misfit.
         settings: How.
         held: Which effective coordinates are locked, shape [p]; None where none is.
+        spin: The rotation in which the cloth rests, or None.
     """
 
     garment: Garment
@@ -82,6 +83,7 @@ class ShapeProblem:
     loss: RegisteredLoss
     settings: ShapeSettings
     held: np.ndarray | None = None
+    spin: Spin | None = None
 
     @classmethod
     def of(
@@ -93,6 +95,7 @@ class ShapeProblem:
         hold: Hold | None,
         settings: ShapeSettings,
         held: np.ndarray | None = None,
+        spin: Spin | None = None,
     ) -> ShapeProblem:
         """Prepare the fit of a garment that stands on the target, contours named."""
         from ..simulate import Parameters, Topology, make_solver
@@ -112,6 +115,7 @@ class ShapeProblem:
             loss=RegisteredLoss.of(garment, settings.slide),
             settings=settings,
             held=held,
+            spin=spin,
         )
 
     def effective(self, pattern: Pattern) -> np.ndarray:
@@ -122,7 +126,9 @@ class ShapeProblem:
         """Give the energy of the cloth that was cut by a pattern; friction is not in it."""
         from ..simulate import Energy
 
-        energy = Energy(self.topology, self.fabric, self.grid, self.hold, settings=self.settings.simulate)
+        energy = Energy(
+            self.topology, self.fabric, self.grid, self.hold, settings=self.settings.simulate, spin=self.spin
+        )
         return self.parameters.move(energy, self.effective(pattern) - self.effective(self.garment.pattern))
 
     def drape(self, pattern: Pattern, nodes: np.ndarray, hooks: Hooks = SILENT) -> Drape:
@@ -139,6 +145,7 @@ class ShapeProblem:
             hooks=hooks,
             anchors=self.garment.nodes,
             solver=self.solver,
+            spin=self.spin,
         )
 
     def linearise(self, pattern: Pattern, drape: Drape) -> tuple[np.ndarray, np.ndarray]:

@@ -46,6 +46,7 @@ from garmentq.core.simulate import (
     Hold,
     Implicit,
     SimulateSettings,
+    Spin,
     Topology,
     equilibrium,
     get_fabric,
@@ -133,6 +134,25 @@ def test_gradient_by_the_control_points(scene: Scene) -> None:
         ends = [implicit.solve(problem.parameters.move(frozen, s * way), at.nodes).nodes for s in (1.0, -1.0)]
         change = 0.5 * (problem.loss.value(ends[0]) - problem.loss.value(ends[1]))
         assert float(gradient @ way) == pytest.approx(change, rel=1e-3)
+
+
+def test_cloth_in_motion_is_fitted_in_motion(scene: Scene) -> None:
+    """Breaks if the fit forgets the rotation in which the cloth was scanned: the pattern would answer for the swing."""
+    spin = Spin(10.0, tuple(float(value) for value in scene.body.joint("pelvis")))
+    turned = equilibrium(
+        Topology.from_garment(scene.worn), scene.fabric, scene.worn.nodes,
+        grid=scene.grid, hold=scene.hold, spin=spin, settings=FINE,
+    )  # fmt: skip
+    at = scene.worn.at(turned.nodes)
+    misfits = []
+    for rotation in (spin, None):
+        problem = ShapeProblem.of(
+            at, scene.template, scene.fabric, scene.grid, scene.hold, ShapeSettings(), spin=rotation
+        )
+        drape = problem.drape(scene.template, turned.nodes)
+        misfits.append(np.sqrt(2.0 * problem.loss.value(drape.nodes)))
+    assert misfits[0] < 1e-3 < 1e-2 < misfits[1]
+    assert np.linalg.norm(turned.nodes - scene.worn.nodes, axis=1).max() > 0.02
 
 
 def test_isometry_finds_a_larger_pattern(scene: Scene) -> None:
