@@ -2,7 +2,7 @@
 
 from .category import choose_category
 from .contours import name_contours
-from .garment import NoContour, segment_garment
+from .garment import NoContour, PartMissing, segment_garment
 from .inspect import Inspection, inspect_file
 from .loop import find_loops, resample_loop, smooth_loop, smoothed_length
 from .noise import flatten_spikes, smooth_noise
@@ -14,6 +14,7 @@ __all__ = [
     "Contour",
     "Inspection",
     "NoContour",
+    "PartMissing",
     "Target",
     "choose_category",
     "find_loops",

@@ -11,13 +11,25 @@ from .category import choose_category
 from .contours import name_contours
 from .loop import smoothed_length
 from .noise import flatten_spikes, smooth_noise
-from .target import Target
+from .target import Contour, Target
 
 
 class NoContour(BadInput):
     """The garment has no open contour around the body; give one open surface (no thickness), worn by the given body."""
 
     code = "segment.no_contour"
+
+
+class PartMissing(BadInput):
+    """The garment's openings do not make a garment; give all of it, its front closed, as worn by the given body."""
+
+    code = "segment.part_missing"
+
+
+LOWER = ("hem", "leg.left", "leg.right")
+"""Contours below which the body comes out of a garment; every garment has one."""
+ARMS = ("cuff", "armhole")
+"""Stems of the contours through which an arm comes out."""
 
 
 def segment_garment(scan: Scan, body: Body) -> Target:
@@ -28,6 +40,7 @@ def segment_garment(scan: Scan, body: Body) -> Target:
 
     Raises:
         NoContour: where no open boundary encircles a bone.
+        PartMissing: where the openings found are not those of a whole garment on this body.
     """
     contours, holes = name_contours(scan.vertices, scan.faces, body, scan.unseen, scanned=True)
     if not contours:
@@ -35,6 +48,7 @@ def segment_garment(scan: Scan, body: Body) -> Target:
         raise NoContour(
             f"{scan.name} has no open contour: {found}; give one open surface (no thickness), worn by the given body."
         )
+    check_parts(contours, scan.name)
     vertices, spikes = flatten_spikes(scan.vertices, scan.faces)
     vertices, noise = smooth_noise(vertices, scan.faces)
     if noise > 0.0 or spikes.any():
@@ -47,3 +61,24 @@ def segment_garment(scan: Scan, body: Body) -> Target:
         holes=holes,
         category=choose_category(contours, scan.vertices, body),
     )
+
+
+def check_parts(contours: tuple[Contour, ...], name: str) -> None:
+    """Refuse openings that no worn garment has: a body that goes in comes out below, and above or at both arms.
+
+    So half a shirt, a garment upside down or beside its body, and an open front (hem and neckline are one boundary) end
+    in a clear line and not in a pattern of something else. One contour may be missing on a whole garment (a neckline
+    under a closed hood), so nothing more is asked.
+
+    Raises:
+        PartMissing: where nothing is open below or nothing above.
+    """
+    found = {contour.name for contour in contours}
+    above = found & {"neck", "waist"} or all(found & {f"{arm}.{side}" for arm in ARMS} for side in ("left", "right"))
+    missing = [where for where, there in (("below", found & set(LOWER)), ("above", above)) if not there]
+    if missing:
+        raise PartMissing(
+            f"{name} is no whole garment on this body: of its openings only {', '.join(sorted(found))} could be named, "
+            f"none {' and none '.join(missing)}; give all of the garment, upright, its front closed, in its place on "
+            "the body."
+        )
