@@ -31,11 +31,11 @@ SMALLEST = 0.12
 BRIDGED = 0.3
 """Largest share of a trusted contour that was bridged; beyond it the chords shape it more than the cloth does."""
 
-TEETH = np.radians(22.0)
-"""Median angle between successive edges of a contour from which it has teeth: the border of a mesh cut along its
-triangles. 35 designed contours had 2 to 18 degrees, 12 of 15 cut hems 25 to 52 (a mesh whose rows run along the cut has
-none)."""
-SMOOTH = np.radians(20.0)
+TEETH = np.radians(17.0)
+"""Median angle between successive edges of a contour, beyond the full turn that its edges share anyhow, from which it
+has teeth: the border of a mesh cut along its triangles. 35 designed contours had -2 to 10 degrees, 12 of 15 cut hems 19
+to 46 (a mesh whose rows run along the cut has none). A smooth cuff of 14 edges turns by 26 at each, all shared."""
+SMOOTH = np.radians(15.0)
 """Median angle up to which another contour of the same garment has none. Where all have teeth, the garment was cut out
 along the triangles as a whole, or the scan is noisy, and teeth say nothing."""
 
@@ -119,7 +119,7 @@ def _cut_contours(loops: dict[str, np.ndarray], vertices: np.ndarray) -> frozens
         edges = np.roll(vertices[loop], -1, axis=0) - vertices[loop]
         edges = edges / np.maximum(np.linalg.norm(edges, axis=1, keepdims=True), 1e-12)
         cosine = np.clip((edges * np.roll(edges, 1, axis=0)).sum(axis=1), -1.0, 1.0)
-        angles[name] = float(np.median(np.arccos(cosine)))
+        angles[name] = float(np.median(np.arccos(cosine))) - 2.0 * np.pi / len(loop)
     if min(angles.values(), default=np.inf) > SMOOTH:
         return frozenset()
     return frozenset(name for name, angle in angles.items() if angle > TEETH)

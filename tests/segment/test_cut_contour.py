@@ -34,3 +34,19 @@ def test_a_garment_cut_out_along_triangles_is_trusted(wearers, hung):
     body = wearers["T"]
     vertices, faces = hung(body, 0.6, 0.3)
     assert trust(vertices, cut_teeth(faces, (0, -1)), body) == {"waist": True, "hem": True}
+
+
+def test_a_smooth_contour_of_few_edges_is_trusted(wearers, hung):
+    """Broken where the turn that a coarse ring must take anyhow is read as teeth: a cuff of 14 edges was given up."""
+    body = wearers["T"]
+    vertices, faces = hung(body, 0.6, 0.3, around=AROUND)
+    fine = np.arange(AROUND)
+    coarse = len(vertices) + np.round(fine / 4).astype(int) % (AROUND // 4)
+    ring = vertices[:AROUND:4] * [1.0, 0.0, 1.0] + [0.0, vertices[0, 1] - 0.03, 0.0]
+    after, next_coarse = np.roll(fine, -1), np.roll(coarse, -1)
+    border = np.concatenate([np.stack([fine, coarse, after], 1), np.stack([coarse, next_coarse, after], 1)])
+    border = border[(border[:, 0] != border[:, 1])]
+    assert trust(np.concatenate([vertices, ring]), np.concatenate([faces, border]), body) == {
+        "waist": True,
+        "hem": True,
+    }
