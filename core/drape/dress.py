@@ -14,6 +14,7 @@ from ..hooks import SILENT, Hooks
 from ..pattern import Garment
 from ..segment import find_loops
 from .follow import FollowSettings, Lookup, Threads, follow, lay_threads
+from .sleeves import turn_sleeves
 
 LIFT = 0.03
 """How far above the body's shoulders a garment is laid [m]: a sleeve that droops then still starts above the middle of
@@ -71,7 +72,7 @@ def place(garment: Garment, body: Body, *, waist_height: float | None = None, fl
     Returns:
         Nodes [m], shape [node_count, 3].
     """
-    nodes = _weld_flat(garment)
+    nodes = _weld_flat(garment, body)
     pelvis = body.joint("pelvis")
     nodes[:, 0] += pelvis[0] - 0.5 * (nodes[:, 0].min() + nodes[:, 0].max())
     middle = _middle_plane(body)
@@ -118,16 +119,16 @@ def _loop_length(garment: Garment, loop: np.ndarray) -> float:
     return float(np.linalg.norm(flat[on_loop, 1] - flat[on_loop, 0], axis=1).sum())
 
 
-def _weld_flat(garment: Garment) -> np.ndarray:
+def _weld_flat(garment: Garment, body: Body) -> np.ndarray:
     """Weld the placed panels in the x, y plane without folding them over and give the nodes [m], [node_count, 3].
 
-    The panels are first shifted so that the two sides of their seams lie as near as they can (least squares over one
-    translation per panel, drawn to the file's placement a thousandth as much); what gap is left is closed half and
-    half, and spread into each panel as a harmonic displacement.
+    Sleeves are first turned to lie along the arms (`turn_sleeves`). The panels are then shifted so that the two sides
+    of their seams lie as near as they can (least squares over one translation per panel, drawn to where they stand a
+    thousandth as much); what gap is left is closed half and half, and spread into each panel as a harmonic
+    displacement.
     """
     panels = garment.pattern.panels
-    rotation = np.stack([panel.rotation[:2, :2] for panel in panels])
-    origin = np.stack([panel.translation[:2] for panel in panels])
+    rotation, origin = turn_sleeves(garment, body)
     flat = np.einsum("nij,nj->ni", rotation[garment.panel_of_uv], garment.uv) + origin[garment.panel_of_uv]
     count = np.bincount(garment.uv_node)
     shared = np.nonzero(count[garment.uv_node] > 1)[0]

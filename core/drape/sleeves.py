@@ -1,0 +1,87 @@
+"""Lay sleeves that were drafted for hanging arms along the arms of a T-pose, before anything is welded."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..body import Body
+from ..pattern import Garment, Pattern
+from ..segment import find_loops
+
+ON_THE_ARM = np.radians(15.0)
+"""Angle between sleeve and arm up to which a sleeve stays as it is drafted: laid flat, the arm still starts inside it.
+T-shirts droop by 12 degrees, and patterns for an A-pose by 30 to 60."""
+HANGING = np.radians(75.0)
+"""Angle below the horizontal from which a tube is a leg's, or hangs along the trunk, and no sleeve's."""
+
+
+def turn_sleeves(garment: Garment, body: Body) -> tuple[np.ndarray, np.ndarray]:
+    """Turn sleeves in the plane of the panels until they lie along the wearer's arms.
+
+    A sleeve is a group of sewn panels beyond one shoulder that ends in an open contour of its own; its axis runs from
+    the middle of the seams by which it hangs to the middle of that contour. Sleeves near the arm's direction, and such
+    as hang along the trunk, stay as they are. Its seam with the armhole is then as far open as the author's pose
+    differs from the T-pose, which welding spreads into the panels.
+
+    Args:
+        garment: The sewn garment; where its nodes are does not matter.
+        body: The body in its T-pose, facing +z.
+
+    Returns:
+        Panel axes in the x, y plane, shape [panel_count, 2, 2], and where each panel's origin stands in it [m], shape
+        [panel_count, 2].
+    """
+    pattern = garment.pattern
+    rotation = np.stack([panel.rotation[:2, :2] for panel in pattern.panels])
+    origin = np.stack([panel.translation[:2] for panel in pattern.panels])
+    place = np.einsum("nij,nj->ni", rotation[garment.panel_of_uv], garment.uv) + origin[garment.panel_of_uv]
+    centre = 0.5 * (place[:, 0].min() + place[:, 0].max())
+    shoulder = 0.5 * abs(float(body.joint("left_shoulder")[0] - body.joint("right_shoulder")[0]))
+    middle = np.array([0.5 * np.ptp(place[mine, 0]) + place[mine, 0].min() for mine in _members(garment)])
+    loops = find_loops(garment.faces)
+    for side, name in ((1.0, "left"), (-1.0, "right")):
+        way = body.joint(f"{name}_wrist") - body.joint(f"{name}_shoulder")
+        arm = np.arctan2(-way[1], side * way[0])
+        for group in _groups(pattern, side * (middle - centre) > shoulder):
+            ends = _axis(garment, place, group, loops)
+            if ends is None:
+                continue
+            axis = ends[1] - ends[0]
+            droop = np.arctan2(-axis[1], side * axis[0])
+            if abs(droop - arm) <= ON_THE_ARM or abs(droop) >= HANGING:
+                continue
+            turn = side * (droop - arm)
+            turned = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+            rotation[group] = turned @ rotation[group]
+            origin[group] = (origin[group] - ends[0]) @ turned.T + ends[0]
+    return rotation, origin
+
+
+def _members(garment: Garment) -> list[np.ndarray]:
+    return [garment.panel_of_uv == index for index in range(len(garment.pattern.panels))]
+
+
+def _groups(pattern: Pattern, chosen: np.ndarray) -> list[list[int]]:
+    """Give the chosen panels that are sewn together, group by group."""
+    index = {panel.name: i for i, panel in enumerate(pattern.panels)}
+    label = np.arange(len(pattern.panels))
+    for seam in pattern.seams:
+        a, b = index[seam.a.panel], index[seam.b.panel]
+        if chosen[a] and chosen[b]:
+            label[label == label[b]] = label[a]
+    return [np.flatnonzero(chosen & (label == name)).tolist() for name in np.unique(label[chosen])]
+
+
+def _axis(
+    garment: Garment, place: np.ndarray, group: list[int], loops: tuple[np.ndarray, ...]
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """Give the middles of a sleeve's cap and cuff [m], or None where a group has no seam to others or no cuff."""
+    inside = np.isin(garment.panel_of_uv, group)
+    count = np.bincount(garment.uv_node)
+    own = np.bincount(garment.uv_node[inside], minlength=len(count))
+    cuffs = [loop for loop in loops if (own[loop] == count[loop]).all()]
+    cap = inside & (own[garment.uv_node] < count[garment.uv_node])
+    if len(cuffs) != 1 or not cap.any():
+        return None
+    cuff = inside & np.isin(garment.uv_node, cuffs[0])
+    return place[cap].mean(axis=0), place[cuff].mean(axis=0)

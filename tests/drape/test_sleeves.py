@@ -1,0 +1,44 @@
+"""Sleeves drafted for hanging arms are laid along the arms before a T-pose is dressed."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from garmentq.core.body import builtin_body
+from garmentq.core.drape import DrapeSettings, Stand, drape_template
+from garmentq.core.drape.sleeves import turn_sleeves
+from garmentq.core.pattern import Pattern, list_templates, load_template, mesh_pattern
+
+STAND = cache(lambda: Stand(builtin_body("builtin:female,height=1.70")))
+
+
+def hang_sleeves(pattern: Pattern, angle: float) -> Pattern:
+    """Turn a shirt's sleeves down about the shoulders' tips, 19 cm out and 1.40 m high, and set them 5 cm apart."""
+    panels = []
+    for panel in pattern.panels:
+        if panel.label == "sleeve":
+            side = -1.0 if panel.name.endswith("right") else 1.0
+            turn = -side * angle
+            down = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
+            tip = np.array([0.19 * side, 1.40, 0.0])
+            at = down @ (panel.translation - tip) + tip + [0.05 * side, 0.0, 0.0]
+            panel = replace(panel, rotation=down @ panel.rotation, translation=at)
+        panels.append(panel)
+    return replace(pattern, panels=tuple(panels))
+
+
+def test_hanging_sleeves_are_put_over_the_arms() -> None:
+    """Breaks if sleeves that are placed for an A-pose start beside the stretched arms: the arms miss the cuffs."""
+    pattern = hang_sleeves(load_template("long_sleeve_tshirt"), np.radians(50.0))
+    worn = drape_template(pattern, STAND(), settings=DrapeSettings(template_vertices=500))
+    assert [contour.name for contour in worn.contours] == ["cuff.left", "cuff.right", "hem", "neck"]
+
+
+@pytest.mark.parametrize("name", [info.name for info in list_templates()])
+def test_what_is_no_hanging_sleeve_stays(name: str) -> None:
+    """Breaks if legs, skirts or sleeves that already lie along the arms are turned."""
+    garment = mesh_pattern(load_template(name), 350)
+    rotation, origin = turn_sleeves(garment, STAND().body)
+    assert np.array_equal(rotation, [panel.rotation[:2, :2] for panel in garment.pattern.panels])
+    assert np.array_equal(origin, [panel.translation[:2] for panel in garment.pattern.panels])
