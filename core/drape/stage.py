@@ -10,12 +10,15 @@ import numpy as np
 from ..body import Body, DistanceGrid, rest_body, skin, unskin, weights_at
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
-from ..segment import Target, find_loops, name_contours
+from ..segment import Target, find_loops, name_contours, smoothed_length
 from ..simulate import Drape, Fabric, Hold, SimulateSettings, Spin, Topology, equilibrium, push_out
 from .carry import Way, take_pose
-from .dress import DressSettings, dress, waist_loop
+from .dress import DressSettings, dress, place, waist_loop
 from .follow import FollowSettings, Lookup, follow, lay_threads
 from .tie import tie_contour
+
+PLACED = 0.1
+"""Distance of placed panels from the middle plane where their contours are named [m]: deeper than the bones bend."""
 
 
 @dataclass(frozen=True)
@@ -152,8 +155,21 @@ def drape_template(
         # On bodies of loose parts (mannequins) a seam can be pushed along an arm: an opening then goes round nothing.
         freed = replace(settings, dress=replace(settings.dress, outline=False))
         again = drape_template(pattern, stand, target, settings=freed, hooks=hooks)
-        return again if len(again.contours) > len(contours) else worn
+        return again if len(again.contours) > len(contours) else name_as_placed(worn, stand.rest)
     return worn
+
+
+def name_as_placed(worn: Garment, rest: Body) -> Garment:
+    """Name a worn garment's contours as its placed panels go round the T-pose, where that names more of them.
+
+    Trousers that are far too long for their wearer crumple about the feet, and their legs' ends then go round nothing;
+    flat, they hang over the feet. Lengths are those of the worn contours.
+    """
+    contours, _ = name_contours(place(worn, rest, flatten=PLACED), worn.faces, rest)
+    if len(contours) <= len(worn.contours):
+        return worn
+    lengths = [smoothed_length(worn.nodes[contour.vertices]) for contour in contours]
+    return worn.at(worn.nodes, tuple(replace(c, length=length) for c, length in zip(contours, lengths, strict=True)))
 
 
 def drape_graded(
