@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
 
 from ..body import Body
 from ..hooks import SILENT, Hooks
@@ -12,7 +11,7 @@ from ..pattern import Garment
 from ..segment import Target
 from .acceptance import accept_polish, crossing, flipped
 from .body_distance import BodyDistance, body_depth
-from .clearance import clear_body
+from .clearance import Watch, clear_body
 from .deformation import Deformation
 from .easing import ease_stretch, iron_crossings
 from .jacobian_stage import optimise_jacobians
@@ -28,9 +27,6 @@ DEFAULT = DeformSettings()
 
 DEEP = 1e-3
 """Depth in the body above which the user is warned [m]; the pipeline's hard limit."""
-
-CLEARINGS = 4
-"""Turns of smoothing and clearing at most at the end; at touching thighs more gain nothing."""
 
 
 def deform(
@@ -77,14 +73,8 @@ def deform(
         x = eased if crossing(eased, faces).sum() <= max(allowed, crossing(x, faces).sum()) else x
     hooks.progress("deform", 0.9, "clearance")
     if settings.clear_body:
-        laplacian = (gradient.T @ sp.diags(np.repeat(areas, 2)) @ gradient).tocsr()
-        x = clear_body(x, faces, laplacian, distance, settings.body_margin)
-        # Where body parts touch the way out is long, and triangles there are torn by it: smooth and clear in turns.
-        for _ in range(CLEARINGS if settings.polish_iterations > 0 else 0):
-            eased = ease_stretch(x, gradient, areas, faces)
-            if np.array_equal(eased, x):
-                break
-            x = clear_body(eased, faces, laplacian, distance, settings.body_margin)
+        watch = Watch(faces, distance, settings.body_margin)
+        x = clear_body(x, gradient, areas, watch, ease=settings.polish_iterations > 0)
     flips = (int(flipped(nodes, faces, goal).sum()), int(flipped(x, faces, goal).sum()))
     crossings = (len(self_intersections(nodes, faces)), len(self_intersections(x, faces)))
     depth = body_depth(x, faces, distance)

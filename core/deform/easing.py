@@ -60,22 +60,39 @@ def ease_stretch(nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, 
     x, stay = np.array(nodes), _stay(nodes, gradient, areas, faces)
     best, fewest = x, len(faces) + 1
     for _ in range(STRETCH_ROUNDS):
-        jacobians = np.asarray(gradient @ x).reshape(-1, 2, 3).transpose(0, 2, 1)
-        values, axes = np.linalg.eigh(np.einsum("fki,fkj->fij", jacobians, jacobians))
-        size = np.sqrt(np.maximum(values, 1e-6))
-        # a degenerate panel triangle has no stretch to speak of
-        wrong = ((size[:, 0] < LOWEST) | (size[:, 1] > HIGHEST)) & (areas > 1e-3 * areas.mean())
+        wrong, change = out_of_bounds(x, gradient, areas)
         if wrong.sum() < fewest:
             best, fewest = x, int(wrong.sum())
         if fewest == 0:
             break
-        share = np.clip(size, LOWEST, HIGHEST) / size - 1.0
-        change = jacobians @ np.einsum("fik,fk,fjk->fij", axes, share, axes)
-        weight = sp.diags(np.repeat(HOLD * areas * wrong, 2))
-        pull = (gradient.T @ weight).tocsr()
+        pull = (gradient.T @ sp.diags(np.repeat(HOLD * areas * wrong, 2))).tocsr()
         factor = splu((stay + pull @ gradient).tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
-        x = x + factor.solve(pull @ change.transpose(0, 2, 1).reshape(-1, 3))
+        x = x + factor.solve(pull @ change)
     return best
+
+
+def out_of_bounds(
+    nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, lowest: float = LOWEST
+) -> tuple[np.ndarray, np.ndarray]:
+    """Tell which triangles' singular values are out of bounds, and what brings their gradients back.
+
+    Args:
+        nodes: Positions [m], shape [node_count, 3].
+        gradient: Positions to Jacobian rows, shape [2 face_count, node_count].
+        areas: Rest areas [m2], shape [face_count].
+        lowest: The lower bound.
+
+    Returns:
+        Which are out of bounds, shape [face_count], and the change of all rows of the gradient, [2 face_count, 3].
+    """
+    jacobians = np.asarray(gradient @ nodes).reshape(-1, 2, 3).transpose(0, 2, 1)
+    values, axes = np.linalg.eigh(np.einsum("fki,fkj->fij", jacobians, jacobians))
+    size = np.sqrt(np.maximum(values, 1e-6))
+    # a degenerate panel triangle has no stretch to speak of
+    wrong = ((size[:, 0] < lowest) | (size[:, 1] > HIGHEST)) & (areas > 1e-3 * areas.mean())
+    share = np.clip(size, lowest, HIGHEST) / size - 1.0
+    change = jacobians @ np.einsum("fik,fk,fjk->fij", axes, share, axes)
+    return wrong, change.transpose(0, 2, 1).reshape(-1, 3)
 
 
 def iron_crossings(

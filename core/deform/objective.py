@@ -25,6 +25,11 @@ BODY_EVERY = 5
 node's closest point, which moves by less than the curvature of a body allows."""
 
 
+CROWDED = 3
+"""Vertices of the target for each node of the garment beyond which they are thinned out: more say nothing more of where
+a node belongs, and finding all their matches takes most of the time. The polish takes them all."""
+
+
 @dataclass(frozen=True)
 class Matches:
     """Hold the correspondences of one iteration; everything in it is constant for the derivative.
@@ -67,9 +72,12 @@ class Objective:
         self._hinges = torch.from_numpy(hinges(faces))
         share = vertex_areas(nodes, faces)
         self._share = share / share.sum()
-        self._goal = torch.from_numpy(target.surface.vertices)
-        self._goal_normals = torch.from_numpy(np.ascontiguousarray(target.normals))
-        self._goal_share = torch.from_numpy(target.shares)
+        picked, shares = np.arange(len(target.shares)), target.shares
+        if settings.distance == "surface" and len(picked) > CROWDED * len(nodes):
+            picked, shares = thin_out(target.surface.vertices, shares, float(np.sqrt(share.sum() / len(nodes))))
+        self._goal = torch.from_numpy(target.surface.vertices[picked])
+        self._goal_normals = torch.from_numpy(np.ascontiguousarray(target.normals[picked]))
+        self._goal_share = torch.from_numpy(shares)
         self._curves = ContourMatch(target.pairs, nodes, target.surface.vertices)
         self._near: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
         self._searches = 0
@@ -83,7 +91,7 @@ class Objective:
             to_source = _nearest_vertices(target.surface.vertices, nodes, self._array_faces)
             return Matches(to_target, to_source, self._share, self._curves.rows(nodes), self._near)
         to_target = target.surface.closest(nodes)
-        to_source = Surface(nodes, self._array_faces).closest(target.surface.vertices)
+        to_source = Surface(nodes, self._array_faces).closest(self._goal.numpy())
         share = np.where(target.on_rim(to_target), 0.0, self._share)
         return Matches(to_target, to_source, share, self._curves.rows(nodes), self._near)
 
@@ -171,6 +179,13 @@ class Objective:
         if self._settings.reduction == "sum":
             return missing.sum()
         return (missing * torch.from_numpy(self._share)[near]).sum()
+
+
+def thin_out(vertices: np.ndarray, shares: np.ndarray, width: float) -> tuple[np.ndarray, np.ndarray]:
+    """Pick one vertex [m] of each cell of a grid [m], by index, and give it the shares of all in its cell."""
+    cells = np.floor((vertices - vertices.min(axis=0)) / width).astype(np.int64)
+    _, first, cell = np.unique(cells, axis=0, return_index=True, return_inverse=True)
+    return first, np.bincount(cell.reshape(-1), weights=shares)
 
 
 def _nearest_vertices(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> SurfacePoints:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -14,7 +15,7 @@ from ..segment import Target, find_loops, name_contours, smoothed_length
 from ..simulate import Drape, Fabric, Hold, SimulateSettings, Spin, Topology, equilibrium, push_out
 from .carry import Way, take_pose
 from .dress import DressSettings, dress, place, waist_loop
-from .follow import FollowSettings, Lookup, follow, lay_threads
+from .follow import FollowSettings, Lookup, Threads, follow, lay_threads
 from .tie import tie_contour
 
 PLACED = 0.1
@@ -72,6 +73,11 @@ class Stand:
         """Give the distance to `rest`."""
         return DistanceGrid.from_mesh(self.rest.vertices, self.rest.faces)
 
+    @cached_property
+    def way(self) -> Way:
+        """Give the frames in which the wearer takes the pose."""
+        return Way.of(self.body)
+
 
 def look_up(grid: DistanceGrid) -> Lookup:
     """Give a grid's distances and gradients as the position-based steps ask for them."""
@@ -116,25 +122,62 @@ def drape_template(
     Returns:
         The draped garment; `contours` named on the wearer.
     """
-    body = stand.body
     garment = mesh_pattern(pattern, settings.template_vertices)
     threads = lay_threads(garment, settings.dress.follow.bending)
-    height = None if target is None else waist_height(target, body)
     hooks.progress("template", 0.1, "dressing the T-pose")
-    nodes = dress(
+    outlined = _dress(garment, threads, stand, target, settings.dress, hooks)
+    loops = len(find_loops(garment.faces))
+    freely = replace(settings.dress, outline=False)
+    freed = None
+    if settings.dress.outline and (kept := _openings(outlined, garment, stand.rest)) < loops:
+        # On bodies of loose parts (mannequins) a seam can be pushed along an arm: an opening then goes round nothing.
+        freed = _dress(garment, threads, stand, target, freely, hooks)
+        if _openings(freed, garment, stand.rest) > kept:
+            outlined, freed = freed, outlined
+    worn = _take_pose(garment, threads, outlined, stand, target, settings, hooks)
+    if not settings.dress.outline or len(worn.contours) == loops:
+        return worn
+    freed = _dress(garment, threads, stand, target, freely, hooks) if freed is None else freed
+    again = _take_pose(garment, threads, freed, stand, target, settings, hooks)
+    return again if len(again.contours) > len(worn.contours) else name_as_placed(worn, stand.rest)
+
+
+def _openings(nodes: np.ndarray, garment: Garment, body: Body) -> int:
+    """Count the openings that go round something of the body."""
+    return len(name_contours(nodes, garment.faces, body)[0])
+
+
+def _dress(
+    garment: Garment, threads: Threads, stand: Stand, target: Target | None, settings: DressSettings, hooks: Hooks
+) -> np.ndarray:
+    """Dress the T-pose, the waist where the target has it, and give the nodes [m], shape [node_count, 3]."""
+    return dress(
         garment,
         stand.rest,
         look_up(stand.rest_grid),
-        waist_height=height,
-        settings=settings.dress,
+        waist_height=None if target is None else waist_height(target, stand.body),
+        settings=settings,
         hooks=hooks,
         threads=threads,
     )
+
+
+def _take_pose(
+    garment: Garment,
+    threads: Threads,
+    nodes: np.ndarray,
+    stand: Stand,
+    target: Target | None,
+    settings: DrapeSettings,
+    hooks: Hooks,
+) -> Garment:
+    """Carry what hangs on the T-pose (nodes [m], shape [node_count, 3]) into the wearer's pose; name its contours."""
     hooks.progress("template", 0.6, "taking the pose")
+    body = stand.body
     waist = waist_loop(garment)
     wanted = None if target is None else target.contour("waist")
     if waist is None or target is None:
-        nodes, _ = take_pose(threads, nodes, Way.of(body), look_up(stand.grid), held=waist)
+        nodes, _ = take_pose(threads, nodes, stand.way, look_up(stand.grid), held=waist)
     else:
         # What hangs from the waist is tied to the scan's, and starts the grading as the T-pose left it.
         nodes = skin(nodes, weights_at(body, nodes, rest=True), body.transforms)
@@ -149,14 +192,7 @@ def drape_template(
             gravity=9.81,
             held=waist,
         )
-    contours, _ = name_contours(nodes, garment.faces, body)
-    worn = garment.at(nodes, contours)
-    if settings.dress.outline and len(contours) < len(find_loops(garment.faces)):
-        # On bodies of loose parts (mannequins) a seam can be pushed along an arm: an opening then goes round nothing.
-        freed = replace(settings, dress=replace(settings.dress, outline=False))
-        again = drape_template(pattern, stand, target, settings=freed, hooks=hooks)
-        return again if len(again.contours) > len(contours) else name_as_placed(worn, stand.rest)
-    return worn
+    return garment.at(nodes, name_contours(nodes, garment.faces, body)[0])
 
 
 def name_as_placed(worn: Garment, rest: Body) -> Garment:
@@ -181,6 +217,7 @@ def drape_graded(
     vertex_count: int = 4000,
     mesh: Garment | None = None,
     spin: Spin | None = None,
+    leave: Callable[[int, np.ndarray], bool] | None = None,
     settings: DrapeSettings = DrapeSettings(),
     hooks: Hooks = SILENT,
 ) -> tuple[Garment, Drape]:
@@ -194,6 +231,7 @@ def drape_graded(
         vertex_count: Vertices of the mesh.
         mesh: The pattern's mesh where there is one already, wherever its nodes are; `vertex_count` then says nothing.
         spin: The rotation in which the wearer turns, or None for cloth under its weight alone.
+        leave: Asked after each leg of the equilibrium, with how many there were and the nodes, whether to leave off.
         settings: Steps.
         hooks: Progress and cancellation.
 
@@ -223,6 +261,7 @@ def drape_graded(
         settings=settings.simulate,
         hooks=hooks,
         spin=spin,
+        leave=leave,
     )
     nodes = push_out(drape.nodes, stand.body, garment.faces)
     contours, _ = name_contours(nodes, garment.faces, stand.body)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,6 +27,7 @@ MESSAGES = {
     "stuck": "no step lowers the energy: settle for longer first, or soften contact.",
     "iterations": "not at rest: raise max_iterations, settle for longer first, or hold a contour that slides.",
     "time": "not at rest: raise max_cpu_seconds or take fewer vertices.",
+    "left": "not at rest: the search was left off by the caller.",
 }
 """Advice for each way in which the search for an equilibrium ends."""
 
@@ -79,12 +81,14 @@ def equilibrium(
     anchors: np.ndarray | None = None,
     solver: Solver | None = None,
     spin: Spin | None = None,
+    leave: Callable[[int, np.ndarray], bool] | None = None,
 ) -> Drape:
     """Find positions at which no force is left on any node, from nodes [m], shape [node_count, 3].
 
     Descent on E in legs: factor the PSD Hessian, then a few quasi-Newton steps from it (`descend`). Friction's normal
     forces are taken anew before each leg, so that at rest they are those of where the cloth rests; only where that
-    makes the cloth creep on by less than `_SETTLED` a leg are they left as they are.
+    makes the cloth creep on by less than `_SETTLED` a leg are they left as they are. `leave` is asked after each leg,
+    with how many there were and the nodes, whether to leave off.
 
     **Deviation** from numerics 1 (Newton with the exact Hessian): see `docs/adr`, "Descend by quasi-Newton steps".
 
@@ -124,6 +128,9 @@ def equilibrium(
             break
         if calm >= 3:
             outcome = "still"
+            break
+        if leave is not None and leave(done + 1, nodes):
+            outcome = "left"
             break
         if settings.max_cpu_seconds is not None and time.process_time() - started > settings.max_cpu_seconds:
             outcome = "time"

@@ -8,7 +8,7 @@ import torch
 from garmentq.core.deform import DeformSettings, DeformSettingsBad
 from garmentq.core.deform.body_distance import BodyDistance
 from garmentq.core.deform.deformer import inverse_rest
-from garmentq.core.deform.objective import Objective
+from garmentq.core.deform.objective import Objective, thin_out
 from garmentq.core.deform.operators import gradient_operator
 from garmentq.core.deform.rest_metric import RestMetric
 from garmentq.core.deform.target_repair import prepare_target
@@ -91,3 +91,16 @@ def test_bad_settings_are_refused():
             DeformSettings(**bad)
     with pytest.raises(DeformSettingsBad):
         DeformSettings(distance="chamfer")
+
+
+def test_a_crowded_target_is_thinned_evenly_and_keeps_its_weight():
+    """Breaks if thinning drops part of the surface, keeps a crowd, or loses shares."""
+    random = np.random.default_rng(2)
+    vertices = np.column_stack([random.random((20000, 2)), np.zeros(20000)])
+    vertices[0] = 0.0
+    picked, shares = thin_out(vertices, np.full(20000, 1 / 20000), 0.05)
+    assert len(picked) == 400
+    assert shares.sum() == pytest.approx(1.0)
+    cells = np.unique(np.floor(vertices[picked] / 0.05).astype(int), axis=0)
+    assert len(cells) >= 398
+    np.testing.assert_allclose(shares, 1 / 400, rtol=0.5)

@@ -127,6 +127,8 @@ def test_outcomes_carry_advice(on_sphere, cloth):
     assert "max_iterations" in drape.message
     hurried = replace(few, max_iterations=50, max_cpu_seconds=0.0)
     assert equilibrium(topology, cloth, state.nodes, grid=grid, settings=hurried).outcome == "time"
+    left = equilibrium(topology, cloth, state.nodes, grid=grid, leave=lambda legs, nodes: legs == 2)
+    assert (left.outcome, left.converged) == ("left", False)
 
 
 def test_equilibrium_can_be_cancelled(on_sphere, cloth):
