@@ -125,21 +125,21 @@ def drape_template(
     garment = mesh_pattern(pattern, settings.template_vertices)
     threads = lay_threads(garment, settings.dress.follow.bending)
     hooks.progress("template", 0.1, "dressing the T-pose")
-    outlined = _dress(garment, threads, stand, target, settings.dress, hooks)
+    hung = _dress(garment, threads, stand, target, settings.dress, hooks)
     loops = len(find_loops(garment.faces))
     freely = replace(settings.dress, outline=False)
-    freed = None
-    if settings.dress.outline and (kept := _openings(outlined, garment, stand.rest)) < loops:
+    once = settings.dress.outline
+    if once and (kept := _openings(hung, garment, stand.rest)) < loops:
         # On bodies of loose parts (mannequins) a seam can be pushed along an arm: an opening then goes round nothing.
-        freed = _dress(garment, threads, stand, target, freely, hooks)
-        if _openings(freed, garment, stand.rest) > kept:
-            outlined, freed = freed, outlined
-    worn = _take_pose(garment, threads, outlined, stand, target, settings, hooks)
-    if not settings.dress.outline or len(worn.contours) == loops:
-        return worn
-    freed = _dress(garment, threads, stand, target, freely, hooks) if freed is None else freed
-    again = _take_pose(garment, threads, freed, stand, target, settings, hooks)
-    return again if len(again.contours) > len(worn.contours) else name_as_placed(worn, stand.rest)
+        freed, once = _dress(garment, threads, stand, target, freely, hooks), False
+        hung = freed if _openings(freed, garment, stand.rest) > kept else hung
+    worn = _take_pose(garment, threads, hung, stand, target, settings, hooks)
+    if once and len(worn.contours) < loops:
+        hung = _dress(garment, threads, stand, target, freely, hooks)
+        again = _take_pose(garment, threads, hung, stand, target, settings, hooks)
+        worn = again if len(again.contours) > len(worn.contours) else worn
+    lost = settings.dress.outline and len(worn.contours) < loops
+    return name_as_placed(worn, stand.rest) if lost else worn
 
 
 def _openings(nodes: np.ndarray, garment: Garment, body: Body) -> int:
