@@ -43,6 +43,7 @@ def empty_line(target: str, method: str) -> dict[str, Any]:
         "error": None,
         "metrics": {},
         "cpu_seconds": None,
+        "compile_seconds": None,
         "stage_seconds": {},
         "peak_mb": None,
         "vertices": None,
@@ -57,6 +58,7 @@ def _recover(order: dict[str, Any]) -> dict[str, Any]:
     from ..core.pipeline import recover
     from ..core.recovery import Request
     from ..core.settings import RecoverySettings
+    from .compiling import time_compiling
 
     pack = read_packs(Path(order["pack"]))[0]
     template = None if order["library"] else pack.template
@@ -67,7 +69,8 @@ def _recover(order: dict[str, Any]) -> dict[str, Any]:
     else:
         settings = replace(settings, labels_key="is_garment", keep="1")
         request = Request(scan=pack.scan, template=template, settings=settings, labels=pack.labels)
-    recovery = recover(request)
+    with time_compiling() as compiling:
+        recovery = recover(request)
     metrics, unmatched = measure_recovery(recovery, pack, own_template=template is not None, seed=settings.seed)
     if order["out"]:
         write_recovery(recovery, Path(order["out"]) / pack.name)
@@ -79,7 +82,8 @@ def _recover(order: dict[str, Any]) -> dict[str, Any]:
             "template": recovery.template,
             "ok": True,
             "metrics": metrics,
-            "cpu_seconds": recovery.cpu_seconds,
+            "cpu_seconds": recovery.cpu_seconds - compiling.seconds,
+            "compile_seconds": compiling.seconds,
             "stage_seconds": recovery.stage_seconds,
             "peak_mb": recovery.peak_mb,
             "vertices": len(recovery.detail),

@@ -68,10 +68,13 @@ class DistanceGrid:
         samples = _sample_surface(vertices, faces, spacing)
         near[tuple(np.rint((samples - origin) / spacing).astype(np.int64).T)] = False
         rough = distance_transform_edt(near)
-        band = rough <= BAND + 1
+        band = np.argwhere(rough <= BAND + 1)
         values = rough * spacing
-        values[_inside_beyond(band, origin, spacing, vertices, faces)] *= -1.0
-        values[band] = _measure(origin + spacing * np.argwhere(band), vertices, faces)
+        values[tuple(band.T)] = _measure(origin + spacing * band, vertices, faces)
+        # A closed surface does not pass between two neighbours further from it than half a cell; through a hole the
+        # inside meets the outside, and only beyond the band is there no doubt.
+        sure = values > 0.51 * spacing if _is_closed(faces) else rough > BAND + 1
+        values[_inside(sure, origin, spacing, vertices, faces)] *= -1.0
         return cls.from_values(origin, spacing, values)
 
     @classmethod
@@ -118,35 +121,43 @@ def _sample_surface(vertices: np.ndarray, faces: np.ndarray, spacing: float) -> 
 
 
 def _measure(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Give exact signed distances [m] of points to a mesh, shape [n]; a mesh inside out as a whole is turned."""
+    """Give exact distances [m] of points to a mesh, without a sign, shape [n]."""
     import igl
 
-    squared = igl.point_mesh_squared_distance(points, vertices, faces)[0]
-    winding = igl.fast_winding_number(vertices, faces, points)
-    if _is_inside_out(vertices, faces):
-        winding = -winding
-    return np.where(winding > 0.5, -np.sqrt(squared), np.sqrt(squared))
+    return np.sqrt(igl.point_mesh_squared_distance(points, vertices, faces)[0])
+
+
+def _inside(
+    sure: np.ndarray, origin: np.ndarray, spacing: float, vertices: np.ndarray, faces: np.ndarray
+) -> np.ndarray:
+    """Tell which grid points are inside; a mesh inside out as a whole is turned.
+
+    Connected points that are `sure`, shape [nx, ny, nz], share one winding number; each of the others has its own.
+    """
+    import igl
+    from scipy.ndimage import label
+
+    regions, count = label(sure)
+    first = np.unique(regions, return_index=True)[1][-count:] if count else np.zeros(0, dtype=np.int64)
+    single = np.flatnonzero(regions == 0)
+    places = np.stack(np.unravel_index(np.concatenate([first, single]), regions.shape), axis=1)
+    winding = igl.fast_winding_number(vertices, faces, np.ascontiguousarray(origin + spacing * places))
+    inside = (-winding if _is_inside_out(vertices, faces) else winding) > 0.5
+    found = np.concatenate([[False], inside[:count]])[regions]
+    found.reshape(-1)[single] = inside[count:]
+    return np.asarray(found)
+
+
+def _is_closed(faces: np.ndarray) -> bool:
+    """Tell whether every edge borders two faces."""
+    ends = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    return bool((np.unique(ends[:, 0] * (faces.max() + 1) + ends[:, 1], return_counts=True)[1] == 2).all())
 
 
 def _is_inside_out(vertices: np.ndarray, faces: np.ndarray) -> bool:
     """Tell whether the enclosed volume is negative."""
     a, b, c = (vertices[faces[:, k]] - vertices[faces].mean((0, 1)) for k in range(3))
     return bool(np.einsum("fd,fd->", a, np.cross(b, c)) < 0)
-
-
-def _inside_beyond(
-    band: np.ndarray, origin: np.ndarray, spacing: float, vertices: np.ndarray, faces: np.ndarray
-) -> np.ndarray:
-    """Tell which cells beyond the band are inside: one winding number for each connected region."""
-    from scipy.ndimage import label
-
-    regions, count = label(~band)
-    if not count:
-        return np.zeros_like(band)
-    names, first = np.unique(regions, return_index=True)
-    places = np.stack(np.unravel_index(first[names > 0], band.shape), axis=1)
-    inside = _measure(origin + spacing * places, vertices, faces) < 0
-    return np.concatenate([[False], inside])[regions]
 
 
 @njit(cache=True, inline="always")

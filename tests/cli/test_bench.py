@@ -18,7 +18,7 @@ from garmentq.core.simulate import FabricEstimate
 
 KEYS = {
     "target", "category", "template", "method", "ok", "error", "metrics", "cpu_seconds", "stage_seconds", "peak_mb",
-    "vertices", "fabric", "panels",
+    "compile_seconds", "vertices", "fabric", "panels",
 }  # fmt: skip
 
 
