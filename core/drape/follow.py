@@ -312,6 +312,8 @@ def undo_crossings(nodes: np.ndarray, before: np.ndarray, faces: np.ndarray, cro
         if not len(fresh):
             break
         back = np.unique(faces[fresh])
+        if turn > 3 and np.array_equal(nodes[back], before[back]):
+            break  # nothing is left to be undone
         nodes[back] = before[back] + (0.5 if turn < 3 else 0.0) * (nodes[back] - before[back])
         found = self_intersections(nodes, faces)
     return found

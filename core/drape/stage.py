@@ -129,7 +129,9 @@ def drape_template(
     loops = len(find_loops(garment.faces))
     freely = replace(settings.dress, outline=False)
     once = settings.dress.outline
-    if once and (kept := _openings(hung, garment, stand.rest)) < loops:
+    # The way into the pose is long, so what is lost is looked for before it; what hangs from the waist is only skinned.
+    carried = target is None or waist_loop(garment) is None
+    if once and carried and (kept := _openings(hung, garment, stand.rest)) < loops:
         # On bodies of loose parts (mannequins) a seam can be pushed along an arm: an opening then goes round nothing.
         freed, once = _dress(garment, threads, stand, target, freely, hooks), False
         hung = freed if _openings(freed, garment, stand.rest) > kept else hung

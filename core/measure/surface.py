@@ -79,14 +79,16 @@ def penetration_depth(
     Returns:
         The greatest depth [m]; 0 where nothing is inside.
     """
-    points = np.concatenate([vertices, vertices[faces].mean(axis=1)])
-    distance, _, _, _ = igl.signed_distance(
-        np.ascontiguousarray(points, dtype=np.float64),
+    points = np.ascontiguousarray(np.concatenate([vertices, vertices[faces].mean(axis=1)]), dtype=np.float64)
+    skin, sides = (
         np.ascontiguousarray(body_vertices, dtype=np.float64),
         np.ascontiguousarray(body_faces, dtype=np.int64),
-        sign_type=igl.SIGNED_DISTANCE_TYPE_FAST_WINDING_NUMBER,
     )
-    return float(max(0.0, -np.min(distance)))
+    # igl.signed_distance multiplies by 1 - 2 w, and the winding number w is 2 where two parts overlap
+    inside = igl.fast_winding_number(skin, sides, points) > 0.5
+    if not inside.any():
+        return 0.0
+    return float(np.sqrt(igl.point_mesh_squared_distance(points[inside], skin, sides)[0].max()))
 
 
 def face_angles(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:

@@ -237,3 +237,14 @@ def test_rigid_motion_and_mirror_change_no_metric(swollen) -> None:
         slack = 0.12 if "floor" in name or "hausdorff" in name else 0.01
         assert moved[name] == pytest.approx(value, rel=slack, abs=1e-6), name
         assert reflected[name] == pytest.approx(value, rel=slack, abs=1e-6), name
+
+
+def test_depth_where_two_parts_overlap_is_a_distance() -> None:
+    """Breaks if the winding number of two that holds there scales the depth."""
+    one = trimesh.creation.icosphere(4, 0.1)
+    other = one.copy()
+    other.apply_translation([0.15, 0.0, 0.0])
+    both = trimesh.util.concatenate([one, other])
+    point = np.array([[0.075, 0.0, 0.0]])
+    depth = penetration_depth(point, np.zeros((0, 3), dtype=np.int64), np.array(both.vertices), np.array(both.faces))
+    assert depth == pytest.approx(0.025, rel=0.02)
