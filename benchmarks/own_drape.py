@@ -1,0 +1,135 @@
+"""Recover the pattern and the cloth of drapes of our own simulator, made on another mesh.
+
+Base patterns are drafted for other measures, drawn with a seed, draped on the built-in body with more vertices than a
+recovery takes and with a cloth of known bending, and written as target packs. The recovery is told the mesh, the body's
+mesh and the base pattern, and has to find what was drawn.
+
+Run with one thread:
+OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 python benchmarks/own_drape.py [--seed 0] [TEMPLATE ...]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+from garmentq.core.body import builtin_body
+from garmentq.core.drape import Stand, drape_graded, drape_template
+from garmentq.core.measure import measure_panels, measure_recovery, read_packs, read_true_pattern
+from garmentq.core.pattern import (
+    BodyMeasures,
+    Pattern,
+    draft_template,
+    edge_points,
+    load_template,
+    panel_area,
+    save_pattern,
+)
+from garmentq.core.pipeline import recover
+from garmentq.core.recovery import Request
+from garmentq.core.scan import vertex_normals
+from garmentq.core.segment import Target
+from garmentq.core.settings import RecoverySettings
+from garmentq.core.simulate import Fabric, get_fabric
+
+BODY = "builtin:female,height=1.70"
+TEMPLATES = ("tshirt", "skirt", "tank")
+"""What hangs from the shoulders with sleeves, from the waist, and from the shoulders without."""
+
+VERTICES = 6000
+"""Of the target; a recovery takes 4000."""
+
+GIRTHS, HEIGHTS = (1.02, 1.14), (0.97, 1.03)
+"""Between which factors girths and heights are drawn: up to two sizes wider than the body, so that it still goes in."""
+
+STIFFER = 4.0
+"""The cloth's k, by that of the fabric which the recovery assumes at first (its other parameters are the same)."""
+
+
+def draw_pattern(name: str, rng: np.random.Generator) -> Pattern:
+    """Draft a template for measures that are drawn one by one around the body's."""
+    body = BodyMeasures()
+    drawn = {}
+    for measure in ("bust", "waist", "hip", "shoulder_half_width", "neck_half_width"):
+        drawn[measure] = getattr(body, measure) * rng.uniform(*GIRTHS)
+    for measure in ("nape_height", "armpit_height", "waist_height", "hip_height", "crotch_height"):
+        drawn[measure] = getattr(body, measure) * rng.uniform(*HEIGHTS)
+    return draft_template(name, replace(body, **drawn))
+
+
+def write_pack(folder: Path, name: str, pattern: Pattern, fabric: Fabric) -> None:
+    """Drape a pattern and write it as a target pack: mesh, body, base pattern, and apart from them the truth."""
+    stand = Stand(builtin_body(BODY))
+    worn = drape_template(pattern, stand)
+    normals = vertex_normals(worn.nodes, worn.faces)
+    where_it_hangs = Target(worn.nodes, worn.faces, normals, worn.contours, (), pattern.category)
+    garment, drape = drape_graded(worn, stand, fabric, where_it_hangs, vertex_count=VERTICES)
+    print(f"{name}: target of {len(garment.nodes)} vertices {drape.message}", flush=True)
+    folder.mkdir(parents=True, exist_ok=True)
+    trimesh.Trimesh(garment.nodes, garment.faces, process=False).export(folder / "garment.ply")
+    trimesh.Trimesh(stand.body.vertices, stand.body.faces, process=False).export(folder / "body.ply")
+    save_pattern(load_template(name), folder / "template.json")
+    panels: dict[str, Any] = {}
+    for panel in pattern.panels:
+        edges = [edge_points(panel, n, 100) for n in range(len(panel.edges))]
+        outline = np.concatenate([edge[:-1] for edge in edges])
+        panels[panel.name] = {"outline": outline.tolist(), "edges": [edge.tolist() for edge in edges]}
+    stitches = [{"a": [seam.a.panel, seam.a.edge], "b": [seam.b.panel, seam.b.edge]} for seam in pattern.seams]
+    (folder / "pattern.json").write_text(json.dumps({"unit": "m", "panels": panels, "stitches": stitches}))
+    meta = {"category": pattern.category, "fabric": {"k": fabric.k}}
+    (folder / "meta.json").write_text(json.dumps(meta))
+
+
+def recover_pack(folder: Path, fabric: Fabric) -> dict[str, Any]:
+    """Recover a pack by the hybrid method and hold pattern and cloth against the truth."""
+    pack = read_packs(folder)[0]
+    settings = RecoverySettings(method="hybrid", fabric=fabric.name)
+    recovery = recover(Request(pack.garment, pack.body, pack.template, settings))
+    metrics, _ = measure_recovery(recovery, pack, own_template=True)
+    truth = read_true_pattern(pack)
+    assert truth is not None
+    known = {each.name: each for each in recovery.estimates}
+    return {
+        "area error": metrics["panel_area_error"],
+        "outline [mm]": metrics["panel_outline_mm"],
+        "k / true k": known["k"].value / pack.fabric["k"] if "k" in known else None,
+        "std of ln k": known["k"].std if "k" in known else None,
+        "k known": "k" in known and known["k"].identifiable,
+        "H known": any(each.identifiable for key, each in known.items() if key.startswith("H")),
+        "drape [mm]": metrics["sim.surface_rms_mm.s2t"],
+        "CPU [s]": recovery.cpu_seconds,
+        "panels": {key: round(v["area_error"], 4) for key, v in measure_panels(recovery.pattern, truth).items()},
+        "warnings": recovery.warnings,
+    }
+
+
+def main() -> None:
+    """Print a row for each template."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("templates", nargs="*", default=TEMPLATES)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--stiffer", type=float, default=STIFFER)
+    parser.add_argument("--out", type=Path, help="folder to keep the packs in; those that are there are not made again")
+    chosen = parser.parse_args()
+    out = chosen.out or Path(tempfile.mkdtemp())
+    assumed = get_fabric(RecoverySettings().fabric)
+    for name in chosen.templates:
+        # One stream for each template: its pattern does not depend on which others are asked for.
+        pattern = draw_pattern(name, np.random.default_rng([chosen.seed, *name.encode()]))
+        base, folder = load_template(name), out / f"{name}_{chosen.seed}"
+        if not (folder / "meta.json").exists():
+            write_pack(folder, name, pattern, replace(assumed, k=chosen.stiffer * assumed.k))
+        away = [panel_area(panel) / panel_area(base.panel(panel.name)) - 1.0 for panel in pattern.panels]
+        print(f"{name}: panels {', '.join(f'{x:+.3f}' for x in away)} from the base pattern's", flush=True)
+        for key, value in recover_pack(folder, assumed).items():
+            print(f"  {key}: {round(value, 4) if isinstance(value, float) else value}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
