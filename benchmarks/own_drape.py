@@ -14,6 +14,7 @@ import argparse
 import json
 import tempfile
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -45,21 +46,26 @@ TEMPLATES = ("tshirt", "skirt", "tank")
 VERTICES = 6000
 """Of the target; a recovery takes 4000."""
 
-GIRTHS, HEIGHTS = (1.02, 1.14), (0.97, 1.03)
-"""Between which factors girths and heights are drawn: up to two sizes wider than the body, so that it still goes in."""
+GIRTHS, DEPTHS = (1.02, 1.14), (1.0, 1.12)
+"""Between which factors girths and widths, and depths from one height of the body to the next, are drawn: up to two
+sizes larger than the body, so that it goes in and nothing is squeezed."""
 
 STIFFER = 4.0
 """The cloth's k, by that of the fabric which the recovery assumes at first (its other parameters are the same)."""
 
 
 def draw_pattern(name: str, rng: np.random.Generator) -> Pattern:
-    """Draft a template for measures that are drawn one by one around the body's."""
+    """Draft a template for measures that are drawn one by one, from the nape down, around the body's."""
     body = BodyMeasures()
-    drawn = {}
-    for measure in ("bust", "waist", "hip", "shoulder_half_width", "neck_half_width"):
-        drawn[measure] = getattr(body, measure) * rng.uniform(*GIRTHS)
-    for measure in ("nape_height", "armpit_height", "waist_height", "hip_height", "crotch_height"):
-        drawn[measure] = getattr(body, measure) * rng.uniform(*HEIGHTS)
+    drawn = {
+        measure: getattr(body, measure) * rng.uniform(*GIRTHS)
+        for measure in ("bust", "waist", "hip", "shoulder_half_width", "neck_half_width")
+    }
+    heights = ("nape_height", "armpit_height", "waist_height", "hip_height", "crotch_height")
+    at = body.nape_height
+    for above, below in pairwise(heights):
+        at -= (getattr(body, above) - getattr(body, below)) * rng.uniform(*DEPTHS)
+        drawn[below] = at
     return draft_template(name, replace(body, **drawn))
 
 
