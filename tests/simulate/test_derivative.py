@@ -212,3 +212,15 @@ def test_both_agree_on_a_settled_drape(small):
     moved = Unrolled(steps=20).solve(small.energy, rest.nodes)
     two = small.parameters.pull(small.energy, moved.pull(small.upstream))
     assert one @ two / np.linalg.norm(one) / np.linalg.norm(two) > 0.9999
+
+
+def test_damped_steps_swing_into_the_gradient_at_rest(small):
+    """Breaks where damping is lost on the way back: what undamped steps leave of the difference falls to a tenth."""
+    rest = Implicit(tolerance=0.0).solve(small.energy, small.nodes)
+    expected = rest.pull(small.upstream).rest
+    off = []
+    for damping in (1.0, 0.6):
+        moved = Unrolled(steps=20, damping=damping).solve(small.energy, rest.nodes)
+        off.append(np.linalg.norm(moved.pull(small.upstream).rest - expected) / np.linalg.norm(expected))
+    assert off[1] < 0.1 * off[0]
+    assert off[1] < 1e-2
