@@ -12,7 +12,7 @@ from ..body import Body, DistanceGrid, rest_body, skin, unskin, weights_at
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target, find_loops, name_contours, smoothed_length
-from ..simulate import Drape, Fabric, Hold, SimulateSettings, Spin, Topology, equilibrium, push_out
+from ..simulate import Drape, Fabric, Hold, SimulateSettings, Spin, Topology, equilibrium, push_out, soften
 from .carry import Way, take_pose
 from .dress import DressSettings, dress, place, waist_loop
 from .follow import FollowSettings, Lookup, Threads, follow, lay_threads
@@ -256,7 +256,7 @@ def drape_graded(
     hooks.progress("drape", 0.3, "equilibrium")
     drape = equilibrium(
         Topology.from_garment(garment),
-        fabric,
+        soften(fabric),
         nodes,
         grid=stand.grid,
         hold=hold,

@@ -88,7 +88,7 @@ def fit_pattern(
     Raises:
         LockUnknown: where a lock names no panel of the pattern.
     """
-    from ..simulate import Topology, equilibrium, push_out
+    from ..simulate import Topology, equilibrium, hold_folds, push_out, soften
 
     settings = settings or ShapeSettings()
     warnings = []
@@ -106,20 +106,23 @@ def fit_pattern(
     hooks.progress("fit", 0.3, "preparing the fit through the simulator")
     count = min(settings.vertices, len(registered))
     coarse = stand_pattern(refitted.pattern, count, refitted, registered, stand.body)
-    problem = ShapeProblem.of(coarse, like, fabric, stand.grid, hold_waist(coarse), settings, held, spin)
+    problem = ShapeProblem.of(coarse, like, soften(fabric), stand.grid, hold_waist(coarse), settings, held, spin)
     estimates: tuple[FabricEstimate, ...] = ()
     if "fabric" not in locks:
-        fabric, bending = fit_bending(problem, hooks=hooks)
-        problem = replace(problem, fabric=fabric)
+        found, bending = fit_bending(problem, hooks=hooks)
+        problem = replace(problem, fabric=found)
+        fabric = replace(fabric, k=found.k, title=found.title, sources=found.sources)
         estimates = (bending,)
+    problem = replace(problem, hysteresis=hold_folds(problem.topology, coarse.nodes))
     shape = fit_shape(problem, hooks)
-    point_std, membrane = posterior(problem, shape.pattern, shape.drape, problem.loss.value(shape.nodes))
+    point_std, membrane = posterior(problem, fabric, shape.pattern, shape.drape, problem.loss.value(shape.nodes))
     estimates = (*estimates, *membrane, state_density(fabric))
     recovered = move_pattern(refitted, shape.pattern)
     hooks.progress("fit", 0.9, "draping the recovered pattern")
+    topology = Topology.from_garment(recovered)
     drape = equilibrium(
-        Topology.from_garment(recovered), fabric, registered,
-        grid=stand.grid, hold=hold_waist(recovered), spin=spin, hooks=hooks,
+        topology, soften(fabric), registered, grid=stand.grid, hold=hold_waist(recovered), spin=spin,
+        hysteresis=hold_folds(topology, registered), hooks=hooks,
     )  # fmt: skip
     if not drape.converged:
         warnings.append(f"the simulation mesh is {drape.message}")

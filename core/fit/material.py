@@ -119,14 +119,20 @@ def _moments(fine: np.ndarray, cost: np.ndarray) -> tuple[float, float]:
 
 
 def posterior(
-    problem: ShapeProblem, pattern: Pattern, drape: Drape, loss: float, settings: MaterialSettings | None = None
+    problem: ShapeProblem,
+    fabric: Fabric,
+    pattern: Pattern,
+    drape: Drape,
+    loss: float,
+    settings: MaterialSettings | None = None,
 ) -> tuple[np.ndarray, tuple[FabricEstimate, ...]]:
     """Say how well control points and membrane stiffnesses are known, from the Gauss-Newton matrix and the residual.
 
         covariance = (n / (2 L) J^T W J + prior^-1)^-1
 
     over effective control points (seams kept) and ln H00, H01, H11, H22, ln k: J = dx*/dp. The noise's size comes from
-    the misfit L itself, n as in `ShapeSettings.observations`.
+    the misfit L itself, n as in `ShapeSettings.observations`. The stiffnesses that are stated are `fabric`'s; the
+    problem's own membrane may be softened.
 
     Returns:
         Standard deviation of each control point [m], shape [point_count, 2], and an estimate of each stiffness.
@@ -150,9 +156,7 @@ def posterior(
     expand = problem.symmetry.matrix.toarray()
     points = np.einsum("ip,pq,iq->i", expand, covariance[:shape_count, :shape_count], expand)
     left = np.sqrt(np.diag(covariance)[shape_count:])
-    estimates = tuple(
-        _membrane(problem.fabric, name, float(left[n]), float(spreads[n])) for n, name in enumerate(MEMBRANE)
-    )
+    estimates = tuple(_membrane(fabric, name, float(left[n]), float(spreads[n])) for n, name in enumerate(MEMBRANE))
     return np.sqrt(np.maximum(points, 0.0)).reshape(-1, 2), estimates
 
 

@@ -26,7 +26,7 @@ from .losses import RegisteredLoss
 from .settings import ShapeSettings
 
 if TYPE_CHECKING:
-    from ..simulate import AtRest, Drape, Energy, Hold, Parameters, Solver, Spin, Topology
+    from ..simulate import AtRest, Drape, Energy, Hold, Hysteresis, Parameters, Solver, Spin, Topology
 
 _DEPENDENT = 1e-6
 """Singular value, relative to the largest, below which a seam's row follows from others (a chain that closes)."""
@@ -69,6 +69,7 @@ class ShapeProblem:
         settings: How.
         held: Which effective coordinates are locked, shape [p]; None where none is.
         spin: The rotation in which the cloth rests, or None.
+        hysteresis: The internal friction that holds the target's folds, or None.
     """
 
     garment: Garment
@@ -84,6 +85,7 @@ class ShapeProblem:
     settings: ShapeSettings
     held: np.ndarray | None = None
     spin: Spin | None = None
+    hysteresis: Hysteresis | None = None
 
     @classmethod
     def of(
@@ -127,8 +129,9 @@ class ShapeProblem:
         from ..simulate import Energy
 
         energy = Energy(
-            self.topology, self.fabric, self.grid, self.hold, settings=self.settings.simulate, spin=self.spin
-        )
+            self.topology, self.fabric, self.grid, self.hold,
+            settings=self.settings.simulate, spin=self.spin, hysteresis=self.hysteresis,
+        )  # fmt: skip
         return self.parameters.move(energy, self.effective(pattern) - self.effective(self.garment.pattern))
 
     def drape(self, pattern: Pattern, nodes: np.ndarray, hooks: Hooks = SILENT) -> Drape:
@@ -146,6 +149,7 @@ class ShapeProblem:
             anchors=self.garment.nodes,
             solver=self.solver,
             spin=self.spin,
+            hysteresis=self.hysteresis,
         )
 
     def linearise(self, pattern: Pattern, drape: Drape) -> tuple[np.ndarray, np.ndarray]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from .fabric import Fabric, FabricEstimate
 from .fabrics import FabricUnknown, get_fabric, load_fabrics
+from .locking import soften
 from .settings import GRAVITY, SimulateSettings, SimulateSettingsBad
 
 if TYPE_CHECKING:
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from .energy import Energy, Inertia, Spin
     from .friction import Friction
     from .hold import Hold, HoldBad
+    from .hysteresis import Hysteresis, hold_folds
     from .newton import factor_blend
     from .parameters import Parameters, list_gathers, map_rest, stretch_edge
     from .penetration import push_out
@@ -33,6 +35,7 @@ _LAZY = {
     "Friction": "friction",
     "Hold": "hold",
     "HoldBad": "hold",
+    "Hysteresis": "hysteresis",
     "Implicit": "derivative",
     "InMotion": "unrolled",
     "Inertia": "energy",
@@ -51,6 +54,7 @@ _LAZY = {
     "equilibrium": "statics",
     "fabric_forces": "sensitivity",
     "factor_blend": "newton",
+    "hold_folds": "hysteresis",
     "linearise_at": "derivative",
     "list_gathers": "parameters",
     "make_solver": "solver",
@@ -77,6 +81,7 @@ __all__ = [
     "Friction",
     "Hold",
     "HoldBad",
+    "Hysteresis",
     "Implicit",
     "InMotion",
     "Inertia",
@@ -98,6 +103,7 @@ __all__ = [
     "fabric_forces",
     "factor_blend",
     "get_fabric",
+    "hold_folds",
     "linearise_at",
     "list_gathers",
     "load_fabrics",
@@ -107,6 +113,7 @@ __all__ = [
     "push_forces",
     "push_out",
     "settle",
+    "soften",
     "stretch_edge",
     "with_friction_frozen",
 ]

@@ -11,7 +11,7 @@ from .topology import add_block
 
 
 @njit(cache=True)
-def bending(x, hinges, scale, rest, k, order, exact, slots, gradient, blocks):  # type: ignore[no-untyped-def]
+def bending(x, hinges, scale, rest, k, angles, moments, slip, order, exact, slots, gradient, blocks):  # type: ignore
     """Add the hinges' gradient (order >= 1) and Hessian blocks (order 2) and give their energy [J].
 
     E_h = 2 k c (1 - cos((theta - theta0) / 2)),  c = |e|^2 / (A1 + A2),  dE/dtheta = k c sin((theta - theta0) / 2).
@@ -20,6 +20,8 @@ def bending(x, hinges, scale, rest, k, order, exact, slots, gradient, blocks):  
     the angle between both normals, pi - alpha of eq. 3.4; grad theta the u_i of eq. 3.4 (Bridson et al. 2003).
     On a regular mesh a cylinder of curvature kappa costs k kappa^2 / 4 per area: the flexural rigidity is B = k / 2. A
     mesh whose diagonals all point one way couples bending with twist and lets a narrow strip show 0.8 of it.
+
+    With `moments` above zero the friction of `Hysteresis` about `angles` comes on top, which is convex in theta.
 
     **Deviation**: eq. 3.4 is a force; it is used as the gradient of the energy above, which it is for theta0 = 0 and
     rest lengths and areas in c, so that the Hessian is exact and symmetric. The PSD form keeps d2E grad grad^T.
@@ -43,13 +45,25 @@ def bending(x, hinges, scale, rest, k, order, exact, slots, gradient, blocks):  
         length = math.sqrt(squared)
         # (n1 x n2) . e / |e| = |e| (n1 . q) up to sign: n1 x n2 is parallel to e
         sine = -length * dot(n1, q)
-        angle = math.atan2(sine, dot(n1, n2)) - rest[h]
+        turn = math.atan2(sine, dot(n1, n2))
+        angle = turn - rest[h]
         stiffness = k * scale[h]
         energy += 2.0 * stiffness * (1.0 - math.cos(0.5 * angle))
+        away, reach = 0.0, slip
+        if moments[h] > 0.0:
+            away = turn - angles[h]
+            away -= 2.0 * math.pi * round(away / (2.0 * math.pi))
+            reach = math.sqrt(away * away + slip * slip)
+            energy += moments[h] * (reach - slip)
         if order == 0:
             continue
         first = stiffness * math.sin(0.5 * angle)
         second = 0.5 * stiffness * math.cos(0.5 * angle)
+        if not exact:
+            second = abs(second)
+        if moments[h] > 0.0:
+            first += moments[h] * away / reach
+            second += moments[h] * slip * slip / reach**3
         t1, t2 = dot(p, e) / squared, dot(q, e) / squared
         for d in range(3):
             slope[2, d] = -length * n1[d] / m1
@@ -61,8 +75,6 @@ def bending(x, hinges, scale, rest, k, order, exact, slots, gradient, blocks):  
         if order == 1:
             continue
         n = 0
-        if not exact:
-            second = abs(second)
         for a in range(4):
             for b in range(a, 4):
                 for d in range(3):

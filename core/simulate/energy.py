@@ -12,6 +12,7 @@ from .contact import contact
 from .fabric import Fabric
 from .friction import Friction, friction
 from .hold import Hold
+from .hysteresis import SLIP, Hysteresis
 from .membrane import membrane
 from .settings import GRAVITY, SimulateSettings
 from .topology import Topology
@@ -62,6 +63,7 @@ class Energy:
         friction: Lagged friction, or None.
         inertia: For an implicit time step, or None.
         spin: For cloth in steady rotation, or None.
+        hysteresis: Internal friction of bending, or None.
     """
 
     topology: Topology
@@ -73,6 +75,7 @@ class Energy:
     friction: Friction | None = None
     inertia: Inertia | None = None
     spin: Spin | None = None
+    hysteresis: Hysteresis | None = None
 
     @property
     def masses(self) -> np.ndarray:
@@ -148,6 +151,13 @@ class Energy:
             )
         )
 
+    def _grip(self) -> tuple[np.ndarray, np.ndarray, float]:
+        """Give the angles, moments and slip of the internal friction; moments of zero where there is none."""
+        held = self.hysteresis
+        if held is None:
+            return self.topology.hinge_rest, np.zeros(len(self.topology.hinges)), SLIP
+        return held.angles, held.moments, held.slip
+
     def _evaluate(self, nodes: np.ndarray, order: int, exact: bool) -> tuple[float, np.ndarray, np.ndarray]:
         topology, fabric = self.topology, self.fabric
         nodes = np.ascontiguousarray(nodes, dtype=np.float64)
@@ -172,6 +182,7 @@ class Energy:
             topology.hinge_scale,
             topology.hinge_rest,
             fabric.k,
+            *self._grip(),
             order,
             exact,
             topology.hinge_slots,

@@ -15,6 +15,7 @@ from .dynamics import bring_to_hold, lag_friction
 from .energy import Energy, Spin
 from .fabric import Fabric
 from .hold import Hold
+from .hysteresis import Hysteresis
 from .newton import factor_blend, relative_residual
 from .quasi_newton import descend
 from .settings import GRAVITY, SimulateSettings
@@ -82,13 +83,15 @@ def equilibrium(
     solver: Solver | None = None,
     spin: Spin | None = None,
     leave: Callable[[int, np.ndarray], bool] | None = None,
+    hysteresis: Hysteresis | None = None,
 ) -> Drape:
     """Find positions at which no force is left on any node, from nodes [m], shape [node_count, 3].
 
     Descent on E in legs: factor the PSD Hessian, then a few quasi-Newton steps from it (`descend`). Friction's normal
     forces are taken anew before each leg, so that at rest they are those of where the cloth rests; only where that
-    makes the cloth creep on by less than `_SETTLED` a leg are they left as they are. `leave` is asked after each leg,
-    with how many there were and the nodes, whether to leave off.
+    makes the cloth creep on by less than `_SETTLED` a leg are they left as they are. With `hysteresis` (`hold_folds`)
+    folds stay where they are until more than the yarns' friction bends them. `leave` is asked after each leg, with how
+    many there were and the nodes, whether to leave off.
 
     **Deviation** from numerics 1 (Newton with the exact Hessian): see `docs/adr`, "Descend by quasi-Newton steps".
 
@@ -100,7 +103,7 @@ def equilibrium(
         raise NodesBad()
     anchors = nodes.copy() if anchors is None else anchors
     solver = solver or make_solver(topology)
-    energy = Energy(topology, fabric, grid, hold, gravity, settings, spin=spin)
+    energy = Energy(topology, fabric, grid, hold, gravity, settings, spin=spin, hysteresis=hysteresis)
     started, calm, outcome, done, lagging = time.process_time(), 0, "iterations", 0, True
     for done in range(settings.max_iterations + 1):
         hooks.check()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sparse
 import torch
-from garmentq.core.simulate import Energy, Friction, Hold, Inertia, Topology, TopologyBad
+from garmentq.core.simulate import Energy, Friction, Hold, Inertia, Topology, TopologyBad, hold_folds
 from scipy.spatial.transform import Rotation
 
 
@@ -22,7 +22,10 @@ def everything(crumpled, cloth, grid_of):
     normals = np.tile([0.0, 1.0, 0.0], (len(nodes), 1))
     friction = Friction(nodes + rng.normal(0, 3e-4, nodes.shape), normals, np.full(len(nodes), 0.01), 5e-4)
     hold = Hold(np.array([0, 3]), nodes[[0, 3]] + 0.01, 5.0, (1.0, 0.5, 1.0))
-    return Energy(topology, cloth, grid, hold, friction=friction, inertia=Inertia(nodes + 0.01, 400.0))
+    folds = hold_folds(topology, nodes + rng.normal(0, 3e-4, nodes.shape), 3e-4)
+    return Energy(
+        topology, cloth, grid, hold, friction=friction, inertia=Inertia(nodes + 0.01, 400.0), hysteresis=folds
+    )
 
 
 def dense(topology: Topology, data: np.ndarray) -> np.ndarray:
