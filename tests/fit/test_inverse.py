@@ -192,7 +192,7 @@ def test_the_whole_method_on_a_body() -> None:
     """Breaks where the recovered pattern is not draped, meshed or held, or its drape comes no nearer."""
     template = load_template("skirt")
     stand = Stand(builtin_body("builtin:female,height=1.70"))
-    fabric = get_fabric("cotton_poplin")
+    fabric = replace(get_fabric("cotton_poplin"), friction=0.3)  # with more, 15 steps end in either of two folds
     worn = drape_template(template, stand, settings=DrapeSettings(template_vertices=300))
     waist = waist_loop(worn)
     assert waist is not None
