@@ -137,6 +137,8 @@ def posterior(
     Returns:
         Standard deviation of each control point [m], shape [point_count, 2], and an estimate of each stiffness.
     """
+    from scipy.linalg import block_diag
+
     from ..simulate import AtRest, Parameters, linearise_at
 
     settings = settings or MaterialSettings()
@@ -146,8 +148,8 @@ def posterior(
     moves = rest.push(*parameters.rates(rest.energy))
     shape_count = parameters.count - len(names)
     spreads = np.array([ratio_prior(name, settings)[1] for name in names])
-    variance = np.concatenate([np.full(shape_count, problem.settings.spread**2), spreads**2])
-    matrix = 0.5 * problem.settings.observations / loss * problem.loss.curvature(moves) + np.diag(1.0 / variance)
+    matrix = 0.5 * problem.settings.observations / loss * problem.loss.curvature(moves)
+    matrix += block_diag(problem.precision, np.diag(1.0 / spreads**2))
     seams = keep_seams(pattern, problem.like, problem.symmetry, problem.held)
     free = np.zeros((parameters.count, seams.shape[1] + len(names)))
     free[:shape_count, : seams.shape[1]] = seams

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..body import DistanceGrid
+from ..grade import find_proportions
 from ..hooks import SILENT, Hooks
 from ..pattern import (
     Garment,
@@ -67,6 +68,7 @@ class ShapeProblem:
         hold: What holds the cloth where the target has it, or None.
         loss: The misfit.
         settings: How.
+        precision: Inverse covariance of the pattern around the first one [1/m2], shape [p, p].
         held: Which effective coordinates are locked, shape [p]; None where none is.
         spin: The rotation in which the cloth rests, or None.
         hysteresis: The internal friction that holds the target's folds, or None.
@@ -83,6 +85,7 @@ class ShapeProblem:
     hold: Hold | None
     loss: RegisteredLoss
     settings: ShapeSettings
+    precision: np.ndarray
     held: np.ndarray | None = None
     spin: Spin | None = None
     hysteresis: Hysteresis | None = None
@@ -116,6 +119,7 @@ class ShapeProblem:
             hold=hold,
             loss=RegisteredLoss.of(garment, settings.slide),
             settings=settings,
+            precision=_precision(garment.pattern, like, symmetry, settings),
             held=held,
             spin=spin,
         )
@@ -165,19 +169,17 @@ class ShapeProblem:
         return gradient, self.loss.curvature(moves)
 
     def objective(self, loss: float, pattern: Pattern) -> float:
-        """Give n/2 ln L + |p - p0|^2 / (2 spread^2): the negative log posterior, the size of the noise unknown."""
+        """Give n/2 ln L + (p - p0) P (p - p0) / 2: the negative log posterior, the size of the noise unknown."""
         away = self.effective(pattern) - self.effective(self.garment.pattern)
-        chosen = self.settings
-        return 0.5 * chosen.observations * float(np.log(loss)) + 0.5 * float(away @ away) / chosen.spread**2
+        return 0.5 * self.settings.observations * float(np.log(loss)) + 0.5 * float(away @ self.precision @ away)
 
     def step(self, pattern: Pattern, loss: float, linear: tuple[np.ndarray, np.ndarray], damping: float) -> np.ndarray:
         """Give the Levenberg-Marquardt step [m], shape [p], along which all seams stay equal to first order."""
-        chosen = self.settings
-        scale = 0.5 * chosen.observations / loss
+        scale = 0.5 * self.settings.observations / loss
         gradient, matrix = scale * linear[0], scale * linear[1]
         away = self.effective(pattern) - self.effective(self.garment.pattern)
-        gradient = gradient + away / chosen.spread**2
-        matrix = matrix + damping * np.diag(np.diag(matrix)) + np.eye(len(away)) / chosen.spread**2
+        gradient = gradient + self.precision @ away
+        matrix = matrix + damping * np.diag(np.diag(matrix)) + self.precision
         free = keep_seams(pattern, self.like, self.symmetry, self.held)
         return np.asarray(free @ np.linalg.solve(free.T @ matrix @ free, -free.T @ gradient))
 
@@ -198,6 +200,16 @@ class ShapeProblem:
         return pattern if turned.min() > 0.0 else None
 
 
+def _precision(pattern: Pattern, like: Pattern, symmetry: Symmetry, settings: ShapeSettings) -> np.ndarray:
+    """Give the prior's inverse covariance around a pattern [1/m2], shape [p, p]: I / s^2 + R^T R.
+
+    s is `spread`; R are the rates of the base pattern's `Proportions` in standard deviations: what the metric left as
+    it is cut, a front by its back, is not for the simulator to share out anew point by point.
+    """
+    rates = find_proportions(like).linearise(pattern)[1] @ symmetry.matrix.toarray()
+    return np.asarray(np.eye(rates.shape[1]) / settings.spread**2 + rates.T @ rates)
+
+
 def keep_seams(pattern: Pattern, like: Pattern, symmetry: Symmetry, held: np.ndarray | None = None) -> np.ndarray:
     """Give an orthonormal basis of the effective motions that keep seams equal and what is held, [p, free_count]."""
     rows = seam_slopes(pattern, like) @ symmetry.matrix.toarray()
@@ -212,8 +224,9 @@ def keep_seams(pattern: Pattern, like: Pattern, symmetry: Symmetry, held: np.nda
 def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT) -> ShapeFit:
     """Fit the effective control points so that the equilibrium comes to lie on the registered target.
 
-    Minimises n/2 ln L(x*(p)) + |p - p0|^2 / (2 s^2), L of `RegisteredLoss`, x* the equilibrium of the pattern p, p0 the
-    first pattern, by Levenberg-Marquardt with the implicit Jacobian dx*/dp. Only steps that lower it are taken.
+    Minimises n/2 ln L(x*(p)) + (p - p0) P (p - p0) / 2, L of `RegisteredLoss`, x* the equilibrium of the pattern p, p0
+    the first pattern, P = I / s^2 + R^T R with the rates R of the base pattern's proportions, by Levenberg-Marquardt
+    with the implicit Jacobian dx*/dp. Only steps that lower it are taken.
 
     **Deviation**: the thesis descends by Adam through 20 time steps without a prior. Here the misfit itself says how
     far to believe it: a drape in other folds than the target's has a large L, and pulls little at the pattern.
