@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq, root
 
-from .draft_tops import neckline, to_point
+from .draft_tops import ELBOW_SLEEVE, half_sleeves, neckline, to_point
 from .measures import BodyMeasures
 from .outline import Outline, Point, Stroke, length, mirror, place_panel, sew_by_label, smooth
-from .pattern import Pattern
+from .pattern import Panel, Pattern
 
 CREASE_FROM_MIDDLE = 0.12
 """Where each leg's crease line stands at first [m]: outside the ankles, so that no panel reaches over the middle."""
@@ -126,25 +126,71 @@ def draft_jumpsuit(measures: BodyMeasures | None = None) -> Pattern:
     4 cm behind. Side seams are one curve; the back's fork is lowered until the inseams are equal.
     """
     m = measures or BodyMeasures()
-    front = _half_suit(m, "front", m.hip / 16 - 0.01, 0.0)
-    wanted = length(front, "inseam.0")
-
-    def excess(drop: float) -> float:
-        return length(_half_suit(m, "back", m.hip / 8 - 0.025, drop), "inseam.0") - wanted
-
-    drop = brentq(excess, -0.05, 0.15, xtol=1e-12)
-    panels = []
-    for side, outline in (("front", front), ("back", _half_suit(m, "back", m.hip / 8 - 0.025, drop))):
-        panels.append(place_panel(f"{side}_left", outline, m.nape_height))
-        panels.append(place_panel(f"{side}_right", mirror(outline), m.nape_height))
+    panels = _suit_panels(m, _bare_bodice(m))
     return sew_by_label("jumpsuit", "jumpsuit", panels)
 
 
-def _half_suit(m: BodyMeasures, side: str, fork: float, fork_drop: float) -> Outline:
-    """Draw the left half of the jumpsuit's front or back around the leg's middle, 13 cm from the body's."""
-    base = m.nape_height
+def draft_sleeved_jumpsuit(measures: BodyMeasures | None = None) -> Pattern:
+    """Draft a jumpsuit with sleeves to the elbow: front and back of each half, four half sleeves.
+
+    Waist, hip and legs as the sleeveless jumpsuit's; bust + 8 cm, armhole, neck, shoulders and sleeves as those of the
+    dress with sleeves.
+    """
+    m = measures or BodyMeasures()
+    bodice = _sleeved_bodice(m)
+    panels = _suit_panels(m, bodice)
+    for side, (_, under, scye, _) in bodice.items():
+        tip = (m.shoulder_half_width + 0.01, -0.04)
+        panels += half_sleeves(side, under, tip, scye.handles, m.nape_height, ELBOW_SLEEVE)
+    return sew_by_label("sleeved_jumpsuit", "jumpsuit", panels)
+
+
+Bodice = tuple[Point, Point, Stroke, float]
+"""Side neck point, underarm point, the armhole from there to the shoulder's tip, and the depth of the neckline [m]."""
+
+
+def _bare_bodice(m: BodyMeasures) -> dict[str, Bodice]:
+    """Give the upper ends of a sleeveless jumpsuit's front and back."""
     neck, tip = (m.neck_half_width + 0.025, -0.005), (m.shoulder_half_width - 0.02, -0.034)
-    depth, hollow = (0.12, 0.058) if side == "front" else (0.04, 0.050)
+    under = ((m.bust + 0.06) / 4, m.armpit_height - 0.03 - m.nape_height)
+    bodice = {}
+    for side, depth, hollow in (("front", 0.12, 0.058), ("back", 0.04, 0.050)):
+        scye = ((under[0] - hollow, under[1] + 0.004), (tip[0] - 0.016, tip[1] - 0.09))
+        bodice[side] = (neck, under, Stroke(tip, scye, contour="armhole.left"), depth)
+    return bodice
+
+
+def _sleeved_bodice(m: BodyMeasures) -> dict[str, Bodice]:
+    """Give the upper ends of a sleeved jumpsuit's front and back: those of the dress with sleeves."""
+    neck, tip = (m.neck_half_width + 0.02, 0.0), (m.shoulder_half_width + 0.01, -0.04)
+    under = ((m.bust + 0.08) / 4, m.armpit_height - 0.06 - m.nape_height)
+    bodice = {}
+    for side, depth, hollow in (("front", 0.10, 0.050), ("back", 0.025, 0.042)):
+        scye = ((under[0] - hollow, under[1] + 0.004), (tip[0] - 0.012, tip[1] - 0.08))
+        bodice[side] = (neck, under, Stroke(tip, scye, label=f"scye.{side}.left", notch=0.45), depth)
+    return bodice
+
+
+def _suit_panels(m: BodyMeasures, bodice: dict[str, Bodice]) -> list[Panel]:
+    """Draw front and back of each half; the back's fork is lowered until the inseams are equal."""
+    front = _half_suit(m, "front", m.hip / 16 - 0.01, 0.0, bodice["front"])
+    wanted = length(front, "inseam.0")
+
+    def back(drop: float) -> Outline:
+        return _half_suit(m, "back", m.hip / 8 - 0.025, drop, bodice["back"])
+
+    drop = brentq(lambda moved: length(back(moved), "inseam.0") - wanted, -0.05, 0.15, xtol=1e-12)
+    panels = []
+    for side, outline in (("front", front), ("back", back(drop))):
+        panels.append(place_panel(f"{side}_left", outline, m.nape_height))
+        panels.append(place_panel(f"{side}_right", mirror(outline), m.nape_height))
+    return panels
+
+
+def _half_suit(m: BodyMeasures, side: str, fork: float, fork_drop: float, bodice: Bodice) -> Outline:
+    """Draw the left half of a jumpsuit's front or back around the leg's middle, 13 cm from the body's."""
+    base = m.nape_height
+    neck, under, armhole, depth = bodice
     hip, waist, crotch = m.hip_height + 0.04 - base, m.waist_height - base, m.crotch_height - 0.04 - base
     fork_tip = (-fork, crotch - fork_drop)
     knee, ankle = 0.47 - base, 0.08 - base
@@ -153,10 +199,8 @@ def _half_suit(m: BodyMeasures, side: str, fork: float, fork_drop: float) -> Out
         (0.25, knee),
         ((m.hip + 0.12) / 4, m.hip_height - base),
         ((m.waist + 0.16) / 4, waist),
-        ((m.bust + 0.06) / 4, m.armpit_height - 0.03 - base),
+        under,
     ]
-    under = sides[-1]
-    scye = ((under[0] - hollow, under[1] + 0.004), (tip[0] - 0.016, tip[1] - 0.09))
     throat = neckline(neck, depth)
     strokes = (
         Stroke((0.0, waist), label=f"centre.{side}.0"),
@@ -170,7 +214,7 @@ def _half_suit(m: BodyMeasures, side: str, fork: float, fork_drop: float) -> Out
         Stroke((0.035, ankle), label="inseam.1.left"),
         Stroke(sides[0], contour="leg.left"),
         *smooth(sides, [f"side.{i}.left" for i in range(len(sides) - 1)]),
-        Stroke(tip, scye, contour="armhole.left"),
+        armhole,
         Stroke(neck, label="shoulder.left"),
         throat,
     )

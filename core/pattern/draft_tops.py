@@ -94,13 +94,13 @@ def _sleeved(name: str, category: str, m: BodyMeasures, corner: Point, side: lis
             ),
         )
         panels.append(place_panel(face, unfold(outline, "hem"), m.nape_height))
-        panels += _half_sleeves(face, under, tip, scye, m.nape_height, cut)
+        panels += half_sleeves(face, under, tip, scye, m.nape_height, cut)
     order = ("front", "back")
     panels.sort(key=lambda p: (p.name not in order, p.name))
     return sew_by_label(name, category, panels)
 
 
-def _half_sleeves(
+def half_sleeves(
     side: str, under: Point, tip: Point, scye: tuple[Point, ...], height: float, cut: SleeveCut
 ) -> list[Panel]:
     """Draw the left half sleeve of one side in the body's plane and mirror it; the cap is the armhole's own curve."""

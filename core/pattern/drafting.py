@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from .draft_legs import draft_jumpsuit, draft_shorts, draft_trousers
+from .draft_legs import draft_jumpsuit, draft_shorts, draft_sleeved_jumpsuit, draft_trousers
 from .draft_skirts import draft_four_panel_skirt, draft_pencil_skirt, draft_skirt
 from .draft_tops import draft_dress, draft_long_sleeve_tshirt, draft_sleeved_dress, draft_tank, draft_tshirt
 from .garmentcode import save_pattern
@@ -32,6 +32,7 @@ DRAFTS: dict[str, Callable[..., Pattern]] = {
     "four_panel_skirt": draft_four_panel_skirt,
     "pencil_skirt": draft_pencil_skirt,
     "jumpsuit": draft_jumpsuit,
+    "sleeved_jumpsuit": draft_sleeved_jumpsuit,
 }
 """The draft of each template by name; each takes `BodyMeasures`."""
 

@@ -50,6 +50,7 @@ TEMPLATES = (
     TemplateInfo("four_panel_skirt", "skirt", "A-line skirt of four panels, to the knee"),
     TemplateInfo("pencil_skirt", "skirt", "pencil skirt with a waistband: front, back, two halves of the band"),
     TemplateInfo("jumpsuit", "jumpsuit", "sleeveless jumpsuit in one piece: front and back of each half"),
+    TemplateInfo("sleeved_jumpsuit", "jumpsuit", "jumpsuit with sleeves to the elbow: four halves, four half sleeves"),
 )
 """Every shipped template."""
 

@@ -22,6 +22,7 @@ CONTOURS = {
     "four_panel_skirt": {"waist", "hem"},
     "pencil_skirt": {"waist", "hem"},
     "jumpsuit": {"neck", "armhole.left", "armhole.right", "leg.left", "leg.right"},
+    "sleeved_jumpsuit": {"neck", "cuff.left", "cuff.right", "leg.left", "leg.right"},
 }
 
 

@@ -201,7 +201,7 @@ LEGS = {"leg.left": 0.5, "leg.right": 0.5}
         ("trousers", {"waist": 0.8} | LEGS, "trousers"),
         ("shorts", {"waist": 0.8} | LEGS, "shorts"),
         ("jumpsuit", BARE | LEGS, "jumpsuit"),
-        ("jumpsuit", ARMS | LEGS, "jumpsuit"),
+        ("jumpsuit", ARMS | LEGS, "sleeved_jumpsuit"),
         ("skirt", {"waist": 0.75, "hem": 1.3}, "skirt"),
         ("skirt", {"waist": 0.9, "hem": 1.56}, "skirt"),
         ("skirt", {"waist": 0.75, "hem": 3.0}, "four_panel_skirt"),
