@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..body import Body
+from ..errors import BadInput
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target
@@ -64,7 +65,8 @@ def slide_seams(
         hooks: Progress and cancellation.
 
     Returns:
-        A mesh of `settings.isometry.vertices` vertices of the new pattern, its nodes on the target.
+        A mesh of `settings.isometry.vertices` vertices of the new pattern, its nodes on the target; of the graded
+        pattern where the new one cannot be meshed (programs draw edges of 1 mm between darts, which may slide shut).
     """
     settings = settings or SlideSettings()
     chosen = settings.isometry
@@ -75,7 +77,17 @@ def slide_seams(
     def tell(step: int) -> None:
         hooks.progress("grade", step / chosen.steps, "sliding the seams into place")
 
-    return solve_isometry(problem, found, settings.settled, tell)
+    slid = solve_isometry(problem, found, settings.settled, tell)
+    return slid if _can_be_meshed(slid) else found
+
+
+def _can_be_meshed(garment: Garment) -> bool:
+    """Tell whether a pattern can be cut into triangles as fine as its garment's own."""
+    try:
+        mesh_pattern(garment.pattern, len(garment.nodes))
+    except BadInput:
+        return False
+    return True
 
 
 def solve_isometry(problem: Isometry, start: Garment, settled: float, tell: Callable[[int], None]) -> Garment:

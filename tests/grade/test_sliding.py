@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from garmentq.core.body import Body, builtin_body
 from garmentq.core.errors import Cancelled
-from garmentq.core.grade import SlideSettings, slide_seams
+from garmentq.core.grade import SlideSettings, slide_seams, sliding
 from garmentq.core.hooks import Hooks
 from garmentq.core.pattern import Edge, EdgeRef, Garment, Panel, Pattern, Seam, mesh_pattern, panel_area, seam_mismatch
 from garmentq.core.segment import Contour, Target, find_loops
@@ -115,3 +115,17 @@ def test_cancelling_stops_the_sliding(body, target):
     start = fold(TOP, 200)
     with pytest.raises(Cancelled):
         slide_seams(start, target, body, start.pattern, hooks=Hooks(is_cancelled=lambda: True))
+
+
+def test_a_pattern_slid_beyond_meshing_is_not_taken(body, target, monkeypatch):
+    """Breaks where panels that cross themselves after sliding reach the drape: the whole recovery failed there."""
+    start = fold(0.2, 300)
+
+    def cross(problem, found, settled, tell):
+        points = {panel.name: panel.points.copy() for panel in found.pattern.panels}
+        points["skirt0"][[0, 1]] = points["skirt0"][[1, 0]]
+        return replace(found, pattern=found.pattern.with_points(points))
+
+    monkeypatch.setattr(sliding, "solve_isometry", cross)
+    found = slide_seams(start, target, body, start.pattern)
+    assert np.array_equal(found.pattern.points, start.pattern.points)
