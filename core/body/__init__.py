@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from .builtin import BodyMissing, BodySpecBad, builtin_body, describe_bodies, parse_spec
     from .distance import DistanceBad, DistanceGrid, sample_distance
     from .model import BodyModel
+    from .outside import BodySurface
     from .registration import NotHuman, register_body
     from .skinning import rest_body, skin, unskin, weights_at
     from .smpl import SmplBad, is_smpl, load_smpl
@@ -20,6 +21,7 @@ _LAZY = {
     "BodyMissing": "builtin",
     "BodyModel": "model",
     "BodySpecBad": "builtin",
+    "BodySurface": "outside",
     "DistanceBad": "distance",
     "DistanceGrid": "distance",
     "NotHuman": "registration",
@@ -46,6 +48,7 @@ __all__ = [
     "BodyMissing",
     "BodyModel",
     "BodySpecBad",
+    "BodySurface",
     "DistanceBad",
     "DistanceGrid",
     "NotHuman",

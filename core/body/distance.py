@@ -142,7 +142,7 @@ def _inside(
     single = np.flatnonzero(regions == 0)
     places = np.stack(np.unravel_index(np.concatenate([first, single]), regions.shape), axis=1)
     winding = igl.fast_winding_number(vertices, faces, np.ascontiguousarray(origin + spacing * places))
-    inside = (-winding if _is_inside_out(vertices, faces) else winding) > 0.5
+    inside = (-winding if is_inside_out(vertices, faces) else winding) > 0.5
     found = np.concatenate([[False], inside[:count]])[regions]
     found.reshape(-1)[single] = inside[count:]
     return np.asarray(found)
@@ -154,7 +154,7 @@ def _is_closed(faces: np.ndarray) -> bool:
     return bool((np.unique(ends[:, 0] * (faces.max() + 1) + ends[:, 1], return_counts=True)[1] == 2).all())
 
 
-def _is_inside_out(vertices: np.ndarray, faces: np.ndarray) -> bool:
+def is_inside_out(vertices: np.ndarray, faces: np.ndarray) -> bool:
     """Tell whether the enclosed volume is negative."""
     a, b, c = (vertices[faces[:, k]] - vertices[faces].mean((0, 1)) for k in range(3))
     return bool(np.einsum("fd,fd->", a, np.cross(b, c)) < 0)

@@ -78,9 +78,3 @@ class BodyDistance:
         # nearer than a micrometre the offset has no direction of its own
         direction = np.where((distance > 1e-6)[:, None], offset * (sign / np.maximum(distance, 1e-30))[:, None], normal)
         return sign * distance, direction, foot
-
-
-def body_depth(nodes: np.ndarray, faces: np.ndarray, distance: BodyDistance) -> float:
-    """Give the largest depth [m] of a node or face centre inside the body, 0 where none is inside."""
-    points = np.concatenate([nodes, nodes[faces].mean(axis=1)])
-    return float(max(0.0, -distance(points)[0].min()))

@@ -6,11 +6,11 @@ import numpy as np
 
 from ..body import Body
 from ..hooks import SILENT, Hooks
-from ..measure import self_intersections
+from ..measure import penetration_depth, self_intersections
 from ..pattern import Garment
 from ..segment import Target
 from .acceptance import accept_polish, crossing, flipped
-from .body_distance import BodyDistance, body_depth
+from .body_distance import BodyDistance
 from .clearance import Watch, clear_body
 from .deformation import Deformation
 from .easing import ease_stretch, iron_crossings
@@ -77,7 +77,7 @@ def deform(
         x = clear_body(x, gradient, areas, watch, ease=settings.polish_iterations > 0)
     flips = (int(flipped(nodes, faces, goal).sum()), int(flipped(x, faces, goal).sum()))
     crossings = (len(self_intersections(nodes, faces)), len(self_intersections(x, faces)))
-    depth = body_depth(x, faces, distance)
+    depth = penetration_depth(x, faces, body.vertices, body.faces)
     hooks.progress("deform", 1.0, "done")
     return Deformation(
         nodes=x,

@@ -20,6 +20,9 @@ arm and trunk), a second row of n values follows the first: shapes [m] and [m, 3
 UNDO_ROUNDS = 12
 """Rounds in which steps that cross are undone: an undone node may cross a neighbour that moved on."""
 
+HALVINGS = 3
+"""Rounds in which they are halved at first, and rounds in which they are undone altogether at last."""
+
 
 @dataclass(frozen=True)
 class Threads:
@@ -221,6 +224,7 @@ def follow(
     ride: np.ndarray | None = None,
     apart: bool = False,
     centres: bool = False,
+    creep: bool = False,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Move cloth for some steps and give its nodes [m] and velocities [m/s], each of shape [node_count, 3].
 
@@ -239,6 +243,7 @@ def follow(
         ride: Displacement [m] that the first step begins with, shape [node_count, 3]: what the body carries along.
         apart: Keep layers of cloth apart too.
         centres: Keep the centres of faces out of the body too.
+        creep: Let layers that would cross move by the room they have; else their steps are undone.
     """
     x = np.array(nodes, dtype=np.float64)
     v = np.zeros_like(x) if velocities is None else np.array(velocities, dtype=np.float64)
@@ -252,14 +257,15 @@ def follow(
         v[:, 1] -= settings.dt * gravity * (weight > 0)
         start = before if ride is None or step else before + ride
         x = start + _limited(settings.dt * v, settings.travel)
-        spaces = HalfSpaces.none()
+        layers = HalfSpaces.none()
         if apart:
-            spaces = find_layers(before, threads.faces, threads.edges, crossed, settings.gap, settings.reach)
+            layers = find_layers(before, threads.faces, threads.edges, crossed, settings.gap, settings.reach)
         contact, normal, offset = _planes(lookup, x, settings)
         if apart:
             offset = np.minimum(offset, (normal * x[contact]).sum(1) + settings.push)
+        spaces = layers
         if centres:
-            spaces = spaces.joined(_face_planes(lookup, x, threads.faces, settings))
+            spaces = layers.joined(_face_planes(lookup, x, threads.faces, settings))
         press = _sweep(
             x, threads.ends, threads.lengths, threads.stiffness, weight, contact, normal, offset,
             spaces.corners, spaces.weights, spaces.normals, spaces.offsets, settings.sweeps,
@@ -268,7 +274,8 @@ def follow(
             _rub(x, start, contact, normal, settings.friction * press)
         x = start + _limited(x - start, 3 * settings.travel)
         if apart:
-            crossed = undo_crossings(x, before, threads.faces, crossed)
+            room = layers.room(before, settings.reach) if creep else None
+            crossed = undo_crossings(x, before, threads.faces, crossed, room)
         v = (x - start) / settings.dt * (1.0 - settings.damping)
         if apart:
             v[contact[press > 0.25 * settings.thickness]] = 0.0
@@ -304,8 +311,21 @@ def _face_planes(lookup: Lookup | None, points: np.ndarray, faces: np.ndarray, s
     return HalfSpaces(corners, weights, normal, offset - 0.75 * settings.thickness)
 
 
-def undo_crossings(nodes: np.ndarray, before: np.ndarray, faces: np.ndarray, crossed: np.ndarray) -> np.ndarray:
-    """Take, in place, the nodes of faces that have crossed in a step back to where they were; give those that cross."""
+def undo_crossings(
+    nodes: np.ndarray, before: np.ndarray, faces: np.ndarray, crossed: np.ndarray, room: np.ndarray | None = None
+) -> np.ndarray:
+    """Shorten, in place, the moves of the nodes of faces that have crossed in a step; give the faces that cross.
+
+    They are halved, and where that is not enough, cut to the room that each node has: then what was apart stays so,
+    and a bundle of layers still moves, if slowly. Undone altogether, a bundle that jams once would jam for good.
+
+    Args:
+        nodes: Positions after the step [m], shape [node_count, 3].
+        before: Positions before it.
+        faces: Shape [face_count, 3].
+        crossed: Faces that crossed before.
+        room: Distance that each node may move and cross nothing [m], shape [node_count]; zero where None.
+    """
     found = self_intersections(nodes, faces)
     for turn in range(UNDO_ROUNDS):
         fresh = np.setdiff1d(found, crossed)
@@ -314,7 +334,14 @@ def undo_crossings(nodes: np.ndarray, before: np.ndarray, faces: np.ndarray, cro
         back = np.unique(faces[fresh])
         if turn > 3 and np.array_equal(nodes[back], before[back]):
             break  # nothing is left to be undone
-        nodes[back] = before[back] + (0.5 if turn < 3 else 0.0) * (nodes[back] - before[back])
+        move = nodes[back] - before[back]
+        if turn < HALVINGS:
+            move *= 0.5
+        elif room is None or turn >= UNDO_ROUNDS - HALVINGS:
+            move *= 0.0
+        else:
+            move *= np.minimum(1.0, room[back] / np.maximum(np.linalg.norm(move, axis=1), 1e-12))[:, None]
+        nodes[back] = before[back] + move
         found = self_intersections(nodes, faces)
     return found
 

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+SHARE = 0.45
+"""Share of the distance between two layers by which both may move: less than half."""
+
 
 @dataclass(frozen=True)
 class HalfSpaces:
@@ -28,6 +31,20 @@ class HalfSpaces:
     def none(cls) -> HalfSpaces:
         """Give no constraints."""
         return cls(np.zeros((0, 4), np.int64), np.zeros((0, 4)), np.zeros((0, 3)), np.zeros(0))
+
+    def room(self, nodes: np.ndarray, reach: float) -> np.ndarray:
+        """Give how far each node may move and cross nothing [m], shape [node_count].
+
+        Two layers at a distance that both move by less than half of it do not meet.
+
+        Args:
+            nodes: Positions [m] at which these constraints, of pairs nearer than the reach, were found.
+            reach: Distance up to which they were looked for [m].
+        """
+        between = np.einsum("cd,ck,ckd->c", self.normals, self.weights, nodes[self.corners])
+        nearest = np.full(len(nodes), reach)
+        np.minimum.at(nearest, self.corners.reshape(-1), np.repeat(between, 4))
+        return SHARE * nearest
 
     def joined(self, other: HalfSpaces) -> HalfSpaces:
         """Give these constraints and then the others."""

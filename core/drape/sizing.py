@@ -8,6 +8,7 @@ from scipy.ndimage import uniform_filter1d
 from ..body import Body, rest_body
 from ..pattern import BodyMeasures, Pattern, draft_template
 from .dress import convex_girth
+from .stance import crotch_height
 
 STEP = 0.01
 """Distance of the heights at which girths are taken [m]: the spacing of the body's vertices."""
@@ -44,7 +45,7 @@ def measure_wearer(body: Body) -> BodyMeasures:
     off = np.abs(rest.vertices[:, 0] - centre)
     heights = rest.vertices[:, 1]
     half = abs(shoulder[0] - centre)
-    crotch = float(heights[(off < STEP) & (heights > 0.5 * rest.joint("pelvis")[1])].min())
+    crotch = crotch_height(rest)
     root = (np.abs(off - half - ARM_ROOT) < STEP) & (heights > rest.joint("spine3")[1])
     armpit = float(heights[root].min())
     seat = np.arange(crotch, rest.joint("pelvis")[1], STEP)

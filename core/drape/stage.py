@@ -158,7 +158,7 @@ def _dress(
         stand.rest,
         look_up(stand.rest_grid),
         waist_height=None if target is None else waist_height(target, stand.body),
-        settings=settings,
+        settings=settings if target is None else replace(settings, iron=False),
         hooks=hooks,
         threads=threads,
     )

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import signed_distance
+from garmentq.core.body import BodySurface, signed_distance
 from garmentq.core.simulate import push_out
 
 
@@ -44,3 +44,16 @@ def test_clear_cloth_is_untouched(ball, sheet):
     flat, faces = sheet(5, 5, 0.1, 0.1)
     points = np.column_stack([flat, np.full(25, 0.08)])
     assert np.array_equal(push_out(points, ball, faces), points)
+
+
+def test_points_in_a_crease_leave_both_parts() -> None:
+    """Breaks where a point between two parts is pushed from one into the other and back until the rounds end."""
+    one, other = (trimesh.creation.icosphere(4, 0.1) for _ in range(2))
+    other.apply_translation([0.12, 0.0, 0.0])
+    both = trimesh.util.concatenate([one, other])
+    skin = BodySurface(np.array(both.vertices), np.array(both.faces))
+    turn = np.linspace(0.0, 2.0 * np.pi, 40)
+    points = np.column_stack([0.06 + 0.01 * np.sin(5 * turn), 0.05 * np.cos(turn), 0.05 * np.sin(turn)])
+    moved = push_out(points, skin)
+    assert skin.measure(points)[0].max() < -0.01
+    assert skin.measure(moved)[0].min() > 0.0

@@ -1,0 +1,58 @@
+"""Lay the legs of a garment along the wearer's, however far apart the wearer stands."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+
+from ..body import Body
+
+ACROSS = 0.01
+"""Distance from the middle within which the crotch is looked for [m]: the spacing of the body's vertices."""
+
+
+def crotch_height(body: Body) -> float:
+    """Give the height of the crotch of a body in its T-pose [m]: the lowest skin in the middle, above the knees."""
+    pelvis = body.joint("pelvis")
+    middle = np.abs(body.vertices[:, 0] - pelvis[0]) < ACROSS
+    heights = body.vertices[middle & (body.vertices[:, 1] > 0.5 * pelvis[1]), 1]
+    return float(heights.min()) if len(heights) else 0.5 * float(pelvis[1])
+
+
+def spread_legs(nodes: np.ndarray, faces: np.ndarray, body: Body) -> np.ndarray:
+    """Shear the legs of flattened panels sideways until they slope as the body's do; give the nodes [m], [n, 3].
+
+    They are sheared from the middle of the thighs down; above, a low crotch joins them. Drafts hang straight down. On
+    legs that stand apart the outer seam of a narrow leg would start nearer to the inner side of the ankle, and be
+    pushed out there: both seams on one side of the foot.
+
+    Args:
+        nodes: Positions [m], shape [n, 3], in the body's place.
+        faces: Shape [face_count, 3].
+        body: The body in its T-pose, facing +z.
+    """
+    centre = body.joint("pelvis")[0]
+    top = 0.5 * (crotch_height(body) + body.joint("left_knee")[1])
+    below = nodes[:, 1] < top
+    sides = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    sides = sides[below[sides].all(axis=1)]
+    links = sparse.csr_matrix((np.ones(len(sides)), sides.T), shape=(len(nodes), len(nodes)))
+    _, part = sparse.csgraph.connected_components(links, directed=False)
+    names, sizes = np.unique(part[below], return_counts=True)
+    largest = [part == name for name in names[np.argsort(-sizes, kind="stable")[:2]]]
+    shift = np.zeros(len(nodes))
+    found = set()
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        joints = np.array([body.joint(f"{side}_{name}") for name in ("ankle", "knee", "hip")])
+        for leg in largest:
+            x, drop = nodes[leg, 0], top - nodes[leg, 1]
+            if sign * (x.mean() - centre) < 0.25 * (x.max() - x.min()) or drop.max() < ACROSS:
+                continue  # not this side's: a skirt's middle is the wearer's
+            found.add(side)
+            slope = np.polyfit(drop, x, 1)[0]
+            worn = np.interp(nodes[leg, 1], joints[:, 1], joints[:, 0])
+            shift[leg] = worn - np.interp(top, joints[:, 1], joints[:, 0]) - slope * drop
+    if len(found) == 2:
+        nodes = nodes.copy()
+        nodes[:, 0] += shift
+    return nodes

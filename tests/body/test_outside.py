@@ -1,0 +1,40 @@
+"""The outside of bodies whose parts run into each other."""
+
+from __future__ import annotations
+
+import numpy as np
+import trimesh
+from garmentq.core.body import BodySurface
+
+
+def two_balls() -> tuple[np.ndarray, np.ndarray]:
+    """Give two balls of 10 cm, their centres 12 cm apart: their creases lie 8 cm from the axis."""
+    one, other = (trimesh.creation.icosphere(4, 0.1) for _ in range(2))
+    other.apply_translation([0.12, 0.0, 0.0])
+    both = trimesh.util.concatenate([one, other])
+    return np.array(both.vertices), np.array(both.faces)
+
+
+def test_the_way_out_leads_past_swallowed_skin() -> None:
+    """Breaks where a point is sent to the skin of one part that lies inside the other, or creases are cut coarsely."""
+    vertices, faces = two_balls()
+    points = np.array([[0.06, 0.0, 0.0], [0.06, 0.03, 0.0], [-0.05, 0.0, 0.0], [-0.12, 0.0, 0.0], [0.06, 0.09, 0.0]])
+    for turned in (faces, faces[:, ::-1]):
+        skin = BodySurface(vertices, turned)
+        distance, way = skin.measure(points)
+        # in the hollow 1 cm above the crease the skin of each ball is sqrt(6^2 + 9^2) - 10 cm away
+        np.testing.assert_allclose(distance, [-0.08, -0.05, -0.05, 0.02, np.hypot(0.06, 0.09) - 0.1], atol=1e-3)
+        assert way[1] @ [0.0, 1.0, 0.0] > 0.99
+        assert skin.contains(points).tolist() == [True, True, True, False, False]
+        assert np.linalg.norm(skin.vertices[skin.faces].mean(axis=1)[:, 1:], axis=1).max() < 0.1 + 1e-6
+    radius = np.linalg.norm(skin.vertices[skin.faces] - [0.12, 0.0, 0.0], axis=2)
+    from_first = np.linalg.norm(skin.vertices[skin.faces], axis=2)
+    assert np.minimum(radius, from_first).min() > 0.094  # a part of a face at the crease, never one across it
+
+
+def test_a_sheet_is_all_outside() -> None:
+    """Breaks where a mesh that encloses nothing loses its faces, or no points are asked for."""
+    vertices, faces = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), np.array([[0, 2, 1]])
+    skin = BodySurface(vertices, faces)
+    assert skin.measure(np.array([[0.2, 0.3, 0.2]]))[0][0] == 0.3
+    assert skin.measure(np.zeros((0, 3)))[1].shape == (0, 3)
