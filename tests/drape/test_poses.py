@@ -19,6 +19,7 @@ from garmentq.core.drape import (
 from garmentq.core.drape.stage import look_up
 from garmentq.core.measure import self_intersections
 from garmentq.core.pattern import Garment, list_templates, load_template, mesh_pattern
+from garmentq.core.simulate import push_out
 
 NODES = 350
 """Edges of 5 cm: the coarsest at which a sleeve still is a tube."""
@@ -76,10 +77,17 @@ def depth(nodes: np.ndarray, garment: Garment, skin: BodySurface) -> float:
 @pytest.mark.parametrize("gender", sorted(STATURES))
 @pytest.mark.parametrize("name", NAMES)
 def test_template_hangs_in_the_t_pose(name: str, gender: str) -> None:
-    """Breaks if dressing crumples a fork through itself, or leaves both seams of a leg on one side of the ankle."""
+    """Breaks if dressing crumples a fork through itself, or leaves both seams of a leg on one side of the ankle.
+
+    Nodes are out of the body as they hang; the middles of 5 cm edged faces that span a bust are pushed out at the end.
+    """
     garment, _, _, nodes = worn(name, gender)
+    skin = outside(gender, "T")
     assert tangled(nodes, garment) == 0
-    assert depth(nodes, garment, outside(gender, "T")) <= 1e-3
+    assert skin.measure(nodes)[0].min() >= -1e-3
+    nodes = push_out(nodes, skin, garment.faces)
+    assert tangled(nodes, garment) == 0
+    assert depth(nodes, garment, skin) <= 1e-3
 
 
 @pytest.mark.slow
