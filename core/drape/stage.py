@@ -103,6 +103,7 @@ def drape_template(
     stand: Stand,
     target: Target | None = None,
     *,
+    carry: bool = False,
     settings: DrapeSettings = DrapeSettings(),
     hooks: Hooks = SILENT,
 ) -> Garment:
@@ -116,6 +117,8 @@ def drape_template(
         pattern: The base pattern.
         stand: The wearer.
         target: Says where the waist sits, or None for the body's own waist.
+        carry: Carry what hangs from a target's waist with the skin, too. Skinned instead, which does for a start of
+            grading and takes a second less, cloth between the legs can be pinched.
         settings: Resolution and steps.
         hooks: Progress and cancellation.
 
@@ -130,15 +133,15 @@ def drape_template(
     freely = replace(settings.dress, outline=False)
     once = settings.dress.outline
     # The way into the pose is long, so what is lost is looked for before it; what hangs from the waist is only skinned.
-    carried = target is None or waist_loop(garment) is None
+    carried = carry or target is None or waist_loop(garment) is None
     if once and carried and (kept := _openings(hung, garment, stand.rest)) < loops:
         # On bodies of loose parts (mannequins) a seam can be pushed along an arm: an opening then goes round nothing.
         freed, once = _dress(garment, threads, stand, target, freely, hooks), False
         hung = freed if _openings(freed, garment, stand.rest) > kept else hung
-    worn = _take_pose(garment, threads, hung, stand, target, settings, hooks)
+    worn = _take_pose(garment, threads, hung, stand, target, carry, settings, hooks)
     if once and len(worn.contours) < loops:
         hung = _dress(garment, threads, stand, target, freely, hooks)
-        again = _take_pose(garment, threads, hung, stand, target, settings, hooks)
+        again = _take_pose(garment, threads, hung, stand, target, carry, settings, hooks)
         worn = again if len(again.contours) > len(worn.contours) else worn
     lost = settings.dress.outline and len(worn.contours) < loops
     return name_as_placed(worn, stand.rest) if lost else worn
@@ -170,6 +173,7 @@ def _take_pose(
     nodes: np.ndarray,
     stand: Stand,
     target: Target | None,
+    carry: bool,
     settings: DrapeSettings,
     hooks: Hooks,
 ) -> Garment:
@@ -178,11 +182,11 @@ def _take_pose(
     body = stand.body
     waist = waist_loop(garment)
     wanted = None if target is None else target.contour("waist")
-    if waist is None or target is None:
+    if waist is None or target is None or carry:
         nodes, _ = take_pose(threads, nodes, stand.way, look_up(stand.grid), held=waist)
-    else:
-        # What hangs from the waist is tied to the scan's, and starts the grading as the T-pose left it.
+    else:  # skinned, it starts the grading as the T-pose left it, pinched between the legs here and there
         nodes = skin(nodes, weights_at(body, nodes, rest=True), body.transforms)
+    if waist is not None and target is not None:
         if wanted is not None:
             nodes[waist] = tie_contour(nodes[waist], target.vertices[wanted.vertices])
         nodes, _ = follow(
@@ -297,6 +301,6 @@ def redrape(
     Returns:
         Nodes at rest [m], shape [node_count, 3], outside the wearer's exact mesh, and the drape with its residual.
     """
-    worn = drape_template(garment.pattern, stand, target, settings=settings, hooks=hooks)
+    worn = drape_template(garment.pattern, stand, target, carry=True, settings=settings, hooks=hooks)
     draped, drape = drape_graded(worn, stand, fabric, target, mesh=garment, spin=spin, settings=settings, hooks=hooks)
     return draped.nodes, drape

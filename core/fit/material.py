@@ -57,7 +57,7 @@ def fit_bending(
     with a measure that does not ask where the folds are cannot get caught.
 
     Returns:
-        The fabric with the found k, and what is known of it.
+        The fabric with the found k, or as it was given where the drape does not tell k; and what is known of it.
     """
     settings = settings or MaterialSettings()
     fabric = problem.fabric
@@ -99,15 +99,19 @@ def fit_bending(
     value, std = _moments(fine, cost(fine))
     std = max(std, settings.least_std)
     identified = std < _EVEN * spread
+    if not identified:
+        note = (
+            f"not identifiable, the given fabric's: one drape leaves it open by a factor {np.exp(std):.1f} either way"
+        )
+        return fabric, FabricEstimate("k", fabric.k, std, spread, False, note)
     k = fabric.density * float(np.exp(value))
     bound = "" if low + std < value < high - std else ", at the end of the range that was searched"
-    kind = "fitted" if identified else "not identifiable, mostly the library's"
-    note = f"{kind}: ratio to the assumed weight, within a factor {np.exp(std):.1f} (one standard deviation){bound}"
+    note = f"fitted: ratio to the assumed weight, within a factor {np.exp(std):.1f} (one standard deviation){bound}"
     title = f"{fabric.title or fabric.name}, bending found from the scan"
     found = replace(
         fabric, title=title, k=k, sources=(*(pair for pair in fabric.sources if pair[0] != "k"), ("k", note))
     )
-    return found, FabricEstimate("k", k, std, spread, identified, note)
+    return found, FabricEstimate("k", k, std, spread, True, note)
 
 
 def _moments(fine: np.ndarray, cost: np.ndarray) -> tuple[float, float]:
