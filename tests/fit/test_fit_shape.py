@@ -12,6 +12,7 @@ from garmentq.core.errors import Cancelled
 from garmentq.core.fit import (
     IsometrySettings,
     LockUnknown,
+    MaterialSettings,
     RegisteredLoss,
     ShapeProblem,
     ShapeSettings,
@@ -266,6 +267,14 @@ def test_bending_is_found_on_another_mesh(scene: Scene) -> None:
     assert abs(np.log(fabric.k / stiff.k)) < np.log(1.5)
     assert estimate.identifiable
     assert estimate.std < 0.5 * estimate.prior_std
+
+
+def test_bending_that_a_drape_does_not_tell_stays_as_given(scene: Scene) -> None:
+    """Breaks where a guess that the drape does not support goes into the simulation: a T-shirt as stiff as a tube."""
+    unsure = MaterialSettings(values=3, least_std=10.0)
+    fabric, estimate = fit_bending(state(scene), unsure)
+    assert fabric == scene.fabric
+    assert not estimate.identifiable and estimate.value == scene.fabric.k and estimate.std >= 10.0
 
 
 def test_what_a_drape_does_not_tell_is_said(scene: Scene) -> None:
