@@ -12,7 +12,7 @@ from .contact import contact
 from .fabric import Fabric
 from .friction import Friction, friction
 from .hold import Hold
-from .hysteresis import SLIP, Hysteresis
+from .hysteresis import Hysteresis, list_grip
 from .membrane import membrane
 from .settings import GRAVITY, SimulateSettings
 from .topology import Topology
@@ -151,13 +151,6 @@ class Energy:
             )
         )
 
-    def _grip(self) -> tuple[np.ndarray, np.ndarray, float]:
-        """Give the angles, moments and slip of the internal friction; moments of zero where there is none."""
-        held = self.hysteresis
-        if held is None:
-            return self.topology.hinge_rest, np.zeros(len(self.topology.hinges)), SLIP
-        return held.angles, held.moments, held.slip
-
     def _evaluate(self, nodes: np.ndarray, order: int, exact: bool) -> tuple[float, np.ndarray, np.ndarray]:
         topology, fabric = self.topology, self.fabric
         nodes = np.ascontiguousarray(nodes, dtype=np.float64)
@@ -182,7 +175,7 @@ class Energy:
             topology.hinge_scale,
             topology.hinge_rest,
             fabric.k,
-            *self._grip(),
+            *list_grip(topology, self.hysteresis),
             order,
             exact,
             topology.hinge_slots,

@@ -49,6 +49,13 @@ def hold_folds(topology: Topology, nodes: np.ndarray, moment: float = MOMENT) ->
     return Hysteresis(measure_angles(topology, nodes), moment * lengths)
 
 
+def list_grip(topology: Topology, held: Hysteresis | None = None) -> tuple[np.ndarray, np.ndarray, float]:
+    """Give angles, moments and slip as `bending` takes them: moments of zero where there is no internal friction."""
+    if held is None:
+        return topology.hinge_rest, np.zeros(len(topology.hinges)), SLIP
+    return held.angles, held.moments, held.slip
+
+
 def measure_angles(topology: Topology, nodes: np.ndarray) -> np.ndarray:
     """Give the angle between the normals of each hinge's faces [rad], signed as in `bending`, shape [hinge_count]."""
     start, end, first, second = (nodes[topology.hinges[:, n]] for n in range(4))

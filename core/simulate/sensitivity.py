@@ -10,6 +10,7 @@ from scipy.sparse import csr_matrix
 from .bending import bending
 from .energy import Energy
 from .fabric import Fabric
+from .hysteresis import list_grip
 from .membrane import membrane
 from .topology import Topology
 
@@ -129,7 +130,7 @@ def fabric_forces(energy: Energy, nodes: np.ndarray) -> np.ndarray:
                  topology.face_slots, gradient, none)  # fmt: skip
         found[:, :, n] = gradient
     gradient = np.zeros_like(nodes)
-    bending(nodes, topology.hinges, topology.hinge_scale, topology.hinge_rest, 1.0, *_free(topology), 1, True,
+    bending(nodes, topology.hinges, topology.hinge_scale, topology.hinge_rest, 1.0, *list_grip(topology), 1, True,
             topology.hinge_slots, gradient, none)  # fmt: skip
     found[:, :, 4] = gradient
     found[:, :, 5] = _acceleration(energy, nodes) * topology.node_areas[:, None]
@@ -158,14 +159,9 @@ def _unit_folds(energy: Energy, nodes: np.ndarray) -> np.ndarray:
     apart = np.ascontiguousarray(nodes[topology.hinges].reshape(-1, 3))
     gradient = np.zeros_like(apart)
     own = np.arange(4 * count).reshape(count, 4)
-    bending(apart, own, np.ones(count), topology.hinge_rest, 1.0, *_free(topology), 1, True,
+    bending(apart, own, np.ones(count), topology.hinge_rest, 1.0, *list_grip(topology), 1, True,
             topology.hinge_slots, gradient, np.zeros((0, 3, 3)))  # fmt: skip
     return gradient.reshape(count, 4, 3)
-
-
-def _free(topology: Topology) -> tuple[np.ndarray, np.ndarray, float]:
-    """Give what `bending` takes where there is no internal friction: the fabric's own share is asked for."""
-    return topology.hinge_rest, np.zeros(len(topology.hinges)), 1.0
 
 
 def _acceleration(energy: Energy, nodes: np.ndarray) -> np.ndarray:
