@@ -5,7 +5,8 @@ from .contours import name_contours
 from .garment import NoContour, PartMissing, segment_garment
 from .inspect import Inspection, inspect_file
 from .loop import find_loops, resample_loop, smooth_loop, smoothed_length
-from .noise import flatten_spikes, smooth_noise
+from .noise import smooth_noise
+from .spikes import flatten_spikes
 from .target import CATEGORIES, CONTOUR_NAMES, Contour, Target
 
 __all__ = [

@@ -10,7 +10,8 @@ from ..scan import Scan, vertex_normals
 from .category import choose_category
 from .contours import name_contours
 from .loop import smoothed_length
-from .noise import flatten_spikes, smooth_noise
+from .noise import smooth_noise
+from .spikes import flatten_spikes
 from .target import Contour, Target
 
 
