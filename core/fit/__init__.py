@@ -10,6 +10,7 @@ from .losses import ChamferLoss, ContourLoss, PanelLoss, PlaneLoss, RangeLoss, R
 from .material import fit_bending, folding, nearest_fabrics, posterior, ratio_prior
 from .settings import MaterialSettings, ShapeSettings
 from .shape import ShapeFit, ShapeProblem, fit_shape, keep_seams
+from .wearer import is_estimated, raise_wearer
 
 __all__ = [
     "ChamferLoss",
@@ -38,10 +39,12 @@ __all__ = [
     "fit_pattern",
     "fit_shape",
     "folding",
+    "is_estimated",
     "keep_held",
     "keep_seams",
     "move_pattern",
     "nearest_fabrics",
     "posterior",
+    "raise_wearer",
     "ratio_prior",
 ]

@@ -20,6 +20,7 @@ from .material import fit_bending, nearest_fabrics, posterior, state_density
 from .settings import ShapeSettings
 from .shape import ShapeFit, ShapeProblem, fit_shape
 from .stand import hold_waist, stand_pattern
+from .wearer import is_estimated, raise_wearer
 
 if TYPE_CHECKING:
     from ..simulate import Spin
@@ -107,6 +108,10 @@ def fit_pattern(
     count = min(settings.vertices, len(registered))
     coarse = stand_pattern(refitted.pattern, count, refitted, registered, stand.body)
     problem = ShapeProblem.of(coarse, like, soften(fabric), stand.grid, hold_waist(coarse), settings, held, spin)
+    if is_estimated(stand.body):
+        hooks.progress("fit", 0.3, "raising the body to where the cloth rests on it")
+        holding = replace(problem, hysteresis=hold_folds(problem.topology, coarse.nodes))
+        problem = replace(problem, grid=raise_wearer(holding, hooks))
     estimates: tuple[FabricEstimate, ...] = ()
     if "fabric" not in locks:
         found, bending = fit_bending(problem, hooks=hooks)
@@ -121,7 +126,7 @@ def fit_pattern(
     hooks.progress("fit", 0.9, "draping the recovered pattern")
     topology = Topology.from_garment(recovered)
     drape = equilibrium(
-        topology, soften(fabric), registered, grid=stand.grid, hold=hold_waist(recovered), spin=spin,
+        topology, soften(fabric), registered, grid=problem.grid, hold=hold_waist(recovered), spin=spin,
         hysteresis=hold_folds(topology, registered), hooks=hooks,
     )  # fmt: skip
     if not drape.converged:
