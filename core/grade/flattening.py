@@ -11,6 +11,17 @@ from scipy.sparse.linalg import splu
 
 from ..pattern import Garment, Panel, Pattern, edge_length, find_symmetry, map_controls, panel_area
 
+SHORT = 0.01
+"""Length of an edge below which it is what a drawing program leaves between two corners [m]: half of a mesh's edge, so
+no cloth lies along it that could tell its size. Free, edges of 1 mm between darts turn over, and nothing is graded."""
+
+SHORT_SPREAD = 1e-4
+"""Standard deviation of the vector along a short edge [m]: it is not graded at all."""
+
+DART_SPREAD = 0.1
+"""The same of the vector across a dart's mouth, as a share of its width: darts are drawn for the body, and published
+patterns graded in ease and length keep theirs to the millimetre. Free, a narrow one closes and its sides cross."""
+
 
 @dataclass(frozen=True)
 class FlatteningSettings:
@@ -20,6 +31,8 @@ class FlatteningSettings:
         rounds: Alternations of rotations and control points; panels turn little, so that 12 settle to 0.1 mm.
         keep: Pull of the control points to where they were, as a share of the panels' stiffness; it only fixes what
             the stretch leaves free (a panel's place and turn).
+        keep_vectors: The same pull on each of `kept_vectors`: one standard deviation costs as much as a square metre
+            strained by 1 %.
         stretch_limit: Stretches beyond this factor, either way, come from bad triangles and are clipped.
         least_strain, most_strain: Principal stretches that the target's cloth is believed to have, as the template's:
             woven cloth hangs within 3 %; a coarse mesh hides up to a tenth in wrinkles, on both garments alike.
@@ -29,6 +42,7 @@ class FlatteningSettings:
 
     rounds: int = 12
     keep: float = 1e-4
+    keep_vectors: float = 1e-4
     stretch_limit: float = 4.0
     least_strain: float = 0.90
     most_strain: float = 1.03
@@ -135,14 +149,15 @@ def fit_control_points(garment: Garment, stretch: np.ndarray, settings: Flatteni
     symmetry = find_symmetry(pattern)
     free, offset = symmetry.matrix.toarray(), symmetry.offset
     start = pattern.points
-    keep = settings.keep * float(np.trace(flat.reduced)) / start.size
-    system = flat.reduced + keep * np.eye(start.size)
+    vectors, stiff = kept_vectors(pattern), float(np.trace(flat.reduced)) / start.size
+    held = stiff * (settings.keep * np.eye(start.size) + settings.keep_vectors * vectors.T @ vectors)
+    system = flat.reduced + held
     points, turned = start, stretch
     for _ in range(settings.rounds):
         # The wanted map's rows are where x and y go; the gradient wants d/dx and d/dy of both.
         load = flat.gradient.T @ (flat.weight[:, None] * np.swapaxes(turned, 1, 2).reshape(-1, 2))
         inner = flat.factor.solve(load[flat.inner])
-        right = flat.follow.T @ load.ravel() - flat.border.T @ inner.ravel() + keep * start.ravel()
+        right = flat.follow.T @ load.ravel() - flat.border.T @ inner.ravel() + held @ start.ravel()
         rows = seam_rows(pattern, points)
         effective = solve_sewn(free.T @ system @ free, free.T @ (right - system @ offset), rows @ free, -rows @ offset)
         points = symmetry.expand(effective)
@@ -176,6 +191,30 @@ def seam_rows(pattern: Pattern, points: np.ndarray) -> np.ndarray:
             row[a] -= pull
         rows.append(row.ravel())
     return np.array(rows).reshape(-1, points.size)
+
+
+def kept_vectors(pattern: Pattern) -> np.ndarray:
+    """Give the vectors that grading keeps, x and y, each in standard deviations, by the points [1/m].
+
+    Those along edges shorter than `SHORT` and across the mouths of darts: two edges of a panel that meet and are sewn
+    to each other. Shape [2 count, 2 point_count].
+    """
+    rows = []
+    for panel, first in zip(pattern.panels, pattern.point_starts, strict=False):
+        count = len(panel.points)
+        ends = [(i, (i + 1) % count, SHORT_SPREAD) for i in range(count) if edge_length(panel, i) < SHORT]
+        for seam in pattern.seams:
+            for one, other in ((seam.a, seam.b), (seam.b, seam.a)):
+                if one.panel == other.panel == panel.name and other.edge == (one.edge + 1) % count:
+                    start, end = one.edge, (one.edge + 2) % count
+                    width = float(np.linalg.norm(panel.points[end] - panel.points[start]))
+                    ends.append((start, end, max(DART_SPREAD * width, SHORT_SPREAD)))
+        for start, end, spread in ends:
+            for axis in range(2):
+                row = np.zeros((len(pattern.points), 2))
+                row[first + end, axis], row[first + start, axis] = 1.0 / spread, -1.0 / spread
+                rows.append(row.ravel())
+    return np.array(rows).reshape(-1, 2 * len(pattern.points))
 
 
 def solve_sewn(system: np.ndarray, right: np.ndarray, rows: np.ndarray, sums: np.ndarray) -> np.ndarray:

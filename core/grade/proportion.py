@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..pattern import EdgeRef, Pattern, edge_length, panel_area
+from .flattening import SHORT, kept_vectors
+from .parts import count_seams
 
 ALIKE = 0.6
 """Least ratio of areas of panels that belong together; backs are up to 1.5 times their fronts (trousers)."""
@@ -43,7 +44,9 @@ class Proportions:
         areas: ln of the area of the first by that of the second, shape [sister_count].
         edges: Edges in the same place of two sisters, neither sewn to the other.
         lengths: ln of the length of the first by that of the second, shape [edge_pair_count].
-        directed: Edges whose direction is kept: all but the seams between sisters, whose taper makes the girth.
+        vectors: Vectors along short edges and across darts, as `kept_vectors` gives them, shape [k, 2 point_count].
+        drawn: Those of the base pattern, in standard deviations, shape [k].
+        directed: Longer edges whose direction is kept: all but the seams between sisters, whose taper makes the girth.
         across: Unit vector across the chord of each, shape [directed_count, 2].
         spread: Standard deviation of its direction [rad], shape [directed_count].
     """
@@ -52,6 +55,8 @@ class Proportions:
     areas: np.ndarray
     edges: tuple[tuple[EdgeRef, EdgeRef], ...]
     lengths: np.ndarray
+    vectors: np.ndarray
+    drawn: np.ndarray
     directed: tuple[EdgeRef, ...]
     across: np.ndarray
     spread: np.ndarray
@@ -82,8 +87,9 @@ class Proportions:
             row[end], row[start] = trust * scaled, -trust * scaled
             missing.append(-trust * angle)
             rates.append(row)
-        count = 2 * len(pattern.points)
-        return np.array(missing), np.array([rate.ravel() for rate in rates]).reshape(-1, count)
+        missing += list(self.drawn - self.vectors @ pattern.points.ravel())
+        others = np.array([rate.ravel() for rate in rates]).reshape(-1, 2 * len(pattern.points))
+        return np.array(missing), np.concatenate([others, self.vectors])
 
 
 def find_proportions(like: Pattern) -> Proportions:
@@ -94,7 +100,7 @@ def find_proportions(like: Pattern) -> Proportions:
     cloth's shape tell a hem that is cut a little askew, or where an armhole lies that fits its sleeve's cap like a
     piece of a puzzle; who grades a pattern keeps their directions, and hems along the thread.
     """
-    seams = Counter(tuple(sorted((s.a.panel, s.b.panel))) for s in like.seams if s.a.panel != s.b.panel)
+    seams = count_seams(like)
     sisters, areas, edges = [], [], []
     for (first, second), count in sorted(seams.items()):
         ratio = panel_area(like.panel(first)) / panel_area(like.panel(second))
@@ -104,7 +110,11 @@ def find_proportions(like: Pattern) -> Proportions:
             edges += _same_place(like, first, second)
     lengths = [float(np.log(_length(like, a) / _length(like, b))) for a, b in edges]
     directed, across, spread = _directions(like, {frozenset(pair) for pair in sisters})
-    return Proportions(tuple(sisters), np.array(areas), tuple(edges), np.array(lengths), directed, across, spread)
+    vectors = kept_vectors(like)
+    drawn = vectors @ like.points.ravel()
+    return Proportions(
+        tuple(sisters), np.array(areas), tuple(edges), np.array(lengths), vectors, drawn, directed, across, spread
+    )
 
 
 def _directions(like: Pattern, sisters: set[frozenset[str]]) -> tuple[tuple[EdgeRef, ...], np.ndarray, np.ndarray]:
@@ -117,7 +127,7 @@ def _directions(like: Pattern, sisters: set[frozenset[str]]) -> tuple[tuple[Edge
         warp = np.array([-np.sin(panel.grainline), np.cos(panel.grainline)])
         for i, edge in enumerate(panel.edges):
             ref = EdgeRef(panel.name, i)
-            if ref in between:
+            if ref in between or edge_length(panel, i) < SHORT:
                 continue
             chord = panel.points[(i + 1) % len(panel.points)] - panel.points[i]
             chord = chord / np.linalg.norm(chord)

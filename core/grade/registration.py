@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass
 
 import igl
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from ..hooks import SILENT, Hooks
-from ..pattern import Garment, Pattern
+from ..pattern import Garment
 from ..segment import Target
+from .parts import find_parts
 
 
 @dataclass(frozen=True)
@@ -185,18 +184,6 @@ def bending_operators(garment: Garment, across: float = 1.0) -> tuple[sp.csr_mat
     parts, _ = _bending(garment.rest, vertex[garment.uv_faces], len(own))
     node = sp.csr_matrix((np.ones(len(own)), (np.arange(len(own)), own % len(garment.nodes))), (len(own), len(mass)))
     return sp.csr_matrix(across * sewn + (1.0 - across) * (node.T @ parts @ node)), mass
-
-
-def find_parts(pattern: Pattern) -> np.ndarray:
-    """Tell which panels are graded as one, as a number for each panel, shape [panel_count].
-
-    Panels that are sewn to each other along two seams or more, as a front and its back, share girth and height.
-    """
-    at = {panel.name: i for i, panel in enumerate(pattern.panels)}
-    sewn = Counter(tuple(sorted((at[seam.a.panel], at[seam.b.panel]))) for seam in pattern.seams)
-    pairs = np.array([pair for pair, count in sewn.items() if count >= 2], dtype=np.int64).reshape(-1, 2)
-    link = sp.csr_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (len(at), len(at)))
-    return np.asarray(connected_components(link, directed=False)[1])
 
 
 def _bending(corners: np.ndarray, faces: np.ndarray, count: int) -> tuple[sp.csr_matrix, np.ndarray]:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.grade.registration import bending_operators, find_parts
+from garmentq.core.grade import find_proportions
+from garmentq.core.grade.flattening import fit_control_points
+from garmentq.core.grade.parts import find_parts
+from garmentq.core.grade.registration import bending_operators
 from garmentq.core.pattern import Edge, EdgeRef, Garment, Panel, Pattern, Seam, mesh_pattern
 
 SIDE = 0.3
@@ -37,6 +40,43 @@ def test_a_front_and_its_back_are_one_part(garment):
     """Broken where one seam joins two parts, or two do not."""
     part = find_parts(garment.pattern)
     assert part[0] == part[1] != part[2] == part[3]
+
+
+@pytest.fixture(scope="module")
+def darted() -> Pattern:
+    """Sew a tube with a dart and an edge of 1 mm in the waist seam of front and back to a plain one below it."""
+    top = np.array(
+        [[0.0, 0.0], [0.12, 0.0], [0.15, 0.1], [0.18, 0.0], [0.181, 0.0], [0.3, 0.0], [0.3, 0.3], [0.0, 0.3]]
+    )
+    skirt = np.array([[0.0, 0.0], [0.239, 0.0], [0.239, 0.4], [0.12, 0.4], [0.0, 0.4]])
+    panels, seams = [], []
+    for side in ("front", "back"):
+        panels += [Panel(f"top_{side}", top, (Edge(),) * 8), Panel(f"skirt_{side}", skirt, (Edge(),) * 5)]
+        seams.append(Seam(EdgeRef(f"top_{side}", 1), EdgeRef(f"top_{side}", 2)))
+        seams += [Seam(EdgeRef(f"top_{side}", n), EdgeRef(f"skirt_{side}", m)) for n, m in ((0, 3), (4, 2))]
+    for part, right, left in (("top", 5, 7), ("skirt", 1, 4)):
+        for n, m in ((right, left), (left, right)):
+            seams.append(Seam(EdgeRef(f"{part}_front", n), EdgeRef(f"{part}_back", m)))
+    return Pattern("dress", tuple(panels), tuple(seams))
+
+
+def test_a_seam_that_darts_cut_into_edges_is_one(darted):
+    """Broken where edges are counted and not seams: top and skirt are then one part, and kept in proportion."""
+    part = find_parts(darted)
+    assert part[0] == part[2] != part[1] == part[3]
+
+
+def test_grading_keeps_darts_and_short_edges(darted):
+    """Broken where they are graded like cloth: they turn over on other garments, and nothing can be graded."""
+    garment = mesh_pattern(darted, 500)
+    points = fit_control_points(garment, np.tile(1.3 * np.eye(2), (len(garment.faces), 1, 1)))
+    graded = darted.with_points(points)
+    before, after = darted.panel("top_front").points, graded.panel("top_front").points
+    assert np.linalg.norm(after[4] - after[3]) == pytest.approx(1e-3, abs=5e-5)
+    assert np.linalg.norm(after[3] - after[1]) == pytest.approx(0.06, rel=0.1)
+    assert np.linalg.norm(after[6] - after[7]) == pytest.approx(1.3 * np.linalg.norm(before[6] - before[7]), rel=0.05)
+    missing, rates = find_proportions(darted).linearise(graded)
+    assert missing.shape == rates.shape[:1] and np.abs(find_proportions(darted).linearise(darted)[0]).max() < 1e-9
 
 
 def test_a_kink_is_free_between_parts_only(garment):
