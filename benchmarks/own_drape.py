@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 import trimesh
-from garmentq.core.body import builtin_body
+from garmentq.core.body import builtin_body, vertex_normals
 from garmentq.core.drape import Stand, drape_graded, drape_template
 from garmentq.core.measure import measure_panels, measure_recovery, read_packs, read_true_pattern
 from garmentq.core.pattern import (
@@ -34,7 +34,6 @@ from garmentq.core.pattern import (
 )
 from garmentq.core.pipeline import recover
 from garmentq.core.recovery import Request
-from garmentq.core.scan import vertex_normals
 from garmentq.core.segment import Target
 from garmentq.core.settings import RecoverySettings
 from garmentq.core.simulate import Fabric, get_fabric

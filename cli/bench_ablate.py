@@ -173,6 +173,7 @@ class _Stage:
 
     def _measure(self, garment: Any, nodes: Any) -> dict[str, float | None]:
         """Measure nodes against the truth as it is in the file."""
+        from ..core.body import vertex_normals
         from ..core.measure import (
             chamfer_and_normals,
             measure_distance,
@@ -180,7 +181,6 @@ class _Stage:
             read_true_mesh,
             self_intersections,
         )
-        from ..core.scan import vertex_normals
 
         truth = read_true_mesh(self.pack)
         normals = (vertex_normals(nodes, garment.faces), vertex_normals(*truth))

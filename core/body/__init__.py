@@ -11,10 +11,12 @@ if TYPE_CHECKING:
     from .builtin import BodyMissing, BodySpecBad, builtin_body, describe_bodies, parse_spec
     from .distance import DistanceBad, DistanceGrid, sample_distance
     from .model import BodyModel
+    from .normals import face_normals, vertex_normals
     from .outside import BodySurface
     from .registration import NotHuman, register_body
     from .skinning import rest_body, skin, unskin, weights_at
     from .smpl import SmplBad, is_smpl, load_smpl
+    from .solid import Solid
     from .surface import signed_distance
 
 _LAZY = {
@@ -26,8 +28,10 @@ _LAZY = {
     "DistanceGrid": "distance",
     "NotHuman": "registration",
     "SmplBad": "smpl",
+    "Solid": "solid",
     "builtin_body": "builtin",
     "describe_bodies": "builtin",
+    "face_normals": "normals",
     "is_smpl": "smpl",
     "load_smpl": "smpl",
     "parse_spec": "builtin",
@@ -37,6 +41,7 @@ _LAZY = {
     "signed_distance": "surface",
     "skin": "skinning",
     "unskin": "skinning",
+    "vertex_normals": "normals",
     "weights_at": "skinning",
 }
 # Modules with compiled kernels or heavy libraries: imported on first use, so that the room itself stays light.
@@ -53,8 +58,10 @@ __all__ = [
     "DistanceGrid",
     "NotHuman",
     "SmplBad",
+    "Solid",
     "builtin_body",
     "describe_bodies",
+    "face_normals",
     "is_smpl",
     "load_smpl",
     "parse_spec",
@@ -64,6 +71,7 @@ __all__ = [
     "signed_distance",
     "skin",
     "unskin",
+    "vertex_normals",
     "weights_at",
 ]
 

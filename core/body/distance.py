@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 
 from ..errors import BadInput
+from .solid import Solid
 
 BAND = 4
 """Cells on each side of the surface with exact distances. The spline's prefilter damps an error by 0.27 a cell, so the
@@ -134,15 +135,13 @@ def _inside(
 
     Connected points that are `sure`, shape [nx, ny, nz], share one winding number; each of the others has its own.
     """
-    import igl
     from scipy.ndimage import label
 
     regions, count = label(sure)
     first = np.unique(regions, return_index=True)[1][-count:] if count else np.zeros(0, dtype=np.int64)
     single = np.flatnonzero(regions == 0)
     places = np.stack(np.unravel_index(np.concatenate([first, single]), regions.shape), axis=1)
-    winding = igl.fast_winding_number(vertices, faces, np.ascontiguousarray(origin + spacing * places))
-    inside = (-winding if is_inside_out(vertices, faces) else winding) > 0.5
+    inside = Solid(vertices, faces).contains(origin + spacing * places)
     found = np.concatenate([[False], inside[:count]])[regions]
     found.reshape(-1)[single] = inside[count:]
     return np.asarray(found)
@@ -152,12 +151,6 @@ def _is_closed(faces: np.ndarray) -> bool:
     """Tell whether every edge borders two faces."""
     ends = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     return bool((np.unique(ends[:, 0] * (faces.max() + 1) + ends[:, 1], return_counts=True)[1] == 2).all())
-
-
-def is_inside_out(vertices: np.ndarray, faces: np.ndarray) -> bool:
-    """Tell whether the enclosed volume is negative."""
-    a, b, c = (vertices[faces[:, k]] - vertices[faces].mean((0, 1)) for k in range(3))
-    return bool(np.einsum("fd,fd->", a, np.cross(b, c)) < 0)
 
 
 @njit(cache=True, inline="always")

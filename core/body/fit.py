@@ -9,6 +9,7 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.spatial import cKDTree
 
 from .body import JOINTS, PARENTS
+from .normals import vertex_normals
 from .template import Template, articulate, cross_matrices, rotations_of
 
 _BELOW = np.zeros((24, 24))
@@ -291,13 +292,3 @@ def _left_jacobian_inverse(vectors: np.ndarray) -> np.ndarray:
     k = cross_matrices(vectors)
     factor = (1 - 0.5 * angle / np.tan(0.5 * angle)) / angle**2
     return np.asarray(np.eye(3) - 0.5 * k + factor[:, None, None] * (k @ k))
-
-
-def vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Give area-weighted unit normals of the vertices, shape [n, 3]."""
-    corners = vertices[faces]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    total = np.zeros_like(vertices)
-    for k in range(3):
-        np.add.at(total, faces[:, k], normal)
-    return total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-300)

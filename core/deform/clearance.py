@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
-from .body_distance import BodyDistance
+from ..body import BodySurface
 from .easing import LOWEST, out_of_bounds
 from .operators import vertex_areas
 
@@ -48,7 +48,7 @@ class Watch:
     parts of the body that is narrower than two margins: its margin is halved, so that it comes to rest in between.
     """
 
-    def __init__(self, faces: np.ndarray, body: BodyDistance, margin: float) -> None:
+    def __init__(self, faces: np.ndarray, body: BodySurface, margin: float) -> None:
         self.faces, self.margin = faces, margin
         self._body = body
         self._places: np.ndarray | None = None
@@ -62,7 +62,7 @@ class Watch:
             self._margins, self._ways = np.full(len(points), self.margin), np.zeros_like(points)
         away = self._known - np.linalg.norm(points - self._places, axis=1)
         asked = np.flatnonzero(away < self._margins)
-        distance, out, _ = self._body(points[asked])
+        distance, out = self._body.measure(points[asked])
         self._places[asked], self._known[asked] = points[asked], distance
         below = distance < self._margins[asked]
         low, distance, out = asked[below], distance[below], out[below]

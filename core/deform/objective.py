@@ -9,7 +9,7 @@ import torch
 from scipy.spatial import cKDTree
 from torch.nn.functional import normalize
 
-from .body_distance import BodyDistance
+from ..body import BodySurface
 from .contour_match import ContourMatch, CurveRows
 from .operators import hinges, vertex_areas
 from .rest_metric import RestMetric
@@ -59,7 +59,7 @@ class Objective:
         inverse_rest: np.ndarray,
         areas: np.ndarray,
         target: PreparedTarget,
-        body: BodyDistance,
+        body: BodySurface,
         settings: DeformSettings,
     ) -> None:
         self._settings = settings
@@ -167,9 +167,10 @@ class Objective:
     def _watch_body(self, nodes: np.ndarray) -> None:
         """Renew the planes of the body at the nodes near it, every `BODY_EVERY` searches."""
         if self._searches % BODY_EVERY == 0 and self._settings.body > 0:
-            distance, out, foot = self._body(nodes)
+            distance, out = self._body.measure(nodes)
             near = np.flatnonzero(distance < BODY_REACH)
-            self._near = (near, out[near], (out[near] * foot[near]).sum(1)) if len(near) else None
+            height = (out[near] * nodes[near]).sum(1) - distance[near]
+            self._near = (near, out[near], height) if len(near) else None
         self._searches += 1
 
     def _collision(self, x: torch.Tensor, planes: tuple[np.ndarray, np.ndarray, np.ndarray]) -> torch.Tensor:

@@ -6,8 +6,8 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
+from ..body import BodySurface
 from ..hooks import Hooks
-from .body_distance import BodyDistance
 from .contour_match import ContourMatch
 from .jacobian_stage import rows_to_jacobians
 from .operators import unit, vertex_areas, vertex_normals
@@ -40,7 +40,7 @@ def polish_nodes(
     areas: np.ndarray,
     metric: RestMetric,
     target: PreparedTarget,
-    body: BodyDistance,
+    body: BodySurface,
     settings: DeformSettings,
     hooks: Hooks,
 ) -> np.ndarray:
@@ -92,7 +92,8 @@ def polish_nodes(
             picks = _picks(np.stack([rows.first, rows.second], 1), np.stack([1 - rows.along, rows.along], 1), len(x))
             matrix, right = matrix + picks.T @ sp.diags(weight) @ picks, right + picks.T @ (weight[:, None] * rows.goal)
         if step % 5 == 0:
-            planes = body(x)
+            distance, out = body.measure(x)
+            planes = (out, (out * x).sum(1) - distance)
         inside, push = _inside(x, planes, settings.body_margin)
         weight = BODY_PULL * mass * inside
         matrix, right = matrix + sp.diags(weight), right + weight[:, None] * (x + push)
@@ -153,8 +154,8 @@ def _picks(columns: np.ndarray, values: np.ndarray, count: int) -> sp.csr_matrix
 
 def _inside(x: np.ndarray, planes: tuple[np.ndarray, ...], margin: float) -> tuple[np.ndarray, np.ndarray]:
     """Tell which nodes are nearer than the margin by the body's planes, and how far they have to go."""
-    _, out, foot = planes
-    missing = margin - ((x - foot) * out).sum(1)
+    out, height = planes
+    missing = margin + height - (x * out).sum(1)
     # a plane says nothing about a node that has left its neighbourhood
     near = (missing > 0) & (missing < 0.02)
     return near, out * (missing * near)[:, None]

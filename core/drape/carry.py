@@ -158,6 +158,7 @@ def take_pose(
         apart=True,
         centres=True,
         creep=True,
+        calm=True,
     )
     return clear_body(threads, nodes, way, settings=settings, held=held), velocities
 

@@ -23,6 +23,12 @@ UNDO_ROUNDS = 12
 HALVINGS = 3
 """Rounds in which they are halved at first, and rounds in which they are undone altogether at last."""
 
+BACK = -0.5
+"""Cosine between two moves of a node in turn below which it goes back the way it came."""
+
+EASE = 1.2
+"""Factor by which a node that does not goes further again: it is free four steps after it was halved."""
+
 
 @dataclass(frozen=True)
 class Threads:
@@ -225,6 +231,7 @@ def follow(
     apart: bool = False,
     centres: bool = False,
     creep: bool = False,
+    calm: bool = False,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Move cloth for some steps and give its nodes [m] and velocities [m/s], each of shape [node_count, 3].
 
@@ -244,6 +251,8 @@ def follow(
         apart: Keep layers of cloth apart too.
         centres: Keep the centres of faces out of the body too.
         creep: Let layers that would cross move by the room they have; else their steps are undone.
+        calm: Bring nodes to rest in the second half of the steps that two surfaces, each the nearest in turn, throw to
+            and fro (an armpit's, a lap's); the first half is theirs to find a way out of a crease.
     """
     x = np.array(nodes, dtype=np.float64)
     v = np.zeros_like(x) if velocities is None else np.array(velocities, dtype=np.float64)
@@ -252,6 +261,7 @@ def follow(
         weight[held] = 0.0
         v[held] = 0.0
     crossed = self_intersections(x, threads.faces) if apart else np.zeros(0, dtype=np.int64)
+    eased, last = np.ones(len(x)), np.zeros_like(x)
     for step in range(steps):
         before = x.copy()
         v[:, 1] -= settings.dt * gravity * (weight > 0)
@@ -272,7 +282,10 @@ def follow(
         )  # fmt: skip
         if len(contact):
             _rub(x, start, contact, normal, settings.friction * press)
-        x = start + _limited(x - start, 3 * settings.travel)
+        change = _limited(x - start, 3 * settings.travel)
+        if calm and 2 * step >= steps:
+            eased = _eased(eased, change, last)
+        x, last = start + change * eased[:, None], change
         if apart:
             room = layers.room(before, settings.reach) if creep else None
             crossed = undo_crossings(x, before, threads.faces, crossed, room)
@@ -286,6 +299,13 @@ def _limited(change: np.ndarray, longest: float) -> np.ndarray:
     """Shorten each row [m] of a change to a length at most."""
     length = np.linalg.norm(change, axis=1, keepdims=True)
     return change * np.minimum(1.0, longest / np.maximum(length, 1e-12))
+
+
+def _eased(eased: np.ndarray, change: np.ndarray, last: np.ndarray) -> np.ndarray:
+    """Give the share of its move that each node takes: half as much where it goes back, else more again."""
+    size = np.linalg.norm(change, axis=1) * np.linalg.norm(last, axis=1)
+    back = (change * last).sum(1) < BACK * size
+    return np.where(back, 0.5 * eased, np.minimum(1.0, EASE * eased))
 
 
 def _planes(

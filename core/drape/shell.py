@@ -7,10 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ..body import Solid, vertex_normals
 from .follow import FollowSettings, Lookup
-
-LIFT = 2e-3
-"""How far above the skin a vertex must be in the open to count [m]: half the cloth's distance from the body."""
 
 NEIGHBOURS = 12
 """Vertices that are searched for an opposite surface: a disk of 3 cm around the nearest on bodies of 7000 vertices,
@@ -18,9 +16,6 @@ wider than the 2 cm within which two surfaces touch the same cloth."""
 
 OPPOSITE = 0.3
 """Cosine between two normals below which they belong to two surfaces; on one limb it falls so low only 6 cm apart."""
-
-INSIDE = 0.5
-"""Winding number above which a point is inside."""
 
 THICKNESS = FollowSettings.thickness
 """Distance that cloth keeps from each surface [m]; a gap of less than twice that is too narrow for it."""
@@ -61,7 +56,7 @@ class Shell:
     @classmethod
     def of(cls, vertices: np.ndarray, faces: np.ndarray, bare: np.ndarray | None = None) -> Shell:
         """Keep the open vertices of a body's mesh (vertices [m], [n, 3]); `bare` tells which they are, where known."""
-        normals = _vertex_normals(vertices, faces)
+        normals = vertex_normals(vertices, faces)
         bare = find_bare(vertices, faces) if bare is None else bare
         bends = _mean_curvature(vertices, normals, faces)
         return cls(vertices[bare], normals[bare], bends[bare], cKDTree(vertices[bare]))
@@ -136,20 +131,7 @@ class Shell:
 
 def find_bare(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Tell which vertices [m] of a body's mesh are in the open: not inside another part of it, shape [n]."""
-    import igl
-
-    lifted = np.ascontiguousarray(vertices + LIFT * _vertex_normals(vertices, faces))
-    solid, skin = np.ascontiguousarray(faces, dtype=np.int64), np.ascontiguousarray(vertices)
-    return np.asarray(igl.fast_winding_number(skin, solid, lifted) < INSIDE)
-
-
-def _vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    corners = vertices[faces]
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals = np.zeros_like(vertices)
-    for k in range(3):
-        np.add.at(normals, faces[:, k], cross)
-    return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12))
+    return Solid(vertices, faces).is_bare(vertices, vertex_normals(vertices, faces))
 
 
 def _mean_curvature(vertices: np.ndarray, normals: np.ndarray, faces: np.ndarray) -> np.ndarray:

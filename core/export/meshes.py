@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ..body import vertex_normals
 from ..pattern import Garment
-from ..scan import vertex_normals
 from .layout import lay_out
 
 UV_GAP = 0.02

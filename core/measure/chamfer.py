@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from .surface import face_normals, project_points, sample_surface
+from ..body import face_normals
+from .surface import project_points, sample_surface
 
 SAMPLES_PER_SITE = 40
 """Surface samples per mesh vertex when a triangulation is imitated: the floor then comes out some 10 % above that of a

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..body import Body
+from ..body import Body, face_normals, vertex_normals
 from ..pattern import Garment
-from ..scan import vertex_normals
 from ..segment import Contour
 from .chamfer import chamfer_and_normals, meshing_floor, orientation
 from .contours import contour_rms
@@ -16,7 +15,6 @@ from .intersections import self_intersections
 from .surface import (
     closest_points,
     face_angles,
-    face_normals,
     penetration_depth,
     sample_surface,
     stretches,

@@ -5,17 +5,7 @@ from __future__ import annotations
 import igl
 import numpy as np
 
-
-def face_normals(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Give unit face normals, shape [face_count, 3], and face areas [m2], shape [face_count].
-
-    The normal of a face without area is zero.
-    """
-    a, b, c = (vertices[faces[:, k]] for k in range(3))
-    cross = np.cross(b - a, c - a)
-    twice = np.linalg.norm(cross, axis=1)
-    normals = np.divide(cross, twice[:, None], out=np.zeros_like(cross), where=twice[:, None] > 0.0)
-    return normals, 0.5 * twice
+from ..body import Solid, face_normals
 
 
 def sample_surface(
@@ -68,7 +58,7 @@ def penetration_depth(
 ) -> float:
     """Measure how deep a garment's vertices and face centres lie inside a body's exact mesh, at most [m].
 
-    Inside is where the body's winding number exceeds one half, which stands small holes and parts that overlap.
+    Inside is what the body's `Solid` contains: that stands small holes and parts that overlap.
 
     Args:
         vertices: Garment positions [m], shape [vertex_count, 3].
@@ -80,15 +70,11 @@ def penetration_depth(
         The greatest depth [m]; 0 where nothing is inside.
     """
     points = np.ascontiguousarray(np.concatenate([vertices, vertices[faces].mean(axis=1)]), dtype=np.float64)
-    skin, sides = (
-        np.ascontiguousarray(body_vertices, dtype=np.float64),
-        np.ascontiguousarray(body_faces, dtype=np.int64),
-    )
-    # igl.signed_distance multiplies by 1 - 2 w, and the winding number w is 2 where two parts overlap
-    inside = igl.fast_winding_number(skin, sides, points) > 0.5
+    solid = Solid(body_vertices, body_faces)
+    inside = solid.contains(points)
     if not inside.any():
         return 0.0
-    return float(np.sqrt(igl.point_mesh_squared_distance(points[inside], skin, sides)[0].max()))
+    return float(np.sqrt(igl.point_mesh_squared_distance(points[inside], solid.vertices, solid.faces)[0].max()))
 
 
 def face_angles(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:

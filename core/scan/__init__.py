@@ -4,7 +4,7 @@ from .cut import cut_garment
 from .header import check_header
 from .labels import read_labels
 from .limits import Limits
-from .load import lies_on, load_pair, load_scan, vertex_normals
+from .load import lies_on, load_pair, load_scan
 from .pieces import Pieces, load_pieces
 from .scan import Scan
 from .selection import TOLERANCE, Selection, parse_colour, select_vertices
@@ -27,5 +27,4 @@ __all__ = [
     "parse_colour",
     "read_labels",
     "select_vertices",
-    "vertex_normals",
 ]

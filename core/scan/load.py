@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..body import is_smpl, load_smpl
+from ..body import is_smpl, load_smpl, vertex_normals
 from ..errors import BadInput
 from . import refusal
 from .header import Declared, check_header
@@ -153,17 +153,6 @@ def lies_on(vertices: np.ndarray, body: Scan) -> bool:
     distance, nearest = cKDTree(body.vertices).query(sample)
     depth = -np.einsum("ij,ij->i", sample - body.vertices[nearest], vertex_normals(body.vertices, body.faces)[nearest])
     return float(((distance > NEAR) | (depth > DEEP)).mean()) < MISPLACED
-
-
-def vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Give unit vertex normals, area-weighted, shape [vertex_count, 3]; zero where a vertex has no area."""
-    cross = np.cross(vertices[faces[:, 1]] - vertices[faces[:, 0]], vertices[faces[:, 2]] - vertices[faces[:, 0]])
-    normals = np.zeros_like(vertices)
-    for corner in range(3):
-        for axis in range(3):
-            normals[:, axis] += np.bincount(faces[:, corner], cross[:, axis], len(vertices))
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    return normals / np.where(length > 0.0, length, 1.0)
 
 
 def _face_outward(garment: Scan, body: Scan) -> Scan:

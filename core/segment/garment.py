@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..body import Body
+from ..body import Body, vertex_normals
 from ..errors import BadInput
-from ..scan import Scan, vertex_normals
+from ..scan import Scan
 from .category import choose_category
 from .contours import name_contours
 from .loop import smoothed_length

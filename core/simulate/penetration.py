@@ -43,6 +43,11 @@ def push_out(
         if not (push != 0).any() or (worst < 1e-4 and float(distance.min(initial=1.0)) >= clearance - 1e-5):
             break
         nodes += push
+    if isinstance(body, BodySurface):
+        # A clearance from one side of a sharp crease is inside the other side, and back: such a node goes to its rim.
+        stuck = at_nodes[body.measure(nodes[at_nodes])[0] < 0]
+        if len(stuck):
+            nodes[stuck], _ = body.closest(nodes[stuck])
     return nodes
 
 

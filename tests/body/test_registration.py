@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 import trimesh
 from everyday_body import everyday_body
-from garmentq.core.body import JOINTS, Body, NotHuman, builtin_body, register_body, rest_body, skin
-from garmentq.core.body.fit import Fitter, Stage, State, Surface, vertex_normals
+from garmentq.core.body import JOINTS, Body, NotHuman, builtin_body, register_body, rest_body, skin, vertex_normals
+from garmentq.core.body.fit import Fitter, Stage, State, Surface
 from garmentq.core.body.registration import RegistrationSettings
 from garmentq.core.body.template import load_template, rotations_of
 from garmentq.core.errors import Cancelled

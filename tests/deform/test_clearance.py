@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.deform.body_distance import BodyDistance
+from garmentq.core.body import BodySurface
 from garmentq.core.deform.clearance import Watch, clear_body
 from garmentq.core.deform.easing import LOWEST
 from garmentq.core.deform.operators import gradient_operator
@@ -31,13 +31,13 @@ def sheet():
     return nodes, faces, gradient, areas
 
 
-def two_balls(distance: float) -> BodyDistance:
+def two_balls(distance: float) -> BodySurface:
     """Give two balls of 10 cm beside each other, their centres so far apart [m]."""
     balls = [trimesh.creation.icosphere(4, 0.1) for _ in range(2)]
     for ball, side in zip(balls, (-1, 1), strict=True):
         ball.apply_translation([side * 0.5 * distance, 0.0, 0.0])
     both = trimesh.util.concatenate(balls)
-    return BodyDistance(np.array(both.vertices), np.array(both.faces))
+    return BodySurface(np.array(both.vertices), np.array(both.faces), splits=0)
 
 
 def test_what_is_not_asked_again_is_not_missed(sheet):
@@ -50,7 +50,7 @@ def test_what_is_not_asked_again_is_not_missed(sheet):
         x = x + random.normal(0.0, 3e-3, 3) + random.normal(0.0, 1e-3, x.shape)
         _, push, depth = watch.pushes(x)
         points = np.concatenate([x, x[faces].mean(axis=1)])
-        distance, _, _ = body(points)
+        distance, _ = body.measure(points)
         assert depth == pytest.approx(max(0.0, -distance.min()), abs=1e-12)
         low = np.sort(np.linalg.norm(push, axis=1))
         # only points that were pushed back the way they came may ask for less than the margin
@@ -64,10 +64,10 @@ def test_cloth_in_a_narrow_gap_rests_in_its_middle(sheet):
     nodes, faces, gradient, areas = sheet
     body = two_balls(0.2012)
     off = nodes + [4e-3, 0.0, 0.0]
-    assert -body(off)[0].min() > 3e-3
+    assert -body.measure(off)[0].min() > 3e-3
     cleared = clear_body(off, gradient, areas, Watch(faces, body, MARGIN))
     points = np.concatenate([cleared, cleared[faces].mean(axis=1)])
-    assert body(points)[0].min() > -1e-4
+    assert body.measure(points)[0].min() > -1e-4
 
 
 def test_cloth_through_touching_balls_comes_out_whole(sheet):
@@ -76,7 +76,7 @@ def test_cloth_through_touching_balls_comes_out_whole(sheet):
     body = two_balls(0.1994)
     cleared = clear_body(nodes, gradient, areas, Watch(faces, body, MARGIN))
     points = np.concatenate([cleared, cleared[faces].mean(axis=1)])
-    assert body(points)[0].min() > -MARGIN
+    assert body.measure(points)[0].min() > -MARGIN
     sizes = np.linalg.svd(np.asarray(gradient @ cleared).reshape(-1, 2, 3), compute_uv=False)
     assert sizes.min() > LOWEST
     far = np.linalg.norm(nodes, axis=1) > 0.12

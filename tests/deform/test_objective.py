@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import torch
+from garmentq.core.body import BodySurface
 from garmentq.core.deform import DeformSettings, DeformSettingsBad
-from garmentq.core.deform.body_distance import BodyDistance
 from garmentq.core.deform.deformer import inverse_rest
 from garmentq.core.deform.objective import Objective, thin_out
 from garmentq.core.deform.operators import gradient_operator
@@ -20,7 +20,7 @@ def build(scene, settings, nodes, scale=0.0):
     gradient, areas = gradient_operator(garment.rest, garment.faces, len(nodes))
     metric = RestMetric(garment.faces, garment.panel_of_face, areas, scale)
     metric.follow((gradient @ nodes).reshape(-1, 2, 3).transpose(0, 2, 1))
-    distance = BodyDistance(body.vertices, body.faces)
+    distance = BodySurface.of(body, splits=0)
     return Objective(nodes, garment.faces, inverse_rest(garment.rest), areas, goal, distance, settings), metric
 
 

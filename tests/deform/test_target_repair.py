@@ -7,8 +7,6 @@ from dataclasses import replace
 import igl
 import numpy as np
 import pytest
-import trimesh
-from garmentq.core.deform.body_distance import BodyDistance
 from garmentq.core.deform.contour_match import sample_curve
 from garmentq.core.deform.surface import Surface, closest_on_curve
 from garmentq.core.deform.target_repair import flatten_spikes, match_contours, prepare_target
@@ -33,19 +31,6 @@ def test_curve_samples_are_even_and_closest_points_exact():
     assert np.median(gap) == pytest.approx(0.8 / len(samples)) and gap.max() < 1.001 * 0.8 / len(samples)
     segment, along = closest_on_curve(np.array([[-0.05, 0.025, 0.2]]), square, np.roll(square, -1, axis=0))
     assert segment[0] == 3 and along[0] == pytest.approx(0.75)
-
-
-def test_body_distance_has_the_sign_of_the_inside_even_where_parts_overlap():
-    """Breaks if a point inside two overlapping parts is called outside, or an inside-out mesh is not turned."""
-    ball = trimesh.creation.icosphere(subdivisions=3, radius=0.1)
-    vertices = np.concatenate([ball.vertices, ball.vertices + [0.12, 0, 0]])
-    faces = np.concatenate([ball.faces, ball.faces + len(ball.vertices)])
-    points = np.array([[0.06, 0, 0], [0.025, 0, 0], [0.06, 0.09, 0], [-0.12, 0, 0], [0, 0.101, 0]])
-    for turned in (faces, faces[:, ::-1]):
-        distance, out, foot = BodyDistance(vertices, turned)(points)
-        assert (distance < 0).tolist() == [True, True, False, False, False]
-        assert np.allclose(np.linalg.norm(out, axis=1), 1.0)
-        assert np.allclose(points - foot, out * distance[:, None], atol=1e-9)
 
 
 def test_spikes_are_flattened_and_sound_vertices_stay(scene):

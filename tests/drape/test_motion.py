@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
+from garmentq.core.body import builtin_body, vertex_normals
 from garmentq.core.drape import (
     DrapeSettings,
     Stand,
@@ -14,7 +14,6 @@ from garmentq.core.drape import (
 )
 from garmentq.core.drape.motion import miss, spin_of
 from garmentq.core.pattern import equalise_seams, load_template
-from garmentq.core.scan import vertex_normals
 from garmentq.core.segment import Target
 from garmentq.core.simulate import Energy, Spin, Topology, get_fabric
 

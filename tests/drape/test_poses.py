@@ -16,6 +16,7 @@ from garmentq.core.drape import (
     take_pose,
     waist_loop,
 )
+from garmentq.core.drape.follow import follow
 from garmentq.core.drape.stage import look_up
 from garmentq.core.measure import self_intersections
 from garmentq.core.pattern import Garment, list_templates, load_template, mesh_pattern
@@ -26,10 +27,7 @@ NODES = 350
 
 STATURES = {"female": "builtin:female,height=1.70", "male": "builtin:male"}
 
-STANDING = ("A", "stride")
-"""Poses in which the cloth comes to rest; in the others what a joint squeezes out still moves when the steps end."""
-
-POSES = (*STANDING, "arms-down", "seated")
+POSES = ("A", "stride", "arms-down", "seated")
 
 
 @cache
@@ -73,16 +71,24 @@ def depth(nodes: np.ndarray, garment: Garment, skin: BodySurface) -> float:
     return -float(skin.measure(np.concatenate([nodes, nodes[garment.faces].mean(axis=1)]))[0].min())
 
 
+def at_rest(velocity: np.ndarray) -> bool:
+    """Tell whether nine nodes of ten are slower than 3 cm/s, half than 1 cm/s: what falls is at 1 m/s."""
+    speed = np.linalg.norm(velocity, axis=1)
+    return bool(np.median(speed) < 0.01 and np.quantile(speed, 0.9) < 0.03)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("gender", sorted(STATURES))
 @pytest.mark.parametrize("name", NAMES)
 def test_template_hangs_in_the_t_pose(name: str, gender: str) -> None:
-    """Breaks if dressing crumples a fork through itself, or leaves both seams of a leg on one side of the ankle.
+    """Breaks if dressing crumples a fork through itself, leaves both seams of a leg on one side of it, or swings.
 
     Nodes are out of the body as they hang; the middles of 5 cm edged faces that span a bust are pushed out at the end.
     """
-    garment, _, _, nodes = worn(name, gender)
-    skin = outside(gender, "T")
+    garment, threads, waist, nodes = worn(name, gender)
+    skin, lookup = outside(gender, "T"), look_up(wearer(gender, "T")[1])
+    _, velocity = follow(threads, nodes, lookup, 6, gravity=9.81, held=waist, apart=True, centres=True)
+    assert at_rest(velocity)  # let go from rest for a tenth of a second: what nothing holds falls at 1 m/s by then
     assert tangled(nodes, garment) == 0
     assert skin.measure(nodes)[0].min() >= -1e-3
     nodes = push_out(nodes, skin, garment.faces)
@@ -104,5 +110,4 @@ def test_template_hangs_in_every_pose(name: str, gender: str, pose: str) -> None
     nodes, velocity = take_pose(threads, nodes, way(gender, pose), look_up(grid), held=waist)
     assert tangled(nodes, garment) == 0
     assert depth(nodes, garment, way(gender, pose).skin) <= 1e-3
-    if pose in STANDING:
-        assert np.median(np.linalg.norm(velocity, axis=1)) < 0.02
+    assert at_rest(velocity)

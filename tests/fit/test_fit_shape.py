@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from garmentq.core.body import Body, DistanceGrid, builtin_body
+from garmentq.core.body import Body, DistanceGrid, builtin_body, vertex_normals
 from garmentq.core.drape import DrapeSettings, Stand, drape_template, waist_loop
 from garmentq.core.errors import Cancelled
 from garmentq.core.fit import (
@@ -40,7 +40,6 @@ from garmentq.core.pattern import (
     resample,
     seam_mismatch,
 )
-from garmentq.core.scan import vertex_normals
 from garmentq.core.segment import Target, name_contours
 from garmentq.core.simulate import (
     Fabric,

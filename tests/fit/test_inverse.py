@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
+from garmentq.core.body import builtin_body, vertex_normals
 from garmentq.core.drape import DrapeSettings, Stand, drape_template, waist_loop
 from garmentq.core.errors import Cancelled
 from garmentq.core.fit import Descent, DescentProblem, InverseSettings, descend, find_held, fit_inverse, move_pattern
@@ -15,7 +15,6 @@ from garmentq.core.fit.losses.range import STIFFNESSES
 from garmentq.core.grade import Surface
 from garmentq.core.hooks import Arrays, Hooks
 from garmentq.core.pattern import Garment, Pattern, find_symmetry, load_template, mesh_pattern, seam_mismatch
-from garmentq.core.scan import vertex_normals
 from garmentq.core.segment import Target, name_contours
 from garmentq.core.segment.loop import find_loops
 from garmentq.core.segment.target import Contour

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from garmentq.core.body import vertex_normals
 from garmentq.core.fit.losses import ChamferLoss, ContourLoss, PanelLoss, PlaneLoss, RangeLoss, SeamLoss
 from garmentq.core.fit.losses.chamfer import mean_curvature
 from garmentq.core.fit.losses.range import logarithms
@@ -22,7 +23,6 @@ from garmentq.core.pattern import (
     load_template,
     mesh_pattern,
 )
-from garmentq.core.scan import vertex_normals
 from garmentq.core.segment import Target
 from garmentq.core.segment.loop import find_loops
 from garmentq.core.segment.target import Contour

@@ -10,11 +10,11 @@ import igl
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import JOINTS, Body, builtin_body, register_body
+from garmentq.core.body import JOINTS, Body, builtin_body, register_body, vertex_normals
 from garmentq.core.errors import BadInput
 from garmentq.core.pipeline import read_files
 from garmentq.core.recovery import Request
-from garmentq.core.scan import Pieces, Scan, Selection, cut_garment, load_pieces, select_vertices, vertex_normals
+from garmentq.core.scan import Pieces, Scan, Selection, cut_garment, load_pieces, select_vertices
 from garmentq.core.scan.selection import select_other_cloth
 from garmentq.core.segment import segment_garment, smoothed_length
 from garmentq.core.settings import RecoverySettings, SettingsBad

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...body import vertex_normals
 from ...pattern import Garment
-from ...scan import vertex_normals
 
 
 @dataclass(frozen=True)
