@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from ..pattern import Panel, Pattern, panel_outline
+from ..pattern import Panel, Pattern, panel_outline, polygon_area, polygon_width
 from ..segment import resample_loop
-from .outlines import polygon_area, polygon_width
 from .true_pattern import TruePanel, TruePattern
 from .turning import turning_distance
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from ..segment import resample_loop
 from .contours import closest_on_loop, distance_to_loop
@@ -24,21 +23,6 @@ FINAL_SWEEPS = 300
 
 SETTLED = 1e-7
 """A sweep that moves no point by more than this [m] is the last."""
-
-
-def polygon_area(polygon: np.ndarray) -> float:
-    """Give the area of a polygon [m2], positive where it runs counter-clockwise."""
-    x, y = (polygon - polygon[0]).T
-    return float(0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
-
-
-def polygon_width(polygon: np.ndarray) -> float:
-    """Give the least distance [m] between two parallel lines that hold the polygon."""
-    corners = polygon[ConvexHull(polygon).vertices]
-    side = np.roll(corners, -1, axis=0) - corners
-    side = side / np.linalg.norm(side, axis=1, keepdims=True)
-    height = corners @ np.stack([-side[:, 1], side[:, 0]])
-    return float(np.min(height.max(axis=0) - height.min(axis=0)))
 
 
 def resample_line(line: np.ndarray, count: int) -> np.ndarray:

@@ -8,6 +8,7 @@ from .garmentcode import load_pattern, read_pattern, save_pattern, write_pattern
 from .measures import BodyMeasures
 from .meshing import choose_edge_length, contains
 from .pattern import EDGE_KINDS, Edge, EdgeRef, Panel, Pattern, Seam
+from .polygon import polygon_area, polygon_width
 from .resampling import resample
 from .seams import equalise_seams, seam_lengths, seam_mismatch, seam_slopes
 from .sewing import mesh_pattern
@@ -54,6 +55,8 @@ __all__ = [
     "mesh_pattern",
     "panel_area",
     "panel_outline",
+    "polygon_area",
+    "polygon_width",
     "read_pattern",
     "resample",
     "reverse_edge",

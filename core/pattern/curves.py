@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from .pattern import Edge, Panel
+from .polygon import polygon_area
 
 SPANS = 64
 """Parameter spans of the length table; 5-point Gauss on each gives lengths to 1e-12 of the chord on drawn curves."""
@@ -146,15 +147,9 @@ def panel_outline(panel: Panel, segments: int = 16) -> np.ndarray:
     return np.concatenate(parts)
 
 
-def signed_area(polygon: np.ndarray) -> float:
-    """Give the area [m2] of a polygon, shape [n, 2]; positive where it runs counter-clockwise."""
-    x, y = (polygon - polygon[0]).T
-    return float(0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
-
-
 def panel_area(panel: Panel) -> float:
     """Give the area of a panel [m2], curves sampled finely; positive where it runs counter-clockwise."""
-    return signed_area(panel_outline(panel, 64))
+    return polygon_area(panel_outline(panel, 64))
 
 
 def _control(edge: Edge) -> np.ndarray:

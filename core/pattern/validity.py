@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from .curves import panel_outline, signed_area
+from .curves import panel_outline
 from .errors import PanelCrossing, PanelDegenerate
 from .pattern import Panel
+from .polygon import polygon_area
 
 SEGMENTS = 12
 """Segments to a curve for the crossing test; a drawn curve then strays from its chords by less than 1 % of them."""
@@ -24,7 +25,7 @@ def check_outline(panel: Panel) -> None:
     polygon = panel_outline(panel, SEGMENTS)
     if crosses_itself(polygon):
         raise PanelCrossing(f"the outline of panel '{panel.name}' crosses itself; redraw it as a simple closed loop.")
-    if abs(signed_area(polygon)) < LEAST_AREA:
+    if abs(polygon_area(polygon)) < LEAST_AREA:
         raise PanelDegenerate(f"panel '{panel.name}' has no area; remove it or check the file's units.")
 
 

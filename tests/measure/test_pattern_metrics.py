@@ -19,8 +19,8 @@ from garmentq.core.measure import (
     turning_distance,
     unmatched_panels,
 )
-from garmentq.core.measure.outlines import outline_rms, polygon_width
-from garmentq.core.pattern import Edge, EdgeRef, Panel, Pattern, Seam
+from garmentq.core.measure.outlines import outline_rms
+from garmentq.core.pattern import Edge, EdgeRef, Panel, Pattern, Seam, polygon_width
 from garmentq.core.simulate import Fabric
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
