@@ -130,19 +130,12 @@ def drape_template(
     hooks.progress("template", 0.1, "dressing the T-pose")
     hung = _dress(garment, threads, stand, target, settings.dress, hooks)
     loops = len(find_loops(garment.faces))
-    freely = replace(settings.dress, outline=False)
-    once = settings.dress.outline
-    # The way into the pose is long, so what is lost is looked for before it; what hangs from the waist is only skinned.
-    carried = carry or target is None or waist_loop(garment) is None
-    if once and carried and (kept := _openings(hung, garment, stand.rest)) < loops:
+    # The way into the pose is long, so what is lost is looked for before it.
+    if settings.dress.outline and (kept := _openings(hung, garment, stand.rest)) < loops:
         # On bodies of loose parts (mannequins) a seam can be pushed along an arm: an opening then goes round nothing.
-        freed, once = _dress(garment, threads, stand, target, freely, hooks), False
+        freed = _dress(garment, threads, stand, target, replace(settings.dress, outline=False), hooks)
         hung = freed if _openings(freed, garment, stand.rest) > kept else hung
     worn = _take_pose(garment, threads, hung, stand, target, carry, settings, hooks)
-    if once and len(worn.contours) < loops:
-        hung = _dress(garment, threads, stand, target, freely, hooks)
-        again = _take_pose(garment, threads, hung, stand, target, carry, settings, hooks)
-        worn = again if len(again.contours) > len(worn.contours) else worn
     lost = settings.dress.outline and len(worn.contours) < loops
     return name_as_placed(worn, stand.rest) if lost else worn
 
