@@ -10,6 +10,13 @@ from ..core.settings import RecoverySettings
 from .options import Decorator
 
 
+def _once(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> str | None:
+    """Take an option once, and say so where it comes twice: the last one would win in silence."""
+    if len(values) > 1:
+        raise click.BadParameter("one garment is shown at a time; give --keep once.")
+    return values[0] if values else None
+
+
 def label_options(function: Decorator) -> Decorator:
     """Add what says which part of a dressed person's scan is the garment, one garment at a time."""
     options = [
@@ -19,7 +26,9 @@ def label_options(function: Decorator) -> Decorator:
             help="A dressed person's scan: one label per vertex, .npz .npy .json .txt.  [default: in the scan]",
         ),
         click.option("--labels-key", help="The array's name in that file.  [default: found]"),
-        click.option("--keep", metavar="LABEL[,LABEL]", help="The garment's labels.  [default: 1]"),
+        click.option(
+            "--keep", metavar="LABEL[,LABEL]", multiple=True, callback=_once, help="The garment's labels.  [default: 1]"
+        ),
         click.option("--cloth", metavar="LABEL[,LABEL]", help="Labels of other clothes, which are not skin either."),
         click.option("--keep-colour", metavar="#RRGGBB", help="The garment's colour, instead of labels."),
         click.option(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -65,6 +65,8 @@ def load_pieces(
     own = select_vertices(whole, labels, selection)
     cloth = own | select_other_cloth(whole, labels, selection)
     garment = cut_garment(whole, own)
+    if labels is not None and selection.colour is None:
+        garment = _tell_skin(garment, labels[~cloth])
     if body is None:
         return Pieces(garment, whole, cloth)
     if is_smpl(body):
@@ -77,6 +79,16 @@ def load_pieces(
             f"the garment cut out of {garment.name} does not lie on the body; export both from the same scene."
         )
     return Pieces(garment, wearer)
+
+
+def _tell_skin(garment: Scan, labels: np.ndarray) -> Scan:
+    """Note which labels are taken for skin where there are several: other clothes among them make the body too wide."""
+    bare = [str(value) for value in np.unique(labels).tolist()]
+    if len(bare) < 2:
+        return garment
+    shown = ", ".join(bare[:12]) + (", ..." if len(bare) > 12 else "")
+    note = f"Took what has the labels {shown} for skin; name other clothes among them with --cloth."
+    return replace(garment, repairs=(*garment.repairs, note))
 
 
 def _labels_of(mesh: _Mesh, selection: Selection, limits: Limits | None) -> np.ndarray | None:

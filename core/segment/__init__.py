@@ -2,7 +2,7 @@
 
 from .category import choose_category
 from .contours import name_contours
-from .garment import NoContour, PartMissing, segment_garment
+from .garment import NoContour, PartMissing, SeveralGarments, segment_garment
 from .inspect import Inspection, inspect_file
 from .loop import find_loops, resample_loop, smooth_loop, smoothed_length
 from .noise import smooth_noise
@@ -16,6 +16,7 @@ __all__ = [
     "Inspection",
     "NoContour",
     "PartMissing",
+    "SeveralGarments",
     "Target",
     "choose_category",
     "find_loops",

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..body import Body, vertex_normals
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from ..body import Body, face_normals, vertex_normals
 from ..errors import BadInput
 from ..scan import Scan
 from .category import choose_category
 from .contours import name_contours
-from .loop import smoothed_length
+from .loop import find_loops, smoothed_length
 from .noise import smooth_noise
 from .spikes import flatten_spikes
 from .target import Contour, Target
@@ -27,6 +32,17 @@ class PartMissing(BadInput):
     code = "segment.part_missing"
 
 
+class SeveralGarments(BadInput):
+    """The file holds more than one garment; give each a file of its own, or label the vertices and say --keep."""
+
+    code = "segment.several_garments"
+
+
+LARGE = 0.05
+"""Share of the whole area from which a separate surface is more than a button or a stray piece."""
+JOINED = 0.02
+"""Median distance [m] from a contour of one surface to those of another below which the two belong together: an unsewn
+waistband lies on its skirt's edge, a T-shirt's hem hangs 5 cm and more below the waist of what is worn with it."""
 LOWER = ("hem", "leg.left", "leg.right")
 """Contours below which the body comes out of a garment; every garment has one."""
 ARMS = ("cuff", "armhole")
@@ -42,7 +58,9 @@ def segment_garment(scan: Scan, body: Body) -> Target:
     Raises:
         NoContour: where no open boundary encircles a bone.
         PartMissing: where the openings found are not those of a whole garment on this body.
+        SeveralGarments: where there are those of two, or a closed surface too.
     """
+    check_single(scan, body)
     contours, holes = name_contours(scan.vertices, scan.faces, body, scan.unseen, scanned=True)
     if not contours:
         found = f"its {len(holes)} openings encircle no bone" if holes else "its surface is closed"
@@ -74,12 +92,52 @@ def check_parts(contours: tuple[Contour, ...], name: str) -> None:
     Raises:
         PartMissing: where nothing is open below or nothing above.
     """
-    found = {contour.name for contour in contours}
-    above = found & {"neck", "waist"} or all(found & {f"{arm}.{side}" for arm in ARMS} for side in ("left", "right"))
-    missing = [where for where, there in (("below", found & set(LOWER)), ("above", above)) if not there]
+    missing = _missing(contours)
     if missing:
+        found = {contour.name for contour in contours}
         raise PartMissing(
             f"{name} is no whole garment on this body: of its openings only {', '.join(sorted(found))} could be named, "
             f"none {' and none '.join(missing)}; give all of the garment, upright, its front closed, in its place on "
             "the body."
         )
+
+
+def check_single(scan: Scan, body: Body) -> None:
+    """Refuse several garments, or a garment and its body, in one unlabelled file.
+
+    Together they have openings enough for one garment, of another kind, and the rest would be taken for holes: a
+    T-shirt above a skirt for a dress.
+
+    Raises:
+        SeveralGarments: where two separate surfaces are each a whole garment, or one of several has no opening.
+    """
+    links = scan.faces[:, [0, 1, 1, 2]].reshape(-1, 2).T
+    count = len(scan.vertices)
+    _, piece = connected_components(coo_matrix((np.ones(links.shape[1]), links), shape=(count, count)), directed=False)
+    areas = np.bincount(piece[scan.faces[:, 0]], face_normals(scan.vertices, scan.faces)[1])
+    large = np.flatnonzero(areas >= LARGE * areas.sum())
+    whole: list[np.ndarray] = []
+    for part in large if len(large) > 1 else ():
+        faces = scan.faces[piece[scan.faces[:, 0]] == part]
+        if not find_loops(faces):
+            raise SeveralGarments(
+                f"{scan.name} holds {len(large)} separate surfaces, one of them closed as a body is; give the garment "
+                "alone, or label the scan's vertices and say --keep."
+            )
+        contours, _ = name_contours(scan.vertices, faces, body)
+        if contours and not _missing(contours):
+            rims = [scan.vertices[contour.vertices] for contour in contours]
+            others = cKDTree(np.concatenate(whole)) if whole else None
+            if others is not None and all(np.median(others.query(rim)[0]) > JOINED for rim in rims):
+                raise SeveralGarments(
+                    f"{scan.name} holds more than one garment; give each a file of its own, or label the scan's "
+                    "vertices and say --keep."
+                )
+            whole += rims
+
+
+def _missing(contours: tuple[Contour, ...]) -> list[str]:
+    """Tell where a worn garment has no opening: below, above."""
+    found = {contour.name for contour in contours}
+    above = found & {"neck", "waist"} or all(found & {f"{arm}.{side}" for arm in ARMS} for side in ("left", "right"))
+    return [where for where, there in (("below", found & set(LOWER)), ("above", above)) if not there]

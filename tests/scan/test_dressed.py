@@ -143,6 +143,19 @@ def test_other_clothes_hide_the_body_too(dressed: Dressed, pieces: Pieces) -> No
     assert caught.value.code == "scan.label_unknown"
 
 
+def test_labels_taken_for_skin_are_told(dressed: Dressed, tmp_path: Path) -> None:
+    """Broken where trousers that nobody named widen the body and nothing says so, or skin alone is remarked on."""
+    path = tmp_path / "labels.npy"
+    labels = np.where(dressed.cloth, 1, 0)
+    np.save(path, np.where(~dressed.cloth & (dressed.vertices[:, 1] < 0.8), 2, labels))
+    told = load_pieces(dressed.path, None, selection=Selection(path, keep=("1",))).garment.repairs
+    assert any("labels 0, 2 for skin" in note and "--cloth" in note for note in told)
+    for selection in (Selection(path, keep=("1",), cloth=("2",)), Selection(colour="#465faa")):
+        assert not any(
+            "for skin" in note for note in load_pieces(dressed.path, None, selection=selection).garment.repairs
+        )
+
+
 def test_a_scan_without_labels_or_colours_is_refused() -> None:
     """Broken where there is nothing to tell the garment by and everything is taken."""
     scan = Scan(np.eye(3), np.array([[0, 1, 2]]))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from garmentq.core.scan import Scan
-from garmentq.core.segment import PartMissing, segment_garment
+from garmentq.core.segment import PartMissing, SeveralGarments, segment_garment
 
 
 def test_half_a_shirt_is_refused(wearers, skin):
@@ -40,3 +40,40 @@ def test_trousers_need_no_neck(wearers, skin):
     """A waist above and legs below make a garment: the check must not ask for more."""
     body = wearers["A"]
     assert segment_garment(Scan(*skin(body, "trousers")), body).category == "trousers"
+
+
+def test_an_outfit_is_refused(wearers, skin, hung):
+    """A T-shirt and a skirt in one file have a neck, cuffs and a hem; they must not pass for a dress with holes."""
+    body = wearers["T"]
+    shirt, skirt = skin(body, "tshirt"), hung(body, 0.61, 0.35)
+    vertices, faces = join(shirt, skirt)
+    with pytest.raises(SeveralGarments, match="more than one garment") as caught:
+        segment_garment(Scan(vertices, faces, name="outfit"), body)
+    assert caught.value.code == "segment.several_garments"
+
+
+def test_a_garment_with_its_body_is_refused(wearers, hung):
+    """A body in the garment's own file must not be graded to."""
+    body = wearers["T"]
+    with pytest.raises(SeveralGarments, match="closed as a body"):
+        segment_garment(Scan(*join(hung(body, 0.61, 0.35), (body.vertices, body.faces)), name="both"), body)
+
+
+def test_an_unsewn_waistband_belongs_to_its_skirt(wearers, hung):
+    """Surfaces that lie edge to edge are one garment, though each has an opening below and one above."""
+    body = wearers["T"]
+    vertices, faces = hung(body, 0.61, 0.35)
+    upper = (faces >= vertices.shape[0] - 4 * 48).all(axis=1)
+    parts = [(vertices, faces[upper]), (vertices, faces[~upper])]
+    assert segment_garment(Scan(*join(*parts), name="skirt"), body).category == "skirt"
+
+
+def join(*meshes):
+    """Put meshes into one, as surfaces of their own, without the vertices that they do not use."""
+    vertices, faces, start = [], [], 0
+    for points, triangles in meshes:
+        used, index = np.unique(triangles, return_inverse=True)
+        vertices.append(points[used])
+        faces.append(index.reshape(-1, 3) + start)
+        start += len(used)
+    return np.concatenate(vertices), np.concatenate(faces)
