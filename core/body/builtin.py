@@ -93,7 +93,7 @@ def describe_bodies() -> tuple[dict[str, Any], ...]:
         usual = DENSITY * _volume(vertices, template.faces)[0]
         low, high = (round(index * height**2) for index in MASS_INDICES)
         ranges = ((*HEIGHTS, height), (low, high, round(usual)))
-        bodies.append({"spec": f"builtin:{gender}", "ranges": ranges, "poses": tuple(ARM_DROPS)})
+        bodies.append({"spec": f"builtin:{gender}", "ranges": ranges, "poses": POSES})
     return tuple(bodies)
 
 

@@ -34,6 +34,7 @@ def test_the_list_names_what_export_takes() -> None:
         (low, high, usual), (light, heavy, weight) = body["ranges"]
         assert low < usual < high and light < weight < heavy
         assert builtin_body(f"{body['spec']},height={usual},weight={weight},pose={body['poses'][1]}").vertices.any()
+        assert set(body["poses"]) == {"T", "A", "arms-down", "stride", "seated"}  # all that a specification may ask for
 
 
 def test_other_formats_are_refused(tmp_path: Path) -> None:
