@@ -16,7 +16,9 @@ import numpy as np
 
 REFUSED = 3
 LABELS = ("label", "labels", "is_garment", "segment", "segment_id", "class")
-"""Names under which scanners and labelling tools keep an integer per vertex in a PLY."""
+"""Names under which scanners and labelling tools keep an integer per vertex in a PLY, in any case."""
+SCALAR = "scalar_"
+"""What CloudCompare puts before the name of a scalar field, which it writes as floats."""
 
 
 class Broken(Exception):
@@ -89,13 +91,20 @@ def _pick(loaded: dict[str, Any]) -> dict[str, np.ndarray]:
         arrays["colours"] = _as_bytes(np.asarray(colours)[:, :3])
     rows = loaded.get("metadata", {}).get("_ply_raw", {}).get("vertex", {}).get("data")
     names = getattr(getattr(rows, "dtype", None), "names", None) or (rows.keys() if isinstance(rows, dict) else ())
+    fields = {str(name).lower().removeprefix(SCALAR): name for name in names}
     for name in LABELS:
-        if name in names and len(np.ravel(rows[name])) == len(vertices):
-            values = np.ravel(rows[name])
-            if np.issubdtype(values.dtype, np.integer):
-                arrays["labels"] = values.astype(np.int64)
-                break
+        values = np.ravel(rows[fields[name]]) if name in fields else np.zeros(0)
+        if len(values) == len(vertices) and _are_whole(values):
+            arrays["labels"] = values.astype(np.int64)
+            break
     return arrays
+
+
+def _are_whole(values: np.ndarray) -> bool:
+    """Tell whether numbers are integers, be they written as floats."""
+    if values.dtype.kind == "f":
+        return bool((np.abs(values) < 2**31).all() and (values == np.round(values)).all())
+    return values.dtype.kind in "iu"
 
 
 def _as_bytes(colours: np.ndarray) -> np.ndarray:

@@ -52,6 +52,24 @@ def test_every_format_gives_the_same_mesh(tmp_path, extension, units, up):
     assert scan.sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
 
 
+@pytest.mark.parametrize(
+    ("name", "kept"),
+    [("scalar_Label", True), ("Segment", True), ("scalar_C2C_distance", False), ("scalar_class", None)],
+)
+def test_whole_floats_are_labels(tmp_path, name, kept):
+    """Broken where CloudCompare's scalar fields are no labels, or a field of fractions is rounded to some."""
+    labels = np.arange(len(V)) % 3 + (0.5 if kept is None else 0.0)
+    lines = [f"{x} {y} {z} {label}" for (x, y, z), label in zip(V, labels, strict=True)]
+    lines += [f"3 {a} {b} {c}" for a, b, c in F]
+    head = f"ply\nformat ascii 1.0\nelement vertex {len(V)}\n" + "".join(f"property float {axis}\n" for axis in "xyz")
+    head += f"property float {name}\nelement face {len(F)}\nproperty list uchar int vertex_indices\nend_header\n"
+    path = tmp_path / "labelled.ply"
+    path.write_text(head + "\n".join(lines) + "\n")
+    found = load_scan(path).labels
+    assert (found is not None) == bool(kept)
+    assert found is None or np.array_equal(np.unique(found), [0, 1, 2])
+
+
 def test_ascii_ply_keeps_colours_and_labels(tmp_path):
     """Colours and labels must stay with their vertices, also when vertices are merged and dropped."""
     rows = [f"{x} {y} {z} {i % 256} 7 9 {i % 3}" for i, (x, y, z) in enumerate(V)]
