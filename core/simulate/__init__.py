@@ -11,7 +11,7 @@ from .locking import soften
 from .settings import GRAVITY, SimulateSettings, SimulateSettingsBad
 
 if TYPE_CHECKING:
-    from .derivative import AtRest, Derivative, Implicit, NotAtRest, Response, linearise_at, with_friction_frozen
+    from .derivative import AtRest, Derivative, Implicit, Response, linearise_at, with_friction_frozen
     from .dynamics import State, settle
     from .energy import Energy, Inertia, Spin
     from .friction import Friction
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .newton import factor_blend
     from .parameters import Parameters, list_gathers, map_rest, stretch_edge
     from .penetration import push_out
+    from .rest import NotAtRest
     from .sensitivity import FABRIC, Sensitivity, fabric_forces, pull_forces, push_forces
     from .solver import Solver, SuperLU, make_solver
     from .statics import Drape, NodesBad, equilibrium
@@ -40,7 +41,7 @@ _LAZY = {
     "InMotion": "unrolled",
     "Inertia": "energy",
     "NodesBad": "statics",
-    "NotAtRest": "derivative",
+    "NotAtRest": "rest",
     "Parameters": "parameters",
     "Response": "derivative",
     "Sensitivity": "sensitivity",

@@ -8,25 +8,12 @@ from typing import Protocol
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from ..errors import GarmentqError
 from .energy import Energy
-from .newton import factor_blend, relative_residual, search_line
+from .newton import factor_blend
+from .rest import NotAtRest, find_rest
 from .sensitivity import Sensitivity, fabric_forces, pull_forces, push_forces
 from .solver import Solver, SuperLU, make_solver
 from .topology import Topology
-
-_ROUND_OFF = 1e-6
-"""Residual under which a Newton step that no longer helps has met round-off and not an obstacle."""
-
-
-_BLIND = 1e-10
-"""Predicted decrease, relative to the energy, under which a line search sees little but the energy's round-off."""
-
-
-class NotAtRest(GarmentqError):
-    """The cloth does not come to rest closely enough for a derivative; settle it for longer first."""
-
-    code = "simulate.not_at_rest"
 
 
 class Response(Protocol):
@@ -64,7 +51,7 @@ class Implicit:
         tolerance: Largest force left on a node, relative to the mean weight of a node. What is left of force displaces
             the point at which the derivative is taken and adds no error of its own, so 1e-5 is enough. 0 asks for
             all that round-off allows (some 1e-10 at 1000 nodes), as difference quotients do.
-        max_iterations: Newton iterations after which `solve` gives up.
+        max_iterations: Matrices factored after which `solve` gives up.
     """
 
     tolerance: float = 1e-5
@@ -137,34 +124,12 @@ def linearise_at(energy: Energy, nodes: np.ndarray, anchors: np.ndarray, solver:
 def come_to_rest(energy: Energy, nodes: np.ndarray, solver: Solver, tolerance: float, max_iterations: int) -> AtRest:
     """Find where no force is left, from nodes near it [m], and factor the exact Hessian there.
 
-    Newton with a line search on the energy; where the energy cannot tell any more, on the residual.
-
     Raises:
         NotAtRest: where the force left stays above the tolerance.
     """
-    share = 1.0
-    for _ in range(max_iterations + 1):
-        start, gradient, blocks = energy.hessian(nodes)
-        residual = relative_residual(energy, gradient)
-        if residual <= tolerance:
-            return AtRest(energy, nodes, blocks, factor(energy, blocks, solver))
-        used = factor_blend(energy, solver, nodes, blocks, share)
-        direction = -np.asarray(solver.solve(gradient.ravel())).reshape(-1, 3)
-        slope = float((gradient * direction).sum())
-        if used < 0 or not slope < 0:
-            break
-        if -slope < _BLIND * abs(start):
-            nearer = nodes + direction
-            if relative_residual(energy, energy.gradient(nearer)[1]) >= residual:
-                if used == 1.0 and residual <= max(tolerance, _ROUND_OFF):
-                    return AtRest(energy, nodes, blocks, solver)
-                nearer, _ = search_line(energy, nodes, direction, start, slope)
-            nodes = nearer
-        else:
-            nodes, _ = search_line(energy, nodes, direction, start, slope)
-        # a share that could be factored is tried again, and a little more; the exact Hessian is due in the end
-        share = min(1.0, max(1.5 * used, 0.3))
-    raise NotAtRest(f"the cloth does not come to rest: a force of {residual:.1e} of a node's weight is left.")
+    nodes = find_rest(energy, nodes, solver, tolerance, max_iterations)
+    blocks = energy.hessian(nodes)[2]
+    return AtRest(energy, nodes, blocks, factor(energy, blocks, solver))
 
 
 def factor(energy: Energy, blocks: np.ndarray, solver: Solver) -> Solver:

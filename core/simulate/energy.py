@@ -13,11 +13,14 @@ from .fabric import Fabric
 from .friction import Friction, friction
 from .hold import Hold
 from .hysteresis import Hysteresis, list_grip
-from .membrane import membrane
+from .membrane import foresee_stress, membrane
 from .settings import GRAVITY, SimulateSettings
 from .topology import Topology
 
 _NO_BLOCKS = np.zeros((0, 3, 3))
+
+NO_STRESS = np.zeros((0, 3))
+"""Tells `membrane` to take the stress from the positions."""
 
 _LEVEL = np.array([1.0, 0.0, 1.0])
 """Part of a vector that lies level: y is up."""
@@ -83,6 +86,11 @@ class Energy:
         return self.fabric.density * self.topology.node_areas
 
     @property
+    def _stiffness(self) -> np.ndarray:
+        """Give the membrane's four numbers as its kernels take them [N/m]."""
+        return np.array([self.fabric.H00, self.fabric.H01, self.fabric.H11, self.fabric.H22])
+
+    @property
     def fixed(self) -> np.ndarray:
         """Tell which nodes are fixed, shape [node_count]."""
         fixed = np.zeros(self.topology.node_count, dtype=bool)
@@ -100,14 +108,26 @@ class Energy:
         gradient[self.fixed] = 0.0
         return energy, gradient
 
-    def hessian(self, nodes: np.ndarray, exact: bool = True) -> tuple[float, np.ndarray, np.ndarray]:
+    def hessian(
+        self, nodes: np.ndarray, exact: bool = True, stress: np.ndarray | None = None
+    ) -> tuple[float, np.ndarray, np.ndarray]:
         """Give energy, gradient and the 3x3 Hessian blocks (upper half, for `Topology.assemble`).
 
-        `exact` False gives a positive semi-definite approximation: for states far from equilibrium.
+        `exact` False gives a positive semi-definite approximation: for states far from equilibrium. `stress` [N/m],
+        shape [face_count, 3], is taken for the membrane's in its geometric part: `foresee_stress` says why.
         """
-        energy, gradient, blocks = self._evaluate(nodes, 2, exact)
+        energy, gradient, blocks = self._evaluate(nodes, 2, exact, NO_STRESS if stress is None else stress)
         gradient[self.fixed] = 0.0
         return energy, gradient, blocks
+
+    def foresee_stress(self, nodes: np.ndarray, step: np.ndarray) -> np.ndarray:
+        """Give the membrane's stress [N/m], shape [face_count, 3], that a step [m] from nodes [m] is to lead to.
+
+        It is linear in the step and so free of the stretch that any straight step along a fold brings.
+        """
+        return np.asarray(
+            foresee_stress(nodes, step, self.topology.faces, self.topology.shape_gradients, self._stiffness)
+        )
 
     def accelerate(self, nodes: np.ndarray) -> np.ndarray:
         """Give weight and centrifugal force of a unit of mass at nodes [m], both of shape [node_count, 3] [m/s2].
@@ -151,18 +171,20 @@ class Energy:
             )
         )
 
-    def _evaluate(self, nodes: np.ndarray, order: int, exact: bool) -> tuple[float, np.ndarray, np.ndarray]:
+    def _evaluate(
+        self, nodes: np.ndarray, order: int, exact: bool, stress: np.ndarray = NO_STRESS
+    ) -> tuple[float, np.ndarray, np.ndarray]:
         topology, fabric = self.topology, self.fabric
         nodes = np.ascontiguousarray(nodes, dtype=np.float64)
         gradient = np.zeros_like(nodes)
         blocks = np.zeros((len(topology.block_rows), 3, 3)) if order == 2 else _NO_BLOCKS
-        stiffness = np.array([fabric.H00, fabric.H01, fabric.H11, fabric.H22])
         energy = membrane(
             nodes,
             topology.faces,
             topology.shape_gradients,
             topology.areas,
-            stiffness,
+            self._stiffness,
+            stress,
             order,
             exact,
             topology.face_slots,

@@ -11,7 +11,7 @@ from .topology import add_block
 
 
 @njit(cache=True)
-def membrane(x, faces, shape, areas, H, order, exact, slots, gradient, blocks):  # type: ignore[no-untyped-def]
+def membrane(x, faces, shape, areas, H, stress, order, exact, slots, gradient, blocks):  # type: ignore[no-untyped-def]
     """Add the membrane's gradient (order >= 1) and Hessian blocks (order 2) and give its energy [J].
 
     E_f = A/2 eps^T H eps,  eps = (e00, e11, e01),  e = (F^T F - I) / 2,  F = [f_u f_v] = sum_a x_a (dN_a/du, dN_a/dv).
@@ -19,6 +19,7 @@ def membrane(x, faces, shape, areas, H, order, exact, slots, gradient, blocks): 
     Notation: `x` [node_count, 3] positions [m]; `shape` dN/d(u, v) [1/m]; `areas` A [m2]; `H` = (H00, H01, H11, H22)
     [N/m], with sigma = H eps and e01 the tensor shear, so that sigma2 = H22 e01 is conjugate to e01. Source: eq. 3.3.
     The PSD form (`exact` False) keeps the material part and the positive part of the 2x2 stress in the geometric part.
+    `stress` [face_count, 3], where it is not empty, takes sigma's place in the geometric part (`foresee_stress`).
     """
     energy = 0.0
     gram = _work()
@@ -48,6 +49,8 @@ def membrane(x, faces, shape, areas, H, order, exact, slots, gradient, blocks): 
         if order == 1:
             continue
         t0, t1, t2 = s0, s1, 0.5 * s2
+        if len(stress) > 0:
+            t0, t1, t2 = stress[f, 0], stress[f, 1], 0.5 * stress[f, 2]
         if not exact:
             t0, t1, t2 = positive_part(t0, t1, t2)
         n = 0
@@ -70,6 +73,35 @@ def membrane(x, faces, shape, areas, H, order, exact, slots, gradient, blocks): 
                 add_block(blocks, slots[f, n], block)
                 n += 1
     return energy
+
+
+@njit(cache=True)
+def foresee_stress(x, step, faces, shape, H):  # type: ignore[no-untyped-def]
+    """Give the stress (sigma0, sigma1, sigma2) [N/m] of each face after a step if strain were linear in it.
+
+    sigma = H (eps(x) + D eps(x)[step]): without the square of the step, by which a straight way along a fold stretches.
+    """
+    found = np.zeros((faces.shape[0], 3))
+    rows = np.zeros((4, 3))
+    fu, fv, du, dv = rows[0], rows[1], rows[2], rows[3]
+    for f in range(faces.shape[0]):
+        rows[:] = 0.0
+        for a in range(3):
+            node, au, av = faces[f, a], shape[f, a, 0], shape[f, a, 1]
+            for d in range(3):
+                fu[d] += x[node, d] * au
+                fv[d] += x[node, d] * av
+                du[d] += step[node, d] * au
+                dv[d] += step[node, d] * av
+        e0, e1, e2 = -0.5, -0.5, 0.0
+        for d in range(3):
+            e0 += fu[d] * (0.5 * fu[d] + du[d])
+            e1 += fv[d] * (0.5 * fv[d] + dv[d])
+            e2 += 0.5 * (fu[d] * fv[d] + fu[d] * dv[d] + fv[d] * du[d])
+        found[f, 0] = H[0] * e0 + H[1] * e1
+        found[f, 1] = H[1] * e0 + H[2] * e1
+        found[f, 2] = H[3] * e2
+    return found
 
 
 @njit(cache=True)

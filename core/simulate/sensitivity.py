@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from .bending import bending
-from .energy import Energy
+from .energy import NO_STRESS, Energy
 from .fabric import Fabric
 from .hysteresis import list_grip
 from .membrane import membrane
@@ -126,7 +126,7 @@ def fabric_forces(energy: Energy, nodes: np.ndarray) -> np.ndarray:
     none = np.zeros((0, 3, 3))
     for n in range(4):
         gradient = np.zeros_like(nodes)
-        membrane(nodes, topology.faces, topology.shape_gradients, topology.areas, np.eye(4)[n], 1, True,
+        membrane(nodes, topology.faces, topology.shape_gradients, topology.areas, np.eye(4)[n], NO_STRESS, 1, True,
                  topology.face_slots, gradient, none)  # fmt: skip
         found[:, :, n] = gradient
     gradient = np.zeros_like(nodes)

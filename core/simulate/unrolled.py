@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .derivative import adjoint, come_to_rest, factor, place_held, pull_hold
+from .derivative import adjoint, factor, place_held, pull_hold
 from .energy import Energy, Inertia
+from .rest import find_rest
 from .sensitivity import Sensitivity, pull_forces
 from .solver import Solver, make_solver
 
@@ -34,7 +35,7 @@ class Unrolled:
             steps of 0.05 s, and the gradient is that of `Implicit`; undamped it still swings (docs/simulate.md).
         tolerance: Largest force left on a node, relative to the mean weight of a node. 1e-6: the gradient's relative
             error was 1e-8 to 2e-6 (1e-4: 1e-5). 0 asks for all that round-off allows.
-        max_iterations: Newton iterations after which a step gives up.
+        max_iterations: Matrices factored after which a step gives up.
     """
 
     steps: int = 20
@@ -59,7 +60,7 @@ class Unrolled:
             assert step.inertia is not None
             guesses = (place_held(energy, path[-1]), place_held(energy, step.inertia.target))
             guess = min(guesses, key=step.value)
-            path.append(come_to_rest(step, guess, solver, self.tolerance, self.max_iterations).nodes)
+            path.append(find_rest(step, guess, solver, self.tolerance, self.max_iterations))
         return InMotion(energy, self, np.stack(path), solver)
 
     def _energy_of_step(self, energy: Energy, before: np.ndarray, now: np.ndarray) -> Energy:
