@@ -22,8 +22,8 @@ _ARMIJO = 1e-4
 """Share of the predicted decrease asked for; the usual value (Nocedal and Wright 2006, 3.1)."""
 
 _CLIMB = 10.0
-"""Predicted decreases by which a step may raise the energy, once: the stretch that the next one takes out. It was 1 to
-5 where the next one did, 100 to 100 000 where it led astray; 3 and 30 cost the same."""
+"""Predicted decreases by which a step may raise the energy, once: the stretch that the next one takes out. It was at
+most 5 where the next one did, 6 to 500 where it led astray; 3 and 30 cost the same."""
 
 _NEAR = 1.0
 """Residual under which the exact Hessian is tried again after legs with the PSD form; 0.3 and 5 cost the same."""
