@@ -42,7 +42,7 @@ CHANGE = np.array([0.01, -0.01, 0.005, 0.005, 0.01, -0.005])
 
 TIED, ROUGHLY = 4, 1e-2
 """First steps of Gauss-Newton whose cloth is tied to the target, and the force left then [a node's weight]: they only
-have to bring the pattern near. After two a pattern changed by 10 mm could still buckle, by chance of the last digits."""
+have to bring the pattern near. After two, one changed by 10 mm could still buckle, by chance of the last digits."""
 
 STEPS = {
     "20 x 0.05 s": (20, 0.05, 1.0),
