@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..body import face_normals
+
 MERGE = 1e-7
 """Vertices closer than this share of the bounding box's diagonal are one: the resolution of float32, in which STL and
 most PLY files hold the same point once per triangle."""
@@ -140,7 +142,7 @@ def _twins(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return first, second, directed[first, 0] == directed[second, 1]
 
 
-def _pieces(count: int, first: np.ndarray, second: np.ndarray) -> tuple[int, np.ndarray]:
+def label_pieces(count: int, first: np.ndarray, second: np.ndarray) -> tuple[int, np.ndarray]:
     """Label `count` nodes by the connected piece that the links make."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
@@ -148,12 +150,6 @@ def _pieces(count: int, first: np.ndarray, second: np.ndarray) -> tuple[int, np.
     links = coo_matrix((np.ones(len(first), bool), (first, second)), shape=(count, count))
     number, labels = connected_components(links, directed=False)
     return int(number), labels
-
-
-def face_areas(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Give the area of each face [unit squared], shape [face_count]."""
-    a, b, c = vertices[faces[:, 0]], vertices[faces[:, 1]], vertices[faces[:, 2]]
-    return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
 
 
 def _drop_crowded(surface: Surface) -> Surface:
@@ -164,8 +160,8 @@ def _drop_crowded(surface: Surface) -> Surface:
     if counts.max() <= 2:
         return surface
     first, second, _ = _twins(faces)
-    number, sheet = _pieces(len(faces), first // 3, second // 3)
-    size = np.bincount(sheet, weights=face_areas(surface.vertices, faces), minlength=number)
+    number, sheet = label_pieces(len(faces), first // 3, second // 3)
+    size = np.bincount(sheet, weights=face_normals(surface.vertices, faces)[1], minlength=number)
     # Rank the faces of each crowded edge by the area of their sheet; the file's order breaks ties.
     half = np.flatnonzero(counts[edge] > 2)
     order = half[np.lexsort((half, -size[sheet[half // 3]], edge[half]))]
@@ -190,12 +186,12 @@ def _orient_pieces(surface: Surface) -> Surface:
     if opposite.all():
         return surface
     a, b, count = first // 3, second // 3, len(faces)
-    number, piece = _pieces(count, a, b)
+    number, piece = label_pieces(count, a, b)
     shift = np.where(opposite, 0, count)
-    _, version = _pieces(2 * count, np.r_[a, a + count], np.r_[b + shift, b + count - shift])
+    _, version = label_pieces(2 * count, np.r_[a, a + count], np.r_[b + shift, b + count - shift])
     _, starts = np.unique(piece, return_index=True)
     turned = version[:count] != version[starts][piece]
-    area = face_areas(surface.vertices, faces)
+    area = face_normals(surface.vertices, faces)[1]
     against = np.bincount(piece, weights=area * turned, minlength=number)
     turned ^= (against > 0.5 * np.bincount(piece, weights=area, minlength=number))[piece]
     notes = surface.note(
@@ -216,7 +212,7 @@ def _split_fans(surface: Surface) -> Surface:
     first, second = first[opposite], second[opposite]
     # Half-edge h starts at corner h; its end is the next corner of the same face.
     first_end, second_end = first - first % 3 + (first + 1) % 3, second - second % 3 + (second + 1) % 3
-    number, label = _pieces(3 * len(faces), np.r_[first, first_end], np.r_[second_end, second])
+    number, label = label_pieces(3 * len(faces), np.r_[first, first_end], np.r_[second_end, second])
     corner = faces.ravel()
     used = len(np.unique(corner))
     if number == used:
@@ -245,10 +241,10 @@ def _split_fans(surface: Surface) -> Surface:
 
 def _drop_strays(surface: Surface) -> Surface:
     first, second, _ = _twins(surface.faces)
-    number, piece = _pieces(len(surface.faces), first // 3, second // 3)
+    number, piece = label_pieces(len(surface.faces), first // 3, second // 3)
     if number == 1:
         return surface
-    size = np.bincount(piece, weights=face_areas(surface.vertices, surface.faces), minlength=number)
+    size = np.bincount(piece, weights=face_normals(surface.vertices, surface.faces)[1], minlength=number)
     kept = size >= STRAY * size.max()
     notes = surface.note(int((~kept).sum()), "Dropped 1 stray piece.", "Dropped {} stray pieces.")
     return replace(surface, faces=surface.faces[kept[piece]], repairs=notes)
@@ -280,7 +276,7 @@ def boundary_pieces(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray
         return rim, np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros((0, 3))
     used, local = np.unique(rim, return_inverse=True)
     local = local.reshape(-1, 2)
-    number, label = _pieces(len(used), local[:, 0], local[:, 1])
+    number, label = label_pieces(len(used), local[:, 0], local[:, 1])
     piece = label[local[:, 0]]
     sums = np.stack([np.bincount(label, vertices[used, k], number) for k in range(3)], axis=1)
     means = sums / np.bincount(label, minlength=number)[:, None]
@@ -305,7 +301,7 @@ def enclosed_volume(vertices: np.ndarray, faces: np.ndarray) -> float:
 def _turn_outward(surface: Surface) -> Surface:
     """Turn each piece that encloses a negative volume once its openings are closed."""
     first, second, _ = _twins(surface.faces)
-    number, piece = _pieces(len(surface.faces), first // 3, second // 3)
+    number, piece = label_pieces(len(surface.faces), first // 3, second // 3)
     faces = surface.faces.copy()
     turned = 0
     for k in range(number):

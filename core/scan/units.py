@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..body import face_normals
 from .refusal import ChoiceBad, UnitsAmbiguous, UnitsUnknown, UpAmbiguous
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
@@ -49,9 +50,7 @@ def _fits(extent: np.ndarray, area: float | None, scale: float, kind: str) -> bo
 
 
 def _measure(vertices: np.ndarray, faces: np.ndarray | None) -> tuple[np.ndarray, float | None]:
-    from .repair import face_areas
-
-    return np.ptp(vertices, axis=0), None if faces is None else float(face_areas(vertices, faces).sum())
+    return np.ptp(vertices, axis=0), None if faces is None else float(face_normals(vertices, faces)[1].sum())
 
 
 def possible_units(vertices: np.ndarray, faces: np.ndarray | None = None, kind: str = "garment") -> list[str]:

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from ..body import Body, face_normals, vertex_normals
 from ..errors import BadInput
-from ..scan import Scan
+from ..scan import Scan, label_pieces
 from .category import choose_category
 from .contours import name_contours
 from .loop import find_loops, smoothed_length
@@ -111,9 +109,7 @@ def check_single(scan: Scan, body: Body) -> None:
     Raises:
         SeveralGarments: where two separate surfaces are each a whole garment, or one of several has no opening.
     """
-    links = scan.faces[:, [0, 1, 1, 2]].reshape(-1, 2).T
-    count = len(scan.vertices)
-    _, piece = connected_components(coo_matrix((np.ones(links.shape[1]), links), shape=(count, count)), directed=False)
+    _, piece = label_pieces(len(scan.vertices), scan.faces[:, :2].ravel(), scan.faces[:, 1:].ravel())
     areas = np.bincount(piece[scan.faces[:, 0]], face_normals(scan.vertices, scan.faces)[1])
     large = np.flatnonzero(areas >= LARGE * areas.sum())
     whole: list[np.ndarray] = []

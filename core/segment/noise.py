@@ -58,8 +58,8 @@ def smooth_noise(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, f
     probes = np.random.default_rng(0).choice([-1.0, 1.0], size=(len(vertices), PROBES))
 
     def risk(exponent: float) -> float:
-        smooth = _smooth(square, float(np.exp(exponent)), vertices)
-        trace = float((probes * _smooth(square, float(np.exp(exponent)), probes)).sum()) / PROBES
+        smooth, echo = np.hsplit(_smooth(square, float(np.exp(exponent)), np.hstack([vertices, probes])), [3])
+        trace = float((probes * echo).sum()) / PROBES
         across = ((smooth - vertices) * vertex_normals(smooth, faces)).sum(axis=1)
         return float(across @ across) + 2.0 * noise**2 * trace
 
