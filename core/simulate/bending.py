@@ -27,51 +27,53 @@ def bending(x, hinges, scale, rest, k, angles, moments, slip, order, exact, slot
     rest lengths and areas in c, so that the Hessian is exact and symmetric. The PSD form keeps d2E grad grad^T.
     """
     energy = 0.0
-    e, p, q, n1, n2 = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
     slope = np.zeros((4, 3))
     curve = np.zeros((10, 3, 3))
     for h in range(hinges.shape[0]):
         i0, i1, i2, i3 = hinges[h, 0], hinges[h, 1], hinges[h, 2], hinges[h, 3]
-        for d in range(3):
-            e[d] = x[i1, d] - x[i0, d]
-            p[d] = x[i2, d] - x[i0, d]
-            q[d] = x[i3, d] - x[i0, d]
-        cross(e, p, n1)
-        cross(q, e, n2)
+        e, p, q = subtract(x[i1], x[i0]), subtract(x[i2], x[i0]), subtract(x[i3], x[i0])
+        n1, n2 = cross(e, p), cross(q, e)
         squared, m1, m2 = dot(e, e), dot(n1, n1), dot(n2, n2)
         # a face squeezed to a needle (height under 1e-4 of its edge) has no direction to bend in
         if m1 < 1e-8 * squared * squared or m2 < 1e-8 * squared * squared or squared == 0.0:
             continue
         length = math.sqrt(squared)
         # (n1 x n2) . e / |e| = |e| (n1 . q) up to sign: n1 x n2 is parallel to e
-        sine = -length * dot(n1, q)
-        turn = math.atan2(sine, dot(n1, n2))
-        angle = turn - rest[h]
+        sine, cosine = -length * dot(n1, q), dot(n1, n2)
+        half_sine, half_cosine = halve(sine, cosine, math.sqrt(m1 * m2))
+        if rest[h] != 0.0:
+            cr, sr = math.cos(0.5 * rest[h]), math.sin(0.5 * rest[h])
+            half_sine, half_cosine = half_sine * cr - half_cosine * sr, half_cosine * cr + half_sine * sr
         stiffness = k * scale[h]
-        energy += 2.0 * stiffness * (1.0 - math.cos(0.5 * angle))
+        # 1 - cos, by which small angles would lose their digits
+        if half_cosine > 0.0:
+            energy += 2.0 * stiffness * half_sine * half_sine / (1.0 + half_cosine)
+        else:
+            energy += 2.0 * stiffness * (1.0 - half_cosine)
         away, reach = 0.0, slip
         if moments[h] > 0.0:
-            away = turn - angles[h]
+            away = math.atan2(sine, cosine) - angles[h]
             away -= 2.0 * math.pi * round(away / (2.0 * math.pi))
             reach = math.sqrt(away * away + slip * slip)
             energy += moments[h] * (reach - slip)
         if order == 0:
             continue
-        first = stiffness * math.sin(0.5 * angle)
-        second = 0.5 * stiffness * math.cos(0.5 * angle)
+        first, second = stiffness * half_sine, 0.5 * stiffness * half_cosine
         if not exact:
             second = abs(second)
         if moments[h] > 0.0:
             first += moments[h] * away / reach
             second += moments[h] * slip * slip / reach**3
         t1, t2 = dot(p, e) / squared, dot(q, e) / squared
+        u2, u3 = -length / m1, -length / m2
         for d in range(3):
-            slope[2, d] = -length * n1[d] / m1
-            slope[3, d] = -length * n2[d] / m2
-            slope[0, d] = -(1.0 - t1) * slope[2, d] - (1.0 - t2) * slope[3, d]
-            slope[1, d] = -t1 * slope[2, d] - t2 * slope[3, d]
-            for a in range(4):
-                gradient[hinges[h, a], d] += first * slope[a, d]
+            s2, s3 = u2 * n1[d], u3 * n2[d]
+            s0, s1 = (t1 - 1.0) * s2 + (t2 - 1.0) * s3, -t1 * s2 - t2 * s3
+            gradient[i0, d] += first * s0
+            gradient[i1, d] += first * s1
+            gradient[i2, d] += first * s2
+            gradient[i3, d] += first * s3
+            slope[0, d], slope[1, d], slope[2, d], slope[3, d] = s0, s1, s2, s3
         if order == 1:
             continue
         n = 0
@@ -121,11 +123,26 @@ def _curve_triangle(e, p, n, sign, squared, length, m, t, apex, first, to0, to1,
 
 
 @njit(cache=True, inline="always")
-def cross(a, b, out):  # type: ignore[no-untyped-def]
-    """Write a x b to `out`."""
-    out[0] = a[1] * b[2] - a[2] * b[1]
-    out[1] = a[2] * b[0] - a[0] * b[2]
-    out[2] = a[0] * b[1] - a[1] * b[0]
+def halve(sine, cosine, length):  # type: ignore[no-untyped-def]
+    """Give sine and cosine of half an angle in -pi .. pi, from its own times a length, without losing small angles."""
+    sine, cosine = sine / length, cosine / length
+    if cosine >= 0.0:
+        half_cosine = math.sqrt(0.5 + 0.5 * cosine)
+        return 0.5 * sine / half_cosine, half_cosine
+    half_sine = math.copysign(math.sqrt(0.5 - 0.5 * cosine), sine)
+    return half_sine, 0.5 * sine / half_sine
+
+
+@njit(cache=True, inline="always")
+def subtract(a, b):  # type: ignore[no-untyped-def]
+    """Give a - b."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@njit(cache=True, inline="always")
+def cross(a, b):  # type: ignore[no-untyped-def]
+    """Give a x b."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @njit(cache=True, inline="always")

@@ -22,10 +22,22 @@ def contact(x, coefficients, origin, spacing, offset, areas, stiffness, thicknes
     PSD form drops the curvature of d.
     """
     energy = 0.0
-    weights, slope, curve = np.zeros((9, 4)), np.zeros(3), np.zeros((3, 3))
+    flat = coefficients.ravel()
+    slope, curve = np.zeros(3), np.zeros((3, 3))
     for v in range(x.shape[0]):
         force[v] = 0.0
-        distance = sample_distance(x[v], coefficients, origin, spacing, offset, thickness, weights, slope, curve)
+        distance = sample_distance(
+            (x[v, 0], x[v, 1], x[v, 2]),
+            flat,
+            coefficients.shape,
+            origin,
+            spacing,
+            offset,
+            thickness,
+            order,
+            slope,
+            curve,
+        )
         if distance >= thickness:
             continue
         depth = thickness - distance

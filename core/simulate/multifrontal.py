@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sparse
 from numba import njit
-from scipy.linalg.blas import dgemv, dsyrk, dtrsm, dtrsv
+from scipy.linalg.blas import dsyrk, dtrsm
 from scipy.linalg.lapack import dpotrf
 
 from .dissection import dissect
@@ -38,9 +38,14 @@ class Multifrontal:
         self._fronts = [
             (int(starts[p]), int(own[p]), int(rest[p]), 3 * part.first) for p, part in enumerate(self._parts)
         ]
-        self._size = int(starts[-1])
+        self._store = np.zeros(int(starts[-1]))
         self._rows = [(3 * part.boundary[:, None] + np.arange(3)).ravel() for part in self._parts]
+        self._joined = np.concatenate(self._rows)
+        places = np.cumsum(rest) - rest
+        self._layout = np.column_stack([np.array(self._fronts), places])
         self._map_entries(topology, own, starts)
+        self._places = _plan([part.parent for part in self._parts], rest**2)
+        self._passed = np.zeros(int((self._places + rest**2).max()))
         self._links = []
         for rows, part in zip(self._rows, self._parts, strict=True):
             if part.parent < 0:
@@ -76,26 +81,28 @@ class Multifrontal:
 
     def factor(self, data: np.ndarray) -> bool:
         """Factor the matrix with these entries; False where it is not positive definite."""
-        store = np.zeros(self._size)
+        store = self._store
+        store[:] = 0.0
         store[self._target] = data[self._source]
         updates: list[list[tuple[np.ndarray, np.ndarray]]] = [[] for _ in self._parts]
-        self._factors: list[tuple[np.ndarray, np.ndarray]] = []
         self._definite = False
         for p, (start, n1, n2, _) in enumerate(self._fronts):
             own = store[start : start + n1 * n1].reshape((n1, n1), order="F")
             below = store[start + n1 * n1 : start + n1 * (n1 + n2)].reshape((n2, n1), order="F")
-            rest = np.zeros((n2, n2), order="F")
             for update, link in updates[p]:
-                _add_update(update, link, own, below, rest)
-            updates[p] = []
+                _add_own(update, link, own, below)
             _, info = dpotrf(own, lower=1, clean=0, overwrite_a=1)
             if info != 0 or not np.isfinite(own[-1, -1]):
                 return False
             if n2:
                 dtrsm(1.0, own, below, side=1, lower=1, trans_a=1, overwrite_b=1)
-                rest = dsyrk(-1.0, below, beta=1.0, c=rest, lower=1, overwrite_c=1)
+                place = self._places[p]
+                rest = self._passed[place : place + n2 * n2].reshape((n2, n2), order="F")
+                dsyrk(-1.0, below, c=rest, lower=1, overwrite_c=1)
+                for update, link in updates[p]:
+                    _add_rest(update, link, n1, rest)
                 updates[self._parts[p].parent].append((rest, self._links[p]))
-            self._factors.append((own, below))
+            updates[p] = []
         self._definite = True
         return True
 
@@ -104,19 +111,7 @@ class Multifrontal:
         if right.ndim == 2:
             return np.stack([self.solve(column) for column in right.T], axis=1)
         x = np.ascontiguousarray(right[self._order], dtype=np.float64)
-        for p, (own, below) in enumerate(self._factors):
-            _, n1, n2, first = self._fronts[p]
-            part = dtrsv(own, x[first : first + n1], lower=1)
-            x[first : first + n1] = part
-            if n2:
-                x[self._rows[p]] -= dgemv(1.0, below, part)
-        for p in range(len(self._factors) - 1, -1, -1):
-            own, below = self._factors[p]
-            _, n1, n2, first = self._fronts[p]
-            part = x[first : first + n1]
-            if n2:
-                part = part - dgemv(1.0, below, x[self._rows[p]], trans=1)
-            x[first : first + n1] = dtrsv(own, part, lower=1, trans=1)
+        _substitute(x, self._store, self._layout, self._joined)
         result = np.zeros_like(x)
         result[self._order] = x
         return result
@@ -126,17 +121,81 @@ class Multifrontal:
         return self._definite
 
 
+def _plan(parents: list[int], sizes: np.ndarray) -> np.ndarray:
+    """Place updates of these sizes in one store, each kept until its parent has taken it: the first gap that is wide.
+
+    Memory that is asked for anew at every factorisation costs more, page by page, than what is computed in it.
+    """
+    places = np.zeros(len(parents), dtype=np.int64)
+    kept: list[int] = []
+    for p, size in enumerate(sizes):
+        end = 0
+        for other in kept:
+            if places[other] - end >= size:
+                break
+            end = places[other] + sizes[other]
+        places[p] = end
+        kept = sorted((q for q in [*kept, p] if parents[q] > p), key=lambda q: places[q])
+    return places
+
+
 @njit(cache=True)
-def _add_update(update, link, own, below, rest):  # type: ignore[no-untyped-def]
-    """Add the lower half of a child's update to the parent's front."""
-    n1 = own.shape[0]
-    for c in range(len(link)):
+def _add_own(update, link, own, below):  # type: ignore[no-untyped-def]
+    """Add what a child's update gives to the columns that its parent eliminates; `link` ascends."""
+    n1, count = own.shape[0], len(link)
+    inner = np.searchsorted(link, n1)
+    for c in range(inner):
         column = link[c]
-        for r in range(c, len(link)):
-            row = link[r]
-            if column >= n1:
-                rest[row - n1, column - n1] += update[r, c]
-            elif row >= n1:
-                below[row - n1, column] += update[r, c]
-            else:
-                own[row, column] += update[r, c]
+        for r in range(c, inner):
+            own[link[r], column] += update[r, c]
+        for r in range(inner, count):
+            below[link[r] - n1, column] += update[r, c]
+
+
+@njit(cache=True)
+def _add_rest(update, link, n1, rest):  # type: ignore[no-untyped-def]
+    """Add what a child's update gives to the update that its parent passes on; `link` ascends."""
+    count = len(link)
+    for c in range(np.searchsorted(link, n1), count):
+        column = link[c] - n1
+        for r in range(c, count):
+            rest[link[r] - n1, column] += update[r, c]
+
+
+@njit(cache=True, fastmath={"reassoc", "contract"})
+def _substitute(x, store, layout, joined):  # type: ignore[no-untyped-def]
+    """Replace x by (L L^T)^-1 x, front by front down and up again.
+
+    `layout` [front_count, 5]: start in `store`, own rows, boundary rows, first row, start in `joined`, which holds the
+    boundaries' rows. Each front is L11 by columns, then L21 by columns.
+    """
+    work = np.zeros(max(1, layout[:, 2].max()))
+    for p in range(len(layout)):
+        start, n1, n2, first, at = layout[p]
+        part, tail, rows = x[first : first + n1], work[:n2], joined[at : at + n2]
+        tail[:] = 0.0
+        for c in range(n1):
+            column = store[start + c * n1 : start + (c + 1) * n1]
+            low = store[start + n1 * n1 + c * n2 : start + n1 * n1 + (c + 1) * n2]
+            value = part[c] / column[c]
+            part[c] = value
+            for r in range(c + 1, n1):
+                part[r] -= column[r] * value
+            for r in range(n2):
+                tail[r] += low[r] * value
+        for r in range(n2):
+            x[rows[r]] -= tail[r]
+    for p in range(len(layout) - 1, -1, -1):
+        start, n1, n2, first, at = layout[p]
+        part, tail, rows = x[first : first + n1], work[:n2], joined[at : at + n2]
+        for r in range(n2):
+            tail[r] = x[rows[r]]
+        for c in range(n1 - 1, -1, -1):
+            column = store[start + c * n1 : start + (c + 1) * n1]
+            low = store[start + n1 * n1 + c * n2 : start + n1 * n1 + (c + 1) * n2]
+            total = 0.0
+            for r in range(c + 1, n1):
+                total += column[r] * part[r]
+            for r in range(n2):
+                total += low[r] * tail[r]
+            part[c] = (part[c] - total) / column[c]
