@@ -91,8 +91,8 @@ def write_pack(folder: Path, name: str, pattern: Pattern, fabric: Fabric) -> Non
     (folder / "meta.json").write_text(json.dumps(meta))
 
 
-def recover_pack(folder: Path, fabric: Fabric) -> dict[str, Any]:
-    """Recover a pack by the hybrid method and hold pattern and cloth against the truth."""
+def recover_pack(folder: Path, fabric: Fabric, drawn: Pattern) -> dict[str, Any]:
+    """Recover a pack by the hybrid method and hold pattern and cloth against the truth, the pattern that was drawn."""
     pack = read_packs(folder)[0]
     settings = RecoverySettings(method="hybrid", fabric=fabric.name)
     recovery = recover(Request(pack.garment, pack.body, pack.template, settings))
@@ -100,7 +100,9 @@ def recover_pack(folder: Path, fabric: Fabric) -> dict[str, Any]:
     truth = read_true_pattern(pack)
     assert truth is not None
     known = {each.name: each for each in recovery.estimates}
+    found, true = (sum(abs(panel_area(panel)) for panel in each.panels) for each in (recovery.pattern, drawn))
     return {
+        "whole pattern": found / true - 1.0,
         "area error": metrics["panel_area_error"],
         "outline [mm]": metrics["panel_outline_mm"],
         "k / true k": known["k"].value / pack.fabric["k"] if "k" in known else None,
@@ -132,7 +134,7 @@ def main() -> None:
             write_pack(folder, name, pattern, replace(assumed, k=chosen.stiffer * assumed.k))
         away = [panel_area(panel) / panel_area(base.panel(panel.name)) - 1.0 for panel in pattern.panels]
         print(f"{name}: panels {', '.join(f'{x:+.3f}' for x in away)} from the base pattern's", flush=True)
-        for key, value in recover_pack(folder, assumed).items():
+        for key, value in recover_pack(folder, assumed, pattern).items():
             print(f"  {key}: {round(value, 4) if isinstance(value, float) else value}", flush=True)
 
 
