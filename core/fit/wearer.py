@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.ndimage import gaussian_filter, spline_filter
+from scipy.ndimage import gaussian_filter
 
 from ..body import Body, DistanceGrid
 from ..hooks import SILENT, Hooks
@@ -71,5 +71,4 @@ def _moved_out(grid: DistanceGrid, points: np.ndarray, out: np.ndarray, areas: n
     weight, moved = (gaussian_filter(each, width, mode="constant") for each in sums)
     # cloth that lies flat: one area to a plane, of which a cell holds spacing^3 / (sqrt(2 pi) RADIUS)
     flat = grid.spacing**3 / (np.sqrt(2.0 * np.pi) * RADIUS)
-    field = moved / (weight + FAINT * flat)
-    return replace(grid, coefficients=np.ascontiguousarray(grid.coefficients - spline_filter(field, order=3)))
+    return grid.inflated(moved / (weight + FAINT * flat))

@@ -9,6 +9,7 @@ import pytest
 import scipy.sparse as sparse
 import torch
 from garmentq.core.simulate import Energy, Friction, Hold, Inertia, Topology, TopologyBad, hold_folds
+from garmentq.core.simulate.hysteresis import measure_angles
 from scipy.spatial.transform import Rotation
 
 
@@ -158,6 +159,24 @@ def test_cylinder_costs_half_of_k(sheet, cloth):
     energy = Energy(topology, bare, gravity=(0.0, 0.0, 0.0)).value(nodes)
     inner = 79 / 80  # the first and last half cell have no hinge
     assert energy == pytest.approx(cloth.k / radius**2 / 4 * 0.4 * 0.02 * inner, rel=2e-3)
+
+
+@pytest.mark.parametrize("rest", [0.0, 0.7, -2.5])
+@pytest.mark.parametrize("angle", [1e-7, 0.3, -1.2, 1.6, -2.9, 3.1])
+def test_one_hinge_folds_as_its_formula_says(cloth, angle, rest):
+    """A half angle of the wrong quadrant beyond a right angle, or small angles lost in 1 - cos, breaks this."""
+    flat = np.array([[0.0, 0.0], [0.02, 0.0], [0.01, 0.02], [0.01, -0.02]])
+    faces = np.array([[0, 1, 2], [1, 0, 3]])
+    topology = Topology.from_mesh(faces, flat[faces], rest_angles=np.array([rest]))
+    nodes = np.column_stack([flat, np.zeros(4)])
+    nodes[3, 1:] = -0.02 * np.cos(angle), -0.02 * np.sin(angle)
+    measured = float(measure_angles(topology, nodes)[0])
+    assert abs(measured) == pytest.approx(abs(angle), rel=1e-8)
+    expected = 4.0 * cloth.k * topology.hinge_scale[0] * np.sin(0.25 * (measured - rest)) ** 2
+    flat_out = replace(cloth, H00=1e-30, H01=0.0, H11=1e-30, H22=1e-30)
+    energy = Energy(topology, flat_out, gravity=(0.0, 0.0, 0.0))
+    # the formula's period is two turns: an angle that has passed half a turn against its rest is still told
+    assert energy.value(nodes) == pytest.approx(expected, rel=1e-9)
 
 
 def test_fixed_nodes_feel_nothing(crumpled, cloth):
