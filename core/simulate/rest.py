@@ -15,6 +15,9 @@ from .solver import Solver
 _ROUND_OFF = 1e-6
 """Residual under which a Newton step that no longer helps has met round-off and not an obstacle."""
 
+_AS_GOOD = 3.0
+"""Factor between residuals that are both round-off: from one evaluation to the next they scatter by about 2."""
+
 _BLIND = 1e-9
 """Predicted decrease, relative to the energy, under which the energy's round-off hides whether a step helps."""
 
@@ -122,7 +125,8 @@ def _press_on(
         if -slope < _BLIND * abs(best.value):
             fell, bearable = there.residual < here.residual, False
             if not fell and here.residual <= max(tolerance, _ROUND_OFF):
-                return here, True, factors + 1
+                # round-off in the stiff directions hides what the soft ones still lacked: the step has brought it
+                return (there if there.residual <= _AS_GOOD * here.residual else here), True, factors + 1
         else:
             fell = there.value <= best.value + _ARMIJO * slope
             bearable = here is best and there.value <= best.value - _CLIMB * slope
