@@ -17,6 +17,7 @@ from garmentq.core.simulate import (
     Energy,
     Implicit,
     Inertia,
+    Linearised,
     Parameters,
     SimulateSettings,
     Topology,
@@ -41,7 +42,7 @@ CHANGE = np.array([0.01, -0.01, 0.005, 0.005, 0.01, -0.005])
 """What is changed of the pattern at its corners [m]: up to 3 % of its half width."""
 
 AROUND = (0.94, 0.97, 1.0, 1.03, 1.06)
-"""Factors on the change over which the thesis mode is averaged: the sheet buckles anew, and which way it takes to rest
+"""Factors on the change over which solved steps are averaged: the sheet buckles anew, and which way it takes to rest
 hangs on the last digits, so that one run takes up to twice as long as another."""
 
 TIED, ROUGHLY = 4, 1e-2
@@ -166,12 +167,20 @@ def measure(name: str) -> dict[str, float]:
     for title, way in STEPS.items():
         two = parameters.pull(energy, Unrolled(*way).solve(energy, rest.nodes, solver).pull(up))
         found[f"1 - cosine, {title}"] = 1.0 - float(one @ two / np.linalg.norm(one) / np.linalg.norm(two))
-    thesis = Unrolled(steps=20)
+    solved = Unrolled(steps=20)
+    for share in (1.0, 0.1):
+        changed = replace(parameters, fabric=()).move(energy, share * CHANGE)
+        Linearised(1).solve(changed, rest.nodes, solver).pull(up)  # torch is imported on the way
+        forward, moved = cpu(lambda e=changed: Linearised(20).solve(e, rest.nodes, solver))
+        reverse, _ = cpu(lambda m=moved: m.pull(up))
+        change = f", {10 * share:.0f} mm"
+        found[f"linearised forward{change} [s]"], found[f"linearised reverse{change} [s]"] = forward, reverse
+        found[f"linearised / goal{change}"] = (forward + reverse) / GOALS[name][1]
     for share in (1.0, 0.1):
         times = []
         for factor in AROUND:
             changed = replace(parameters, fabric=()).move(energy, factor * share * CHANGE)
-            forward, moved = cpu(lambda e=changed: thesis.solve(e, rest.nodes, solver))
+            forward, moved = cpu(lambda e=changed: solved.solve(e, rest.nodes, solver))
             times.append((forward, cpu(lambda m=moved: m.pull(up))[0]))
         change = f", {10 * share:.0f} mm [s]"
         found["forward" + change], found["reverse" + change] = np.mean(times, axis=0)
@@ -186,7 +195,9 @@ def measure(name: str) -> dict[str, float]:
         ours = (found[f"forward{change} [s]"], found[f"reverse{change} [s]"])
         found[f"steps / goal{change}"] = sum(ours) / GOALS[name][1]
         for n, way in enumerate(("fwd", "rev")):
-            found[f"thesis/{way}{change}"] = THESIS[name][n] / ours[n] if name in THESIS else float("nan")
+            linear = found[f"linearised {('forward', 'reverse')[n]}{change} [s]"]
+            known = THESIS[name][n] if name in THESIS else float("nan")
+            found[f"thesis/{way}{change}"], found[f"thesis/linearised {way}{change}"] = known / ours[n], known / linear
     return found
 
 

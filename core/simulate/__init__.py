@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from .friction import Friction
     from .hold import Hold, HoldBad
     from .hysteresis import Hysteresis, hold_folds
+    from .linearised import InLinearSteps, Linearised
     from .newton import factor_blend
     from .parameters import Parameters, list_gathers, map_rest, stretch_edge
     from .penetration import push_out
@@ -38,8 +39,10 @@ _LAZY = {
     "HoldBad": "hold",
     "Hysteresis": "hysteresis",
     "Implicit": "derivative",
+    "InLinearSteps": "linearised",
     "InMotion": "unrolled",
     "Inertia": "energy",
+    "Linearised": "linearised",
     "NodesBad": "statics",
     "NotAtRest": "rest",
     "Parameters": "parameters",
@@ -84,8 +87,10 @@ __all__ = [
     "HoldBad",
     "Hysteresis",
     "Implicit",
+    "InLinearSteps",
     "InMotion",
     "Inertia",
+    "Linearised",
     "NodesBad",
     "NotAtRest",
     "Parameters",

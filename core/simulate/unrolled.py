@@ -56,14 +56,14 @@ class Unrolled:
         start = np.array(nodes, dtype=np.float64)
         path = [start if velocities is None else start - self.dt * np.asarray(velocities), start]
         for _ in range(self.steps):
-            step = self._energy_of_step(energy, path[-2], path[-1])
+            step = self.energy_of_step(energy, path[-2], path[-1])
             assert step.inertia is not None
             guesses = (place_held(energy, path[-1]), place_held(energy, step.inertia.target))
             guess = min(guesses, key=step.value)
             path.append(find_rest(step, guess, solver, self.tolerance, self.max_iterations))
         return InMotion(energy, self, np.stack(path), solver)
 
-    def _energy_of_step(self, energy: Energy, before: np.ndarray, now: np.ndarray) -> Energy:
+    def energy_of_step(self, energy: Energy, before: np.ndarray, now: np.ndarray) -> Energy:
         """Give the energy that the next step minimises."""
         return replace(energy, inertia=Inertia(now + self.damping * (now - before), 1.0 / self.dt**2))
 
@@ -105,7 +105,7 @@ class InMotion:
         rest, fabric, hold = np.zeros_like(energy.topology.rest), np.zeros(6), np.zeros((held, 3))
         tied = (energy.masses / unrolled.dt**2)[:, None]
         for t in range(len(path) - 1, 1, -1):
-            step = unrolled._energy_of_step(energy, path[t - 2], path[t - 1])
+            step = unrolled.energy_of_step(energy, path[t - 2], path[t - 1])
             blocks = step.hessian(path[t])[2]
             weights = adjoint(step, factor(step, blocks, self.solver), bars[t])
             by_rest, by_fabric = pull_forces(step, path[t], weights)

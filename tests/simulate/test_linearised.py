@@ -1,0 +1,114 @@
+"""The thesis' linearised steps: the form that their adjoint differentiates, and the adjoint against differences."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from garmentq.core.simulate import (
+    FABRIC,
+    Energy,
+    Friction,
+    Hold,
+    Implicit,
+    Inertia,
+    Linearised,
+    Parameters,
+    Unrolled,
+    hold_folds,
+    make_solver,
+)
+from garmentq.core.simulate.derivative import matrix_of
+from garmentq.core.simulate.hessian_form import pull_form
+from scipy.sparse import csr_matrix
+
+STEPS = 4
+
+
+@pytest.fixture(scope="module")
+def everything(crumpled, cloth, grid_of):
+    """A crumpled sheet that touches a sphere, with every term switched on; loosely held, so that the rest can move."""
+    topology, nodes, _ = crumpled
+    centre = np.array([0.06, -0.1, 0.05])
+    grid = grid_of(lambda p: np.linalg.norm(p - centre, axis=-1) - 0.1, -0.15, 0.25)
+    rng = np.random.default_rng(1)
+    normals = np.tile([0.0, 1.0, 0.0], (len(nodes), 1))
+    limits = np.where(np.arange(len(nodes)) % 3 > 0, 0.01, 0.0)
+    friction = Friction(nodes + rng.normal(0, 3e-4, nodes.shape), normals, limits, 5e-4)
+    hold = Hold(np.array([0, 3]), nodes[[0, 3]] + 0.002, 5.0, (1.0, 0.5, 1.0))
+    folds = hold_folds(topology, nodes + rng.normal(0, 3e-4, nodes.shape), 3e-4)
+    return Energy(topology, cloth, grid, hold, friction=friction, hysteresis=folds), nodes
+
+
+def test_form_is_the_kernels_matrix(everything):
+    """A part of the PSD Hessian that the form leaves out, or writes down otherwise, breaks this."""
+    energy, nodes = everything
+    energy = replace(energy, hold=None, inertia=Inertia(nodes + 0.001, 400.0))
+    rng = np.random.default_rng(2)
+    one, other = rng.normal(size=nodes.shape), rng.normal(size=nodes.shape)
+    data = energy.topology.assemble(energy.hessian(nodes, exact=False)[2], np.zeros(len(nodes), dtype=bool))
+    expected = float(one.ravel() @ matrix_of(energy.topology, data) @ other.ravel())
+    assert energy.touch(nodes)[0].max() > 0
+    assert pull_form(energy, nodes, one, other)[0] == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("held", ["springs", "fixed"])
+def test_adjoint_against_central_differences(everything, held):
+    """A lost third derivative, of any part of the energy and by any parameter, breaks this: steps are not solved.
+
+    The error of the quotients falls with the square of the step down to 1e-7 m of the pattern and 1e-8 m of the nodes.
+    """
+    energy, nodes = everything
+    if held == "fixed":
+        energy = replace(energy, hold=Hold(energy.hold.nodes, energy.hold.points))
+    topology = energy.topology
+    rng = np.random.default_rng(3)
+    fields = rng.normal(size=(3, *topology.rest.shape)) * 0.05
+    parameters = Parameters(csr_matrix(fields.reshape(3, -1).T), FABRIC)
+    linearised = Linearised(STEPS)
+    solver = make_solver(topology)
+    upstream = np.sin(9 * nodes[:, [1, 2, 0]] + [0.3, 0.5, 0.7])
+    velocities = 0.05 * np.sin(7 * nodes)
+
+    def loss(energy, start):
+        return float((upstream * linearised.solve(energy, start, solver, velocities).nodes).sum())
+
+    moved = linearised.solve(energy, nodes, solver, velocities)
+    assert np.abs(moved.nodes - nodes).max() > 2e-3
+    found = moved.pull(upstream)
+    by_parameters = parameters.pull(energy, found)
+    for n, step in enumerate([1e-7] * 3 + [1e-5] * len(FABRIC)):
+        way = step * np.eye(parameters.count)[n]
+        ends = [loss(parameters.move(energy, s * way), nodes) for s in (1, -1)]
+        assert by_parameters[n] == pytest.approx((ends[0] - ends[1]) / (2 * step), rel=1e-6, abs=1e-9)
+    way = 1e-8 * np.sin(np.arange(nodes.size)).reshape(nodes.shape)
+    ends = [loss(energy, nodes + s * way) for s in (1, -1)]
+    assert float((found.start * way).sum()) == pytest.approx((ends[0] - ends[1]) / 2, rel=1e-6)
+    pull = 1e-8 * np.array([[1.0, 0.3, -0.5], [-0.2, 0.8, 0.4]])
+    ends = [
+        loss(replace(energy, hold=replace(energy.hold, points=energy.hold.points + s * pull)), nodes) for s in (1, -1)
+    ]
+    assert float((found.hold * pull).sum()) == pytest.approx((ends[0] - ends[1]) / 2, rel=1e-6)
+
+
+def test_gradient_at_rest_is_that_of_solved_steps(everything):
+    """At rest a linearised step is the solved one, and so is its adjoint; a matrix that is not the exact one is not."""
+    energy, nodes = everything
+    rest = Implicit(tolerance=0.0).solve(energy, nodes)
+    upstream = np.sin(9 * nodes[:, [1, 2, 0]])
+    one, two = (way.solve(energy, rest.nodes).pull(upstream) for way in (Linearised(5), Unrolled(5, tolerance=0.0)))
+    np.testing.assert_allclose(one.rest, two.rest, rtol=0, atol=1e-6 * np.abs(two.rest).max())
+    np.testing.assert_allclose(one.fabric, two.fabric, rtol=1e-5)
+
+
+def test_at_rest_nothing_moves_and_short_steps_are_the_converged_ones(everything):
+    """Steps that drift away from rest, or do not approach the solved ones as they get shorter, break this."""
+    energy, nodes = everything
+    rest = Implicit(tolerance=0.0).solve(energy, nodes)
+    assert np.abs(Linearised(3).solve(energy, rest.nodes).nodes - rest.nodes).max() < 1e-9
+    off = []
+    for dt in (5e-5, 2.5e-5):
+        ends = [way.solve(energy, nodes).nodes for way in (Linearised(2, dt), Unrolled(2, dt))]
+        off.append(np.abs(ends[0] - ends[1]).max() / np.abs(ends[1] - nodes).max())
+    assert off[1] < 0.5 * off[0] < 0.05
