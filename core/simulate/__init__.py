@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from .friction import Friction
     from .hold import Hold, HoldBad
     from .hysteresis import Hysteresis, hold_folds
-    from .linearised import InLinearSteps, Linearised
+    from .linearised import Linearised
     from .newton import factor_blend
     from .parameters import Parameters, list_gathers, map_rest, stretch_edge
     from .penetration import push_out
@@ -25,8 +25,9 @@ if TYPE_CHECKING:
     from .sensitivity import FABRIC, Sensitivity, fabric_forces, pull_forces, push_forces
     from .solver import Solver, SuperLU, make_solver
     from .statics import Drape, NodesBad, equilibrium
+    from .steps import InMotion
     from .topology import Topology, TopologyBad
-    from .unrolled import InMotion, Unrolled
+    from .unrolled import Unrolled
 
 _LAZY = {
     "AtRest": "derivative",
@@ -39,8 +40,7 @@ _LAZY = {
     "HoldBad": "hold",
     "Hysteresis": "hysteresis",
     "Implicit": "derivative",
-    "InLinearSteps": "linearised",
-    "InMotion": "unrolled",
+    "InMotion": "steps",
     "Inertia": "energy",
     "Linearised": "linearised",
     "NodesBad": "statics",
@@ -87,7 +87,6 @@ __all__ = [
     "HoldBad",
     "Hysteresis",
     "Implicit",
-    "InLinearSteps",
     "InMotion",
     "Inertia",
     "Linearised",

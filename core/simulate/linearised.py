@@ -9,8 +9,8 @@ import numpy as np
 from .derivative import NotAtRest, adjoint, matrix_of, place_held
 from .energy import Energy
 from .sensitivity import Sensitivity, pull_forces
-from .solver import Solver, make_solver
-from .unrolled import Unrolled
+from .solver import Solver
+from .steps import TimeSteps
 
 NEAR = 1e-7
 """Largest motion of a node for a difference of Hessians [m]: forces change over millimetres (contact's thickness), so
@@ -18,7 +18,7 @@ its error is a billionth, and round-off's a ten-billionth."""
 
 
 @dataclass(frozen=True)
-class Linearised:
+class Linearised(TimeSteps):
     """Differentiate linearised implicit Euler steps one by one, backwards in time: the thesis' way to the letter.
 
         A_t (x_t - x_{t-1}) = -g_t(x_{t-1}),    A_t = M / dt^2 + K(x_{t-1}),    g_t the gradient of `Unrolled`'s step
@@ -34,97 +34,33 @@ class Linearised:
 
     **Deviation**: K is the exact Hessian, as in the thesis, only where A is positive definite with it, else the PSD
     form: cloth that is pressed together then has a step, too, but a shorter one.
-
-    Attributes:
-        steps: How many.
-        dt: Length of a step [s]; the thesis has 0.05.
-        damping: Share of velocity kept from one step to the next; the thesis has 1.
     """
 
-    steps: int = 20
-    dt: float = 0.05
-    damping: float = 1.0
+    def _advance(self, step: Energy, nodes: np.ndarray, solver: Solver) -> np.ndarray:
+        placed = place_held(step, nodes)
+        _, gradient = _factor(step, placed, solver)
+        return placed - adjoint(step, solver, gradient)
 
-    @property
-    def converged(self) -> Unrolled:
-        """Give the steps that these are the linearisation of."""
-        return Unrolled(self.steps, self.dt, self.damping)
-
-    def solve(
-        self, energy: Energy, nodes: np.ndarray, solver: Solver | None = None, velocities: np.ndarray | None = None
-    ) -> InLinearSteps:
-        """Take the steps from nodes [m] and velocities [m/s], both [node_count, 3]; energy's friction stays as it is.
-
-        Raises:
-            NotAtRest: where a step's matrix cannot be factored; take shorter ones.
-        """
-        solver = solver or make_solver(energy.topology)
-        start = place_held(energy, nodes)
-        path = [start if velocities is None else start - self.dt * np.asarray(velocities), start]
-        for _ in range(self.steps):
-            step = self.converged.energy_of_step(energy, path[-2], path[-1])
-            _, gradient = _factor(step, path[-1], solver)
-            path.append(path[-1] - adjoint(step, solver, gradient))
-        return InLinearSteps(energy, self, np.stack(path), solver)
-
-
-@dataclass(frozen=True)
-class InLinearSteps:
-    """Hold the way that cloth took in linearised steps.
-
-    Attributes:
-        energy: The energy without inertia.
-        linearised: How the steps were taken.
-        path: Positions before the start, at it and after each step [m], shape [steps + 2, node_count, 3].
-        solver: Factors the steps' matrices again on the way back.
-    """
-
-    energy: Energy
-    linearised: Linearised
-    path: np.ndarray
-    solver: Solver
-
-    @property
-    def nodes(self) -> np.ndarray:
-        """Give the positions after the last step [m], shape [node_count, 3]."""
-        return np.asarray(self.path[-1])
-
-    def pull(self, upstream: np.ndarray) -> Sensitivity:
-        """Give a loss's derivative by everything, from that by the positions [1/m].
-
-        `upstream` by the last positions, shape [node_count, 3], or by those after every step (a target in motion),
-        shape [steps, node_count, 3].
-        """
+    def pull_step(
+        self, step: Energy, start: np.ndarray, end: np.ndarray, bar: np.ndarray, solver: Solver
+    ) -> tuple[np.ndarray, Sensitivity]:
+        """See `TimeSteps`; what comes to fixed nodes goes to the points at which they are held."""
         from .hessian_form import pull_form
 
-        linearised, path, energy = self.linearised, self.path, self.energy
-        bars = np.zeros_like(path)
-        if np.ndim(upstream) == 3:
-            bars[2:] = upstream
+        placed, hold = place_held(step, start), step.hold
+        exact, _ = _factor(step, placed, solver)
+        weights = adjoint(step, solver, bar)
+        if exact:
+            by_nodes, by_rest, by_fabric = _pull_exact(step, placed, weights, end - placed)
         else:
-            bars[-1] = upstream
-        hold, rest, fabric = energy.hold, np.zeros_like(energy.topology.rest), np.zeros(6)
-        held = np.zeros((0 if hold is None else len(hold.nodes), 3))
-        tied = (energy.masses / linearised.dt**2)[:, None]
-        for t in range(len(path) - 1, 1, -1):
-            step = linearised.converged.energy_of_step(energy, path[t - 2], path[t - 1])
-            exact, _ = _factor(step, path[t - 1], self.solver)
-            weights, way = adjoint(step, self.solver, bars[t]), path[t] - path[t - 1]
-            if exact:
-                by_nodes, by_rest, by_fabric = _pull_exact(step, path[t - 1], weights, way)
-            else:
-                by_nodes, by_rest, by_fabric = pull_form(step, path[t - 1], weights, way)[1]
-            forces_by_rest, forces_by_fabric = pull_forces(step, path[t - 1], weights)
-            rest, fabric = rest - by_rest - forces_by_rest, fabric - by_fabric - forces_by_fabric
-            if hold is not None and hold.stiffness is not None:
-                held += hold.stiffness * np.array(hold.directions) * weights[hold.nodes]
-            bars[t - 1] += bars[t] - _turn(step, path[t - 1], weights) - by_nodes
-            bars[t - 1] += (1.0 + linearised.damping) * tied * weights
-            bars[t - 2] -= linearised.damping * tied * weights
-        start = bars[1] + bars[0]
-        if hold is not None and hold.stiffness is None:
-            held, start[hold.nodes] = start[hold.nodes], 0.0
-        return Sensitivity(rest, fabric, held, start)
+            by_nodes, by_rest, by_fabric = pull_form(step, placed, weights, end - placed)[1]
+        rest, fabric = pull_forces(step, placed, weights)
+        back, held = bar - _turn(step, placed, weights) - by_nodes, np.zeros((0, 3))
+        if hold is not None and hold.stiffness is not None:
+            held = hold.stiffness * np.array(hold.directions) * weights[hold.nodes]
+        elif hold is not None:
+            held, back[hold.nodes] = back[hold.nodes].copy(), 0.0
+        return weights, Sensitivity(-rest - by_rest, -fabric - by_fabric, held, back)
 
 
 def _factor(step: Energy, nodes: np.ndarray, solver: Solver) -> tuple[bool, np.ndarray]:
