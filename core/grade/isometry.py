@@ -32,9 +32,9 @@ class IsometrySettings:
             there where nothing else holds a node.
         proportion: Cost of one standard deviation of a rule of `Proportions`, by the garment's area: as much as a
             strain of 3 % everywhere, which is what unlike cloth and folds leave.
-        believed: Strain up to which a drape's cloth is believed: beyond a tenth lie bad triangles. Where a garment hangs
-            from its neck, or is tight, it strains by more than the 3 % of cloth that hangs free: clipped to 3 %, panels
-            of ten garments are 2.7 % off in area, to 10 % 2.4 %, to 30 % 2.5 %.
+        believed: Strain up to which a drape's cloth is believed: beyond a tenth lie bad triangles. Where a garment
+            hangs from its neck, or is tight, it strains by more than the 3 % of cloth that hangs free: clipped to 3 %,
+            panels of ten garments are 2.7 % off in area, to 10 % 2.4 %, to 30 % 2.5 %.
         facing: As in the coarse registration.
         keep: Damping of the control points, relative to the mean diagonal of their matrix.
         stay: Cost by area of a panel's strain from where the fit began; 0 lets panels go wherever isometry leads.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.body import DistanceGrid
-from garmentq.core.simulate import Fabric, Topology
+from garmentq.core.simulate import Energy, Fabric, Friction, Hold, Inertia, Topology, hold_folds
 
 
 def make_sheet(columns: int, rows: int, width: float, height: float) -> tuple[np.ndarray, np.ndarray]:
@@ -46,3 +46,19 @@ def crumpled(sheet):
     noise = np.random.default_rng(0).normal(0, 0.004, (len(flat), 3))
     nodes = np.column_stack([flat[:, 0], np.zeros(len(flat)), flat[:, 1]]) + noise
     return Topology.from_mesh(faces, flat[faces]), nodes, flat
+
+
+@pytest.fixture(scope="session")
+def everything(crumpled, cloth, grid_of):
+    """An energy with every term switched on; the crumpled sheet touches a sphere of 10 cm."""
+    topology, nodes, _ = crumpled
+    centre = np.array([0.06, -0.1, 0.05])
+    grid = grid_of(lambda p: np.linalg.norm(p - centre, axis=-1) - 0.1, -0.15, 0.25)
+    rng = np.random.default_rng(1)
+    normals = np.tile([0.0, 1.0, 0.0], (len(nodes), 1))
+    friction = Friction(nodes + rng.normal(0, 3e-4, nodes.shape), normals, np.full(len(nodes), 0.01), 5e-4)
+    hold = Hold(np.array([0, 3]), nodes[[0, 3]] + 0.01, 5.0, (1.0, 0.5, 1.0))
+    folds = hold_folds(topology, nodes + rng.normal(0, 3e-4, nodes.shape), 3e-4)
+    return Energy(
+        topology, cloth, grid, hold, friction=friction, inertia=Inertia(nodes + 0.01, 400.0), hysteresis=folds
+    )

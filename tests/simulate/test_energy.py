@@ -8,25 +8,9 @@ import numpy as np
 import pytest
 import scipy.sparse as sparse
 import torch
-from garmentq.core.simulate import Energy, Friction, Hold, Inertia, Topology, TopologyBad, hold_folds
+from garmentq.core.simulate import Energy, Hold, Topology, TopologyBad
 from garmentq.core.simulate.hysteresis import measure_angles
 from scipy.spatial.transform import Rotation
-
-
-@pytest.fixture(scope="module")
-def everything(crumpled, cloth, grid_of):
-    """An energy with every term switched on, touching a sphere of 10 cm."""
-    topology, nodes, _ = crumpled
-    centre = np.array([0.06, -0.1, 0.05])
-    grid = grid_of(lambda p: np.linalg.norm(p - centre, axis=-1) - 0.1, -0.15, 0.25)
-    rng = np.random.default_rng(1)
-    normals = np.tile([0.0, 1.0, 0.0], (len(nodes), 1))
-    friction = Friction(nodes + rng.normal(0, 3e-4, nodes.shape), normals, np.full(len(nodes), 0.01), 5e-4)
-    hold = Hold(np.array([0, 3]), nodes[[0, 3]] + 0.01, 5.0, (1.0, 0.5, 1.0))
-    folds = hold_folds(topology, nodes + rng.normal(0, 3e-4, nodes.shape), 3e-4)
-    return Energy(
-        topology, cloth, grid, hold, friction=friction, inertia=Inertia(nodes + 0.01, 400.0), hysteresis=folds
-    )
 
 
 def dense(topology: Topology, data: np.ndarray) -> np.ndarray:
