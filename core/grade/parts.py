@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from itertools import takewhile
 
 import numpy as np
 import scipy.sparse as sp
@@ -10,6 +11,9 @@ from scipy.sparse.csgraph import connected_components
 
 from ..pattern import Panel, Pattern, edge_length
 from .flattening import SHORT
+
+ALIKE = 0.99
+"""Least ratio of lengths that mirror each other: equal, but for the author's rounding."""
 
 
 def count_seams(pattern: Pattern) -> Counter[tuple[str, str]]:
@@ -40,6 +44,56 @@ def find_parts(pattern: Pattern) -> np.ndarray:
     rows = np.array(pairs, dtype=np.int64).reshape(-1, 2)
     link = sp.csr_matrix((np.ones(len(rows)), (rows[:, 0], rows[:, 1])), (len(at), len(at)))
     return np.asarray(connected_components(link, directed=False)[1])
+
+
+def across_armholes(pattern: Pattern) -> tuple[tuple[tuple[int, int], tuple[int, int]], ...]:
+    """Find the pairs of control points across from each other at both ends of a panel's two armholes.
+
+    A panel of a part of several, as a front with its back, that is sewn to other parts along two stretches which mirror
+    each other has armholes: one pair is across the shoulders, the other across the chest. Numbers count the pattern's
+    points.
+    """
+    part = dict(zip((panel.name for panel in pattern.panels), find_parts(pattern), strict=True))
+    members = Counter(part.values())
+    partner = {}
+    for seam in pattern.seams:
+        partner[seam.a.panel, seam.a.edge] = seam.b.panel
+        partner[seam.b.panel, seam.b.edge] = seam.a.panel
+    found = []
+    for panel, first in zip(pattern.panels, pattern.point_starts, strict=False):
+        if members[part[panel.name]] < 2:
+            continue
+        sewn = [partner.get((panel.name, i)) for i in range(len(panel.edges))]
+        away = [name is not None and part[name] != part[panel.name] for name in sewn]
+        stretches = _stretches(away, [name == panel.name for name in sewn])
+        for n, (start, end) in enumerate(stretches):
+            for begin, close in stretches[n + 1 :]:
+                if _are_mirrored(panel.points, (start, end), (begin, close)):
+                    at = int(first)
+                    found.append(((at + end, at + begin), (at + close, at + start)))
+    return tuple(found)
+
+
+def _stretches(away: list[bool], dart: list[bool]) -> list[tuple[int, int]]:
+    """Give first point and last of each run of edges that are sewn away; darts within a run do not end it."""
+    count = len(away)
+    runs = [away[i] or dart[i] for i in range(count)]
+    found = []
+    for start in (i for i in range(count) if runs[i] and not runs[i - 1]):
+        run = list(takewhile(lambda i: runs[i % count], range(start, start + count)))
+        if any(away[i % count] for i in run):
+            found.append((start, (run[-1] + 1) % count))
+    return found
+
+
+def _are_mirrored(points: np.ndarray, one: tuple[int, int], other: tuple[int, int]) -> bool:
+    """Tell whether two chords, run through one after the other, are the legs of an isosceles trapezium."""
+
+    def alike(a: tuple[int, int], b: tuple[int, int]) -> bool:
+        lengths = [float(np.linalg.norm(points[end] - points[start])) for start, end in (a, b)]
+        return min(lengths) > ALIKE * max(lengths)
+
+    return alike(one, other) and alike((one[0], other[0]), (one[1], other[1]))
 
 
 def _count_around(panel: Panel, partner: dict[tuple[str, int], str]) -> Counter[str]:

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from garmentq.core.grade import find_proportions
 from garmentq.core.grade.flattening import fit_control_points
-from garmentq.core.grade.parts import find_parts
+from garmentq.core.grade.parts import across_armholes, find_parts
 from garmentq.core.grade.registration import bending_operators
-from garmentq.core.pattern import Edge, EdgeRef, Garment, Panel, Pattern, Seam, mesh_pattern
+from garmentq.core.pattern import Edge, EdgeRef, Garment, Panel, Pattern, Seam, load_template, mesh_pattern
 
 SIDE = 0.3
 """Side of each square panel [m]."""
@@ -89,3 +89,33 @@ def test_a_kink_is_free_between_parts_only(garment):
     assert cost(garment, below, 0.0) < 1e-9 * whole
     assert cost(garment, below, 0.01) == pytest.approx(0.01 * whole)
     assert cost(garment, round_, 0.0) > 0.1
+
+
+def test_armholes_are_found_and_waists_are_not(darted):
+    """Broken where a waist that darts divide, or a trouser's crotch, is taken for a pair of armholes, or none is."""
+    for name in ("skirt", "pencil_skirt", "trousers", "shorts", "tank", "dress", "jumpsuit"):
+        assert not across_armholes(load_template(name))
+    assert not across_armholes(darted)
+    shirt = load_template("tshirt")
+    across = across_armholes(shirt)
+    assert len(across) == 2  # front and back
+    for shoulders, chest in across:
+        height = [shirt.points[list(pair), 1] for pair in (shoulders, chest)]
+        assert np.ptp(height[0]) < 1e-9 > np.ptp(height[1])
+        assert height[0][0] > height[1][0] + 0.1
+
+
+def test_shoulders_keep_their_width_by_the_chest():
+    """Broken where the rule has a wrong sign, spread or rate: a wider chest then costs nothing, or widens."""
+    shirt = load_template("tshirt")
+    rules = find_proportions(shirt)
+    (_, chest), _ = across_armholes(shirt)
+    points = shirt.points.copy()
+    points[list(chest), 0] *= 1.04
+    wider = shirt.with_points(points)
+    at = len(rules.areas) + len(rules.lengths)
+    missing, rates = rules.linearise(wider)
+    assert missing[at] == pytest.approx(-np.log(1 / 1.04) / 0.04)
+    step = 1e-6 * np.sin(np.arange(points.size))
+    ends = [rules.linearise(wider.with_points(points + s * step.reshape(-1, 2)))[0][at] for s in (1, -1)]
+    assert rates[at] @ step == pytest.approx(-(ends[0] - ends[1]) / 2, rel=1e-6)
