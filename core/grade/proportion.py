@@ -84,10 +84,10 @@ class Proportions:
             now = np.log(panel_area(pattern.panel(a)) / panel_area(pattern.panel(b)))
             missing.append((ratio - now) / AREA_SPREAD)
             rates.append((_area_rate(pattern, a, first) - _area_rate(pattern, b, first)) / AREA_SPREAD)
-        for (edge, like), ratio in zip(self.edges, self.lengths, strict=True):
-            now = np.log(_length(pattern, edge) / _length(pattern, like))
+        for (edge, sister), ratio in zip(self.edges, self.lengths, strict=True):
+            now = np.log(_length(pattern, edge) / _length(pattern, sister))
             missing.append((ratio - now) / LENGTH_SPREAD)
-            rates.append((_length_rate(pattern, edge, first) - _length_rate(pattern, like, first)) / LENGTH_SPREAD)
+            rates.append((_length_rate(pattern, edge, first) - _length_rate(pattern, sister, first)) / LENGTH_SPREAD)
         for (one, other), ratio in zip(self.widths, self.width_ratios, strict=True):
             now, rate = _ln_distance(pattern, one)
             by, by_rate = _ln_distance(pattern, other)

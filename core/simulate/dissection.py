@@ -11,8 +11,8 @@ LEAF = 24
 """Most nodes that are not cut any further: fronts of 72 rows, where dense algebra begins to pay."""
 
 FAR = 6
-"""Far nodes whose bisectors are tried as separators. Level sets around one node (George 1973) cost 15 to 23 % more
-arithmetic in the factor, on sheets and on garments; 4 nodes 2 to 5 % more than 6, and 8 as much."""
+"""Far nodes whose bisectors are tried as separators. Level sets around one node (George 1973) cost 13 to 24 % more
+arithmetic in the factor, on sheets and on garments; 4 nodes up to 17 % more than 6, and 8 as much."""
 
 
 @dataclass(frozen=True)
