@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 from ..pattern import Panel, Pattern, edge_length
 from .flattening import SHORT
 
-ALIKE = 0.99
+MIRRORED = 0.99
 """Least ratio of lengths that mirror each other: equal, but for the author's rounding."""
 
 
@@ -22,10 +22,7 @@ def count_seams(pattern: Pattern) -> Counter[tuple[str, str]]:
     Edges that are sewn to the same other panel, and between which only darts or edges shorter than `SHORT` lie, are one
     seam: programs cut a waist seam into as many edges as there are darts in it.
     """
-    partner = {}
-    for seam in pattern.seams:
-        partner[seam.a.panel, seam.a.edge] = seam.b.panel
-        partner[seam.b.panel, seam.b.edge] = seam.a.panel
+    partner = _partners(pattern)
     sides: dict[tuple[str, str], list[int]] = {}
     for panel in pattern.panels:
         for other, count in _count_around(panel, partner).items():
@@ -55,10 +52,7 @@ def across_armholes(pattern: Pattern) -> tuple[tuple[tuple[int, int], tuple[int,
     """
     part = dict(zip((panel.name for panel in pattern.panels), find_parts(pattern), strict=True))
     members = Counter(part.values())
-    partner = {}
-    for seam in pattern.seams:
-        partner[seam.a.panel, seam.a.edge] = seam.b.panel
-        partner[seam.b.panel, seam.b.edge] = seam.a.panel
+    partner = _partners(pattern)
     found = []
     for panel, first in zip(pattern.panels, pattern.point_starts, strict=False):
         if members[part[panel.name]] < 2:
@@ -72,6 +66,15 @@ def across_armholes(pattern: Pattern) -> tuple[tuple[tuple[int, int], tuple[int,
                     at = int(first)
                     found.append(((at + end, at + begin), (at + close, at + start)))
     return tuple(found)
+
+
+def _partners(pattern: Pattern) -> dict[tuple[str, int], str]:
+    """Give the panel that each sewn edge, by panel and number, is sewn to."""
+    partner = {}
+    for seam in pattern.seams:
+        partner[seam.a.panel, seam.a.edge] = seam.b.panel
+        partner[seam.b.panel, seam.b.edge] = seam.a.panel
+    return partner
 
 
 def _stretches(away: list[bool], dart: list[bool]) -> list[tuple[int, int]]:
@@ -91,7 +94,7 @@ def _are_mirrored(points: np.ndarray, one: tuple[int, int], other: tuple[int, in
 
     def alike(a: tuple[int, int], b: tuple[int, int]) -> bool:
         lengths = [float(np.linalg.norm(points[end] - points[start])) for start, end in (a, b)]
-        return min(lengths) > ALIKE * max(lengths)
+        return min(lengths) > MIRRORED * max(lengths)
 
     return alike(one, other) and alike((one[0], other[0]), (one[1], other[1]))
 

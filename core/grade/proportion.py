@@ -217,11 +217,8 @@ def _ends(pattern: Pattern, ref: EdgeRef, first: dict[str, int]) -> tuple[int, i
 
 def _length_rate(pattern: Pattern, ref: EdgeRef, first: dict[str, int]) -> np.ndarray:
     """Give d ln length / d points of an edge [1/m], shape [point_count, 2]: a curve follows its chord."""
-    a, b, chord = _ends(pattern, ref, first)
-    rates = np.zeros((len(pattern.points), 2))
-    rates[b] = chord / float(chord @ chord)
-    rates[a] = -rates[b]
-    return rates
+    start, end, _ = _ends(pattern, ref, first)
+    return _ln_distance(pattern, (start, end))[1]
 
 
 def _area_rate(pattern: Pattern, name: str, first: dict[str, int]) -> np.ndarray:
