@@ -3,6 +3,7 @@
 from ..grade import IsometrySettings, move_pattern
 from .descent import Descent, DescentProblem, InverseSettings, descend
 from .hybrid import PatternFit, fit_pattern
+from .independence import count_independent
 from .inverse import InverseFit, fit_inverse
 from .isometry import fit_isometry
 from .locks import LockUnknown, find_held, keep_held
@@ -31,6 +32,7 @@ __all__ = [
     "ShapeFit",
     "ShapeProblem",
     "ShapeSettings",
+    "count_independent",
     "descend",
     "find_held",
     "fit_bending",

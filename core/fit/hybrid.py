@@ -16,8 +16,8 @@ from ..segment import Target
 from ..simulate import Fabric, FabricEstimate
 from .isometry import fit_isometry
 from .locks import find_held, keep_held
-from .material import fit_bending, nearest_fabrics, posterior, state_density
-from .settings import ShapeSettings
+from .material import fit_bending, nearest_fabrics, posterior, refine_bending, state_density
+from .settings import MaterialSettings, ShapeSettings
 from .shape import ShapeFit, ShapeProblem, fit_shape
 from .stand import hold_waist, stand_pattern
 from .wearer import is_estimated, raise_wearer
@@ -91,7 +91,7 @@ def fit_pattern(
     """
     from ..simulate import Topology, equilibrium, hold_folds, push_out, soften
 
-    settings = settings or ShapeSettings()
+    settings, material = settings or ShapeSettings(), MaterialSettings()
     warnings = []
     held = find_held(garment.pattern, like, locks)
     isometric = fit_isometry(garment, registered, target, stand.body, like, hooks=hooks)
@@ -105,30 +105,46 @@ def fit_pattern(
     registered = detail.nodes
     refitted = refitted.at(registered)
     hooks.progress("fit", 0.3, "preparing the fit through the simulator")
-    count = min(settings.vertices, len(registered))
-    coarse = stand_pattern(refitted.pattern, count, refitted, registered, stand.body)
-    problem = ShapeProblem.of(coarse, like, soften(fabric), stand.grid, hold_waist(coarse), settings, held, spin)
-    folds = hold_folds(problem.topology, coarse.nodes)
+
+    def problem_on(vertices: int) -> ShapeProblem:
+        """State the fit on a mesh of the registered one's vertices, or of fewer."""
+        mesh = refitted
+        if vertices < len(registered):
+            mesh = stand_pattern(refitted.pattern, vertices, refitted, registered, stand.body)
+        return ShapeProblem.of(mesh, like, soften(fabric), stand.grid, hold_waist(mesh), settings, held, spin)
+
+    grid = stand.grid
+    if is_estimated(stand.body) or "fabric" not in locks:
+        coarse = problem_on(material.vertices)
     if is_estimated(stand.body):
         hooks.progress("fit", 0.3, "raising the body to where the cloth rests on it")
-        problem = replace(problem, grid=raise_wearer(replace(problem, hysteresis=folds), hooks))
-    estimates: tuple[FabricEstimate, ...] = ()
+        grid = raise_wearer(coarse.holding_folds(), hooks)
+    bending: tuple[FabricEstimate, ...] = ()
     if "fabric" not in locks:
-        found, bending = fit_bending(problem, hooks=hooks)
-        problem = replace(problem, fabric=found)
+        found, estimate = fit_bending(replace(coarse, grid=grid), material, hooks)
         fabric = replace(fabric, k=found.k, title=found.title, sources=found.sources)
-        estimates = (bending,)
-    problem = replace(problem, hysteresis=folds)
+        bending = (estimate,)
+    problem = replace(problem_on(settings.vertices), grid=grid).holding_folds()
+    if bending and estimate.identifiable:
+        problem = problem.fitting_bending(estimate.std)
     shape = fit_shape(problem, hooks)
-    point_std, membrane = posterior(problem, fabric, shape.pattern, shape.drape, problem.loss.value(shape.nodes))
-    estimates = (*estimates, *membrane, state_density(fabric))
+    problem = replace(problem, fabric=shape.fabric)
+    point_std, membrane, bending_std = posterior(
+        problem, fabric, shape.pattern, shape.drape, problem.loss.value(shape.nodes), material
+    )
+    if problem.bending is not None:
+        fabric, estimate = refine_bending(fabric, shape.fabric.k, bending_std, estimate)
+        bending = (estimate,)
+    estimates = (*bending, *membrane, state_density(fabric))
     recovered = move_pattern(refitted, shape.pattern)
-    hooks.progress("fit", 0.9, "draping the recovered pattern")
-    topology = Topology.from_garment(recovered)
-    drape = equilibrium(
-        topology, soften(fabric), registered, grid=problem.grid, hold=hold_waist(recovered), spin=spin,
-        hysteresis=hold_folds(topology, registered), hooks=hooks,
-    )  # fmt: skip
+    drape = shape.drape
+    if problem.garment is not refitted or not drape.converged:
+        hooks.progress("fit", 0.9, "draping the recovered pattern")
+        topology = Topology.from_garment(recovered)
+        drape = equilibrium(
+            topology, soften(fabric), registered, grid=grid, hold=hold_waist(recovered), spin=spin,
+            hysteresis=hold_folds(topology, registered), hooks=hooks,
+        )  # fmt: skip
     if not drape.converged:
         warnings.append(f"the simulation mesh is {drape.message}")
     simulation = push_out(drape.nodes, stand.body, recovered.faces)

@@ -19,6 +19,13 @@ if TYPE_CHECKING:
 MEMBRANE = ("H00", "H01", "H11", "H22")
 """The membrane stiffnesses, in the order of the posterior's parameters; k follows them."""
 
+_TORN = 3.0
+"""Standard deviations by which the nearest drape's folding may be off before folds and misfit count as contradicting
+each other: then k stands in for something that the simulator does not have, and is not known."""
+
+FOUND = ", bending found from the scan"
+"""What a fabric's title ends with where its k is not the named fabric's."""
+
 _EVEN = 0.5
 """A parameter counts as identified where the drape leaves at most half of the prior's standard deviation."""
 
@@ -57,7 +64,8 @@ def fit_bending(
     with a measure that does not ask where the folds are cannot get caught.
 
     Returns:
-        The fabric with the found k, or as it was given where the drape does not tell k; and what is known of it.
+        The fabric with the found k, or as it was given where the drape does not tell k; and what is known of it. Where
+        the nearest drape folds far more or less than the target, its k is returned, but not as identified.
     """
     settings = settings or MaterialSettings()
     fabric = problem.fabric
@@ -84,9 +92,7 @@ def fit_bending(
         known = np.array(sorted(rows))
         folds, losses = (PchipInterpolator(known[:, 0], known[:, n])(fine) for n in (1, 2))
         away = (folds - wanted) / settings.folding_spread
-        return np.asarray(
-            0.5 * away**2 + 0.5 * problem.settings.observations * losses + 0.5 * ((fine - mean) / spread) ** 2
-        )
+        return np.asarray(0.5 * away**2 + 0.5 * settings.observations * losses + 0.5 * ((fine - mean) / spread) ** 2)
 
     grid = np.linspace(low, high, settings.values)
     for n, at in enumerate(grid):
@@ -106,12 +112,30 @@ def fit_bending(
         return fabric, FabricEstimate("k", fabric.k, std, spread, False, note)
     k = fabric.density * float(np.exp(value))
     bound = "" if low + std < value < high - std else ", at the end of the range that was searched"
-    note = f"fitted: ratio to the assumed weight, within a factor {np.exp(std):.1f} (one standard deviation){bound}"
-    title = f"{fabric.title or fabric.name}, bending found from the scan"
-    found = replace(
-        fabric, title=title, k=k, sources=(*(pair for pair in fabric.sources if pair[0] != "k"), ("k", note))
-    )
-    return found, FabricEstimate("k", k, std, spread, True, note)
+    torn = float(np.interp(value, *np.array(sorted(rows))[:, :2].T) - wanted) / settings.folding_spread
+    if abs(torn) > _TORN:
+        bound += f"; not identifiable: the nearest drape folds {'more' if torn > 0.0 else 'less'} than the scan"
+    return _found(fabric, k, FabricEstimate("k", k, std, spread, abs(torn) <= _TORN, bound))
+
+
+def refine_bending(fabric: Fabric, k: float, std: float, estimate: FabricEstimate) -> tuple[Fabric, FabricEstimate]:
+    """State k as the fit through the simulator left it, `std` its standard deviation.
+
+    Returns:
+        The fabric with that k, and what is known of it; as `fit_bending` gives them.
+    """
+    return _found(fabric, k, replace(estimate, std=max(std, MaterialSettings().least_std), note=""))
+
+
+def _found(fabric: Fabric, k: float, estimate: FabricEstimate) -> tuple[Fabric, FabricEstimate]:
+    """Give the fabric with a k that was found, and the estimate that says so; its note so far ends the sentence."""
+    within = f"within a factor {np.exp(estimate.std):.1f} (one standard deviation)"
+    note = f"fitted: ratio to the assumed weight, {within}{estimate.note}"
+    kept = tuple(pair for pair in fabric.sources if pair[0] != "k")
+    title = fabric.title or fabric.name
+    if not title.endswith(FOUND):
+        title += FOUND
+    return replace(fabric, title=title, k=k, sources=(*kept, ("k", note))), replace(estimate, value=k, note=note)
 
 
 def _moments(fine: np.ndarray, cost: np.ndarray) -> tuple[float, float]:
@@ -129,17 +153,18 @@ def posterior(
     drape: Drape,
     loss: float,
     settings: MaterialSettings | None = None,
-) -> tuple[np.ndarray, tuple[FabricEstimate, ...]]:
-    """Say how well control points and membrane stiffnesses are known, from the Gauss-Newton matrix and the residual.
+) -> tuple[np.ndarray, tuple[FabricEstimate, ...], float]:
+    """Say how well control points, k and membrane stiffnesses are known, from the Gauss-Newton matrix and the residual.
 
         covariance = (n / (2 L) J^T W J + prior^-1)^-1
 
     over effective control points (seams kept) and ln H00, H01, H11, H22, ln k: J = dx*/dp. The noise's size comes from
-    the misfit L itself, n as in `ShapeSettings.observations`. The stiffnesses that are stated are `fabric`'s; the
-    problem's own membrane may be softened.
+    the misfit L itself, n from how far it is alike (`count_independent`). The stiffnesses that are stated are
+    `fabric`'s; the problem's own membrane may be softened.
 
     Returns:
-        Standard deviation of each control point [m], shape [point_count, 2], and an estimate of each stiffness.
+        Standard deviation of each control point [m], shape [point_count, 2]; an estimate of each membrane stiffness;
+        and the standard deviation of ln k.
     """
     from scipy.linalg import block_diag
 
@@ -152,8 +177,10 @@ def posterior(
     moves = rest.push(*parameters.rates(rest.energy))
     shape_count = parameters.count - len(names)
     spreads = np.array([ratio_prior(name, settings)[1] for name in names])
-    matrix = 0.5 * problem.settings.observations / loss * problem.loss.curvature(moves)
-    matrix += block_diag(problem.precision, np.diag(1.0 / spreads**2))
+    if problem.bending is not None:
+        spreads[-1] = problem.bending
+    matrix = 0.5 * problem.observations(drape.nodes) / loss * problem.loss.curvature(moves)
+    matrix += block_diag(problem.precision[:shape_count, :shape_count], np.diag(1.0 / spreads**2))
     seams = keep_seams(pattern, problem.like, problem.symmetry, problem.held)
     free = np.zeros((parameters.count, seams.shape[1] + len(names)))
     free[:shape_count, : seams.shape[1]] = seams
@@ -163,7 +190,7 @@ def posterior(
     points = np.einsum("ip,pq,iq->i", expand, covariance[:shape_count, :shape_count], expand)
     left = np.sqrt(np.diag(covariance)[shape_count:])
     estimates = tuple(_membrane(fabric, name, float(left[n]), float(spreads[n])) for n, name in enumerate(MEMBRANE))
-    return np.sqrt(np.maximum(points, 0.0)).reshape(-1, 2), estimates
+    return np.sqrt(np.maximum(points, 0.0)).reshape(-1, 2), estimates, float(left[-1])
 
 
 def _membrane(fabric: Fabric, name: str, std: float, spread: float) -> FabricEstimate:

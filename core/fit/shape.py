@@ -1,8 +1,8 @@
-"""Fit the pattern through the simulator: Gauss-Newton over the effective control points (thesis chapter 3)."""
+"""Fit pattern and bending through the simulator: Gauss-Newton over control points and ln k (thesis chapter 3)."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,6 +22,7 @@ from ..pattern import (
 )
 from ..pattern.errors import PanelCrossing, PanelDegenerate
 from ..simulate import Fabric
+from .independence import count_independent
 from .locks import keep_held
 from .losses import RegisteredLoss
 from .settings import ShapeSettings
@@ -39,6 +40,7 @@ class ShapeFit:
 
     Attributes:
         pattern: Seams equal within 1e-6 m, symmetry of the template kept.
+        fabric: The cloth, with the k that was fitted, or as the problem gave it.
         nodes: Its equilibrium on the mesh of the fit [m], shape [node_count, 3].
         misfits: Root mean square misfit at the start and after each step that was taken [m].
         outcome: `plateau`, `no gain` (no step lowers the objective) or `iterations`.
@@ -46,6 +48,7 @@ class ShapeFit:
     """
 
     pattern: Pattern
+    fabric: Fabric
     nodes: np.ndarray
     misfits: tuple[float, ...]
     outcome: str
@@ -60,7 +63,7 @@ class ShapeProblem:
         garment: The mesh of the first pattern, nodes registered on the target.
         like: The template: tells symmetry and the ratios of gathered seams.
         symmetry: Of `like`.
-        parameters: The effective control points.
+        parameters: The effective control points, and ln k where `bending` says so.
         topology: Of `garment`.
         solver: Analysed for it.
         fabric: The cloth.
@@ -68,10 +71,11 @@ class ShapeProblem:
         hold: What holds the cloth where the target has it, or None.
         loss: The misfit.
         settings: How.
-        precision: Inverse covariance of the pattern around the first one [1/m2], shape [p, p].
+        precision: Inverse covariance of the parameters around the first ones [1/m2; 1 for ln k], shape [p, p].
         held: Which effective coordinates are locked, shape [p]; None where none is.
         spin: The rotation in which the cloth rests, or None.
         hysteresis: The internal friction that holds the target's folds, or None.
+        bending: Standard deviation of ln k around the fabric's where k is fitted, too; None where it stays.
     """
 
     garment: Garment
@@ -89,6 +93,7 @@ class ShapeProblem:
     held: np.ndarray | None = None
     spin: Spin | None = None
     hysteresis: Hysteresis | None = None
+    bending: float | None = None
 
     @classmethod
     def of(
@@ -124,27 +129,48 @@ class ShapeProblem:
             spin=spin,
         )
 
+    def holding_folds(self) -> ShapeProblem:
+        """Give the same with the internal friction that holds the target's folds."""
+        from ..simulate import hold_folds
+
+        return replace(self, hysteresis=hold_folds(self.topology, self.garment.nodes))
+
+    def fitting_bending(self, std: float) -> ShapeProblem:
+        """Give the same with k fitted, too: ln k is believed to lie within `std` of the fabric's."""
+        return replace(
+            self,
+            parameters=replace(self.parameters, fabric=("k",)),
+            precision=_joined(self.precision, std**-2),
+            bending=std,
+        )
+
     def effective(self, pattern: Pattern) -> np.ndarray:
-        """Give the effective control points x0, y0, x1, ... [m], shape [parameter_count]."""
+        """Give the effective control points x0, y0, x1, ... [m]."""
         return self.symmetry.reduce(pattern.points).ravel()
 
-    def energy(self, pattern: Pattern) -> Energy:
-        """Give the energy of the cloth that was cut by a pattern; friction is not in it."""
+    def away(self, pattern: Pattern, fabric: Fabric) -> np.ndarray:
+        """Give how far the parameters are from the first ones [m; 1 for ln k], shape [p]."""
+        points = self.effective(pattern) - self.effective(self.garment.pattern)
+        return points if self.bending is None else np.append(points, np.log(fabric.k / self.fabric.k))
+
+    def energy(self, pattern: Pattern, fabric: Fabric | None = None) -> Energy:
+        """Give the energy of cloth, the problem's or another, that was cut by a pattern; friction is not in it."""
         from ..simulate import Energy
 
         energy = Energy(
             self.topology, self.fabric, self.grid, self.hold,
             settings=self.settings.simulate, spin=self.spin, hysteresis=self.hysteresis,
         )  # fmt: skip
-        return self.parameters.move(energy, self.effective(pattern) - self.effective(self.garment.pattern))
+        return self.parameters.move(energy, self.away(pattern, fabric or self.fabric))
 
-    def drape(self, pattern: Pattern, nodes: np.ndarray, hooks: Hooks = SILENT) -> Drape:
+    def drape(self, pattern: Pattern, nodes: np.ndarray, hooks: Hooks = SILENT, fabric: Fabric | None = None) -> Drape:
         """Bring the cloth to rest from nodes [m]; friction holds it where it was registered."""
         from ..simulate import equilibrium
 
+        energy = self.energy(pattern, fabric)
         return equilibrium(
-            self.energy(pattern).topology,
-            self.fabric,
+            energy.topology,
+            energy.fabric,
             nodes,
             grid=self.grid,
             hold=self.hold,
@@ -156,35 +182,55 @@ class ShapeProblem:
             hysteresis=self.hysteresis,
         )
 
-    def linearise(self, pattern: Pattern, drape: Drape) -> tuple[np.ndarray, np.ndarray]:
+    def linearise(self, pattern: Pattern, drape: Drape, fabric: Fabric | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Give gradient, shape [p], and Gauss-Newton matrix, shape [p, p], of the loss by the parameters.
 
         The implicit derivative as `linearise_at` takes it; only steps that gain are taken.
         """
         from ..simulate import linearise_at
 
-        rest: AtRest = linearise_at(self.energy(pattern), drape.nodes, drape.anchors, self.solver)
-        moves = rest.push(self.parameters.rates(rest.energy)[0])
+        rest: AtRest = linearise_at(self.energy(pattern, fabric), drape.nodes, drape.anchors, self.solver)
+        moves = rest.push(*self.parameters.rates(rest.energy))
         gradient = np.tensordot(moves, self.loss.gradient(drape.nodes), axes=((0, 1), (0, 1)))
         return gradient, self.loss.curvature(moves)
 
-    def objective(self, loss: float, pattern: Pattern) -> float:
+    def objective(self, loss: float, count: float, away: np.ndarray) -> float:
         """Give n/2 ln L + (p - p0) P (p - p0) / 2: the negative log posterior, the size of the noise unknown."""
-        away = self.effective(pattern) - self.effective(self.garment.pattern)
-        return 0.5 * self.settings.observations * float(np.log(loss)) + 0.5 * float(away @ self.precision @ away)
+        return 0.5 * count * float(np.log(loss)) + 0.5 * float(away @ self.precision @ away)
 
-    def step(self, pattern: Pattern, loss: float, linear: tuple[np.ndarray, np.ndarray], damping: float) -> np.ndarray:
-        """Give the Levenberg-Marquardt step [m], shape [p], along which all seams stay equal to first order."""
-        scale = 0.5 * self.settings.observations / loss
-        gradient, matrix = scale * linear[0], scale * linear[1]
-        away = self.effective(pattern) - self.effective(self.garment.pattern)
-        gradient = gradient + self.precision @ away
+    def observations(self, nodes: np.ndarray) -> float:
+        """Give n, the number of independent things that a drape [m], shape [node_count, 3], tells of the target."""
+        normals = self.loss.normals
+        return count_independent(
+            self.loss.target, normals, ((nodes - self.loss.target) * normals).sum(1), self.topology.node_areas
+        )
+
+    def step(
+        self, pattern: Pattern, away: np.ndarray, weight: float, linear: tuple[np.ndarray, np.ndarray], damping: float
+    ) -> np.ndarray:
+        """Give the Levenberg-Marquardt step, shape [p], along which all seams stay equal to first order.
+
+        `weight` is n / (2 L), by which the loss counts.
+        """
+        gradient, matrix = weight * linear[0] + self.precision @ away, weight * linear[1]
         matrix = matrix + damping * np.diag(np.diag(matrix)) + self.precision
         free = keep_seams(pattern, self.like, self.symmetry, self.held)
+        if self.bending is not None:
+            free = _joined(free, 1.0)
         return np.asarray(free @ np.linalg.solve(free.T @ matrix @ free, -free.T @ gradient))
 
-    def cut(self, effective: np.ndarray) -> Pattern | None:
-        """Give the pattern with these effective points [m], shape [p], seams equal; None where a panel folds over."""
+    def cut(self, away: np.ndarray) -> tuple[Pattern | None, Fabric]:
+        """Give the pattern, seams equal, and the cloth so far from the first ones [m; 1 for ln k], shape [p].
+
+        None for a pattern of which a panel folds over.
+        """
+        first, fabric = self.effective(self.garment.pattern), self.fabric
+        if self.bending is not None:
+            fabric = replace(fabric, k=fabric.k * float(np.exp(away[-1])))
+        return self._cut_pattern(first + away[: len(first)]), fabric
+
+    def _cut_pattern(self, effective: np.ndarray) -> Pattern | None:
+        """Give the pattern with these effective points [m], seams equal; None where a panel folds over."""
         wanted = self.like.with_points(self.symmetry.expand(effective))
         pattern = equalise_seams(wanted, like=self.like, symmetry=self.symmetry)
         if self.held is not None and self.held.any():
@@ -210,6 +256,13 @@ def _precision(pattern: Pattern, like: Pattern, symmetry: Symmetry, settings: Sh
     return np.asarray(np.eye(rates.shape[1]) / settings.spread**2 + rates.T @ rates)
 
 
+def _joined(matrix: np.ndarray, last: float) -> np.ndarray:
+    """Add a row and a column that are zero but for their common end."""
+    from scipy.linalg import block_diag
+
+    return np.asarray(block_diag(matrix, last))
+
+
 def keep_seams(pattern: Pattern, like: Pattern, symmetry: Symmetry, held: np.ndarray | None = None) -> np.ndarray:
     """Give an orthonormal basis of the effective motions that keep seams equal and what is held, [p, free_count]."""
     rows = seam_slopes(pattern, like) @ symmetry.matrix.toarray()
@@ -222,66 +275,73 @@ def keep_seams(pattern: Pattern, like: Pattern, symmetry: Symmetry, held: np.nda
 
 
 def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT) -> ShapeFit:
-    """Fit the effective control points so that the equilibrium comes to lie on the registered target.
+    """Fit control points, and k where the problem asks for it, so that the equilibrium comes to lie on the target.
 
-    Minimises n/2 ln L(x*(p)) + (p - p0) P (p - p0) / 2, L of `RegisteredLoss`, x* the equilibrium of the pattern p, p0
-    the first pattern, P = I / s^2 + R^T R with the rates R of the base pattern's proportions, by Levenberg-Marquardt
-    with the implicit Jacobian dx*/dp. Only steps that lower it are taken.
+    Minimises n/2 ln L(x*(p)) + (p - p0) P (p - p0) / 2, L of `RegisteredLoss`, x* the equilibrium of the parameters p,
+    p0 the first ones, P = I / s^2 + R^T R with the rates R of the base pattern's proportions, by Levenberg-Marquardt
+    with the implicit Jacobian dx*/dp. n is counted anew before each step. Only steps that lower it are taken.
 
     **Deviation**: the thesis descends by Adam through 20 time steps without a prior. Here the misfit itself says how
-    far to believe it: a drape in other folds than the target's has a large L, and pulls little at the pattern.
+    far to believe it: a drape in other folds than the target's has a large L that is alike over wide stretches, and
+    pulls little at the pattern.
     """
     settings = problem.settings
     first, outcome = 0, "iterations"
     kept = _kept(problem, hooks)
     if kept is None:
-        pattern = problem.garment.pattern
+        pattern, fabric = problem.garment.pattern, problem.fabric
         drape = problem.drape(pattern, problem.garment.nodes, hooks)
         damping = settings.damping
         misfits = [float(np.sqrt(2.0 * problem.loss.value(drape.nodes)))]
     else:
-        pattern, drape, damping, misfits = kept
+        pattern, fabric, drape, damping, misfits = kept
         first = len(misfits) - 1
-    loss = problem.loss.value(drape.nodes)
-    reached = problem.objective(loss, pattern)
     for iteration in range(first, settings.iterations):
         hooks.progress("fit", (iteration + 1.0) / (settings.iterations + 1.0), f"misfit {1e3 * misfits[-1]:.1f} mm")
-        linear = problem.linearise(pattern, drape)
-        before = reached
+        linear = problem.linearise(pattern, drape, fabric)
+        loss, count = problem.loss.value(drape.nodes), problem.observations(drape.nodes)
+        away = problem.away(pattern, fabric)
+        before = problem.objective(loss, count, away)
         for _ in range(settings.trials):
-            step = problem.step(pattern, loss, linear, damping)
-            wanted = problem.cut(problem.effective(pattern) + step)
+            step = problem.step(pattern, away, 0.5 * count / loss, linear, damping)
+            wanted, cloth = problem.cut(away + step)
             damping *= 10.0
             if wanted is None:
                 continue
-            trial = problem.drape(wanted, drape.nodes, hooks)
-            trial_loss = problem.loss.value(trial.nodes)
-            if problem.objective(trial_loss, wanted) < reached:
-                pattern, drape, loss = wanted, trial, trial_loss
-                reached = problem.objective(loss, pattern)
-                misfits.append(float(np.sqrt(2.0 * loss)))
+            trial = problem.drape(wanted, drape.nodes, hooks, cloth)
+            reached = problem.objective(problem.loss.value(trial.nodes), count, problem.away(wanted, cloth))
+            if reached < before:
+                pattern, fabric, drape = wanted, cloth, trial
+                misfits.append(float(np.sqrt(2.0 * problem.loss.value(drape.nodes))))
                 # back to the damping that worked, and a fifth of it next
                 damping /= 50.0
-                _keep(problem, hooks, pattern, drape, damping, misfits)
+                _keep(problem, hooks, pattern, fabric, drape, damping, misfits)
                 break
         else:
             outcome = "no gain"
             break
-        if before - reached < settings.plateau:
+        if before - reached < settings.plateau * count:
             outcome = "plateau"
             break
-    return ShapeFit(pattern, drape.nodes, tuple(misfits), outcome, drape)
+    return ShapeFit(pattern, fabric, drape.nodes, tuple(misfits), outcome, drape)
 
 
 def _keep(
-    problem: ShapeProblem, hooks: Hooks, pattern: Pattern, drape: Drape, damping: float, misfits: list[float]
+    problem: ShapeProblem,
+    hooks: Hooks,
+    pattern: Pattern,
+    fabric: Fabric,
+    drape: Drape,
+    damping: float,
+    misfits: list[float],
 ) -> None:
     """Save what the next iteration starts from under the name `fit.shape`."""
     hooks.save_checkpoint(
         "fit.shape",
         {
             "start": problem.garment.nodes,
-            "k": np.array(problem.fabric.k),
+            "first_k": np.array(problem.fabric.k),
+            "k": np.array(fabric.k),
             "points": pattern.points,
             "nodes": drape.nodes,
             "anchors": drape.anchors,
@@ -291,13 +351,15 @@ def _keep(
     )
 
 
-def _kept(problem: ShapeProblem, hooks: Hooks) -> tuple[Pattern, Drape, float, list[float]] | None:
-    """Give pattern, drape, damping and misfits that an earlier run of the same fit reached, or None."""
+def _kept(problem: ShapeProblem, hooks: Hooks) -> tuple[Pattern, Fabric, Drape, float, list[float]] | None:
+    """Give pattern, cloth, drape, damping and misfits that an earlier run of the same fit reached, or None."""
     from ..simulate import Drape
 
     kept = hooks.load_checkpoint("fit.shape")
-    if kept is None or not np.array_equal(kept["start"], problem.garment.nodes) or kept["k"] != problem.fabric.k:
+    if kept is None or not np.array_equal(kept["start"], problem.garment.nodes):
+        return None
+    if kept.get("first_k") != problem.fabric.k:
         return None
     drape = Drape(kept["nodes"], 0.0, 0, True, 0.0, "still", "", kept["anchors"])
-    pattern = problem.like.with_points(kept["points"])
-    return pattern, drape, float(kept["damping"]), [float(value) for value in kept["misfits"]]
+    pattern, fabric = problem.like.with_points(kept["points"]), replace(problem.fabric, k=float(kept["k"]))
+    return pattern, fabric, drape, float(kept["damping"]), [float(value) for value in kept["misfits"]]

@@ -119,9 +119,9 @@ def test_gradient_of_the_registered_loss(scene: Scene) -> None:
     assert curvature == pytest.approx(second, rel=1e-9)
 
 
-def test_gradient_by_the_control_points(scene: Scene) -> None:
+def test_gradient_by_control_points_and_bending(scene: Scene) -> None:
     """A wrong control map, symmetry or Jacobian breaks this: the whole chain against fully converged differences."""
-    problem = state(scene)
+    problem = state(scene).fitting_bending(0.3)
     pattern = scene.template
     drape = problem.drape(pattern, scene.worn.nodes)
     frozen = with_friction_frozen(problem.energy(pattern), drape.nodes, drape.anchors)
@@ -129,8 +129,8 @@ def test_gradient_by_the_control_points(scene: Scene) -> None:
     at = implicit.solve(frozen, drape.nodes)
     gradient = problem.linearise(pattern, replace(drape, nodes=at.nodes))[0]
     rng = np.random.default_rng(1)
-    for _ in range(2):
-        way = 1e-7 * rng.normal(size=problem.parameters.count)
+    count = problem.parameters.count
+    for way in (1e-7 * rng.normal(size=count), 1e-7 * rng.normal(size=count), 1e-5 * np.eye(count)[-1]):
         ends = [implicit.solve(problem.parameters.move(frozen, s * way), at.nodes).nodes for s in (1.0, -1.0)]
         change = 0.5 * (problem.loss.value(ends[0]) - problem.loss.value(ends[1]))
         assert float(gradient @ way) == pytest.approx(change, rel=1e-3)
@@ -200,6 +200,18 @@ def test_the_simulator_corrects_a_wrong_pattern(scene: Scene) -> None:
     assert seam_mismatch(fit.pattern) < 1e-5
 
 
+def test_pattern_and_bending_are_told_apart(scene: Scene) -> None:
+    """Breaks where the pattern answers for a wrong k: cloth twice as stiff, whose pattern is 8 % larger."""
+    stiff = replace(scene.fabric, k=2.0 * scene.fabric.k)
+    target = bring_to_rest(move_pattern(scene.worn, scene.true).at(scene.registered), stiff, scene.grid, scene.hold)
+    at = scene.worn.at(target)
+    problem = ShapeProblem.of(at, scene.template, scene.fabric, scene.grid, scene.hold, ShapeSettings(spread=0.01))
+    alone, both = fit_shape(problem), fit_shape(problem.fitting_bending(1.0))
+    assert both.misfits[-1] < 0.7 * alone.misfits[-1]
+    assert abs(np.log(both.fabric.k / stiff.k)) < np.log(1.15)
+    assert alone.fabric == scene.fabric
+
+
 def test_the_prior_keeps_front_and_back_in_proportion(scene: Scene) -> None:
     """Breaks where a front may be widened without its back at the price of a few points that move."""
     problem = state(scene)
@@ -208,7 +220,7 @@ def test_the_prior_keeps_front_and_back_in_proportion(scene: Scene) -> None:
         points = scene.template.points * np.stack([wider, np.ones(len(wider))], axis=1)
         away = problem.effective(scene.template.with_points(points)) - problem.effective(scene.template)
         alone = 0.5 * float(away @ away) / problem.settings.spread**2
-        return problem.objective(1.0, scene.template.with_points(points)) - alone
+        return problem.objective(1.0, 100.0, away) - alone
 
     whole = np.full(len(scene.template.points), 1.03)
     front = np.where(np.arange(len(whole)) < len(scene.template.panels[0].points), whole, 1.0)
@@ -276,15 +288,33 @@ def test_bending_that_a_drape_does_not_tell_stays_as_given(scene: Scene) -> None
     assert not estimate.identifiable and estimate.value == scene.fabric.k and estimate.std >= 10.0
 
 
+def test_bending_that_folds_and_misfit_contradict_is_not_known(scene: Scene) -> None:
+    """Breaks where a stiff tube counts as the cloth of a scan full of wrinkles, for it is the nearest drape."""
+    stiff = replace(scene.fabric, k=30.0 * scene.fabric.k)
+    target = bring_to_rest(scene.worn, stiff, scene.grid, scene.hold)
+    wrinkles = np.random.default_rng(4).normal(0.0, 2.5e-3, len(target))
+    target += wrinkles[:, None] * vertex_normals(target, scene.worn.faces)
+    problem = replace(state(scene), garment=scene.worn.at(target), loss=RegisteredLoss.of(scene.worn.at(target), 0.01))
+    fabric, estimate = fit_bending(problem)
+    assert estimate.value == fabric.k > 3.0 * scene.fabric.k
+    assert not estimate.identifiable and "folds less than the scan" in estimate.note
+
+
 def test_what_a_drape_does_not_tell_is_said(scene: Scene) -> None:
     """Breaks where weight or membrane stiffness is claimed from one drape, or the posterior exceeds the prior."""
     problem = state(scene)
     drape = problem.drape(scene.template, scene.registered)
-    spread, estimates = posterior(problem, problem.fabric, scene.template, drape, problem.loss.value(drape.nodes))
+    spread, estimates, bending_std = posterior(
+        problem, problem.fabric, scene.template, drape, problem.loss.value(drape.nodes)
+    )
     assert spread.shape == scene.template.points.shape
     assert 0.0 < spread.max() <= problem.settings.spread * 1.0001
     assert [each.name for each in estimates] == ["H00", "H01", "H11", "H22"]
     assert all(0.0 < each.std <= each.prior_std * 1.0001 and not each.identifiable for each in estimates)
+    surer = posterior(
+        problem.fitting_bending(0.2), problem.fabric, scene.template, drape, problem.loss.value(drape.nodes)
+    )[2]
+    assert 0.0 < surer < min(0.2, bending_std * 1.0001)
     assert nearest_fabrics(scene.fabric)[0] == scene.fabric.name
 
 

@@ -23,10 +23,12 @@ class RegisteredLoss:
 
     Attributes:
         target: t, where registration put each node [m], shape [node_count, 3].
+        normals: n, unit normals there, shape [node_count, 3].
         weights: W, shape [node_count, 3, 3]; sums to at most the identity, so that 2 L is a mean square in m2.
     """
 
     target: np.ndarray
+    normals: np.ndarray
     weights: np.ndarray
 
     @classmethod
@@ -43,7 +45,7 @@ class RegisteredLoss:
             along[contour.vertices] = 1.0
         across = (1.0 - along)[:, None, None] * normals[:, :, None] * normals[:, None, :]
         weights = share[:, None, None] * (along[:, None, None] * np.eye(3) + across)
-        return cls(garment.nodes, weights)
+        return cls(garment.nodes, normals, weights)
 
     def value(self, nodes: np.ndarray) -> float:
         """Give L [m2] at nodes [m], shape [node_count, 3]."""
