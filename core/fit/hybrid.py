@@ -1,4 +1,4 @@
-"""The hybrid method: pattern and place by isometry, register again, then through the simulator, then a last drape."""
+"""The hybrid method: pattern and place by isometry, register again, then pattern and cloth through the simulator."""
 
 from __future__ import annotations
 
@@ -106,25 +106,23 @@ def fit_pattern(
     refitted = refitted.at(registered)
     hooks.progress("fit", 0.3, "preparing the fit through the simulator")
 
-    def problem_on(vertices: int) -> ShapeProblem:
-        """State the fit on a mesh of the registered one's vertices, or of fewer."""
+    def problem_on(vertices: int, cloth: Fabric) -> ShapeProblem:
+        """State the fit on the registered mesh, or on a coarser one."""
         mesh = refitted
         if vertices < len(registered):
             mesh = stand_pattern(refitted.pattern, vertices, refitted, registered, stand.body)
-        return ShapeProblem.of(mesh, like, soften(fabric), stand.grid, hold_waist(mesh), settings, held, spin)
+        return ShapeProblem.of(mesh, like, soften(cloth), stand.grid, hold_waist(mesh), settings, held, spin)
 
-    grid = stand.grid
-    if is_estimated(stand.body) or "fabric" not in locks:
-        coarse = problem_on(material.vertices)
+    coarse = problem_on(material.vertices, fabric)
     if is_estimated(stand.body):
         hooks.progress("fit", 0.3, "raising the body to where the cloth rests on it")
-        grid = raise_wearer(coarse.holding_folds(), hooks)
+        coarse = replace(coarse, grid=raise_wearer(coarse.holding_folds(), hooks))
     bending: tuple[FabricEstimate, ...] = ()
     if "fabric" not in locks:
-        found, estimate = fit_bending(replace(coarse, grid=grid), material, hooks)
+        found, estimate = fit_bending(coarse, material, hooks)
         fabric = replace(fabric, k=found.k, title=found.title, sources=found.sources)
         bending = (estimate,)
-    problem = replace(problem_on(settings.vertices), grid=grid).holding_folds()
+    problem = replace(problem_on(settings.vertices, fabric), grid=coarse.grid).holding_folds()
     if bending and estimate.identifiable:
         problem = problem.fitting_bending(estimate.std)
     shape = fit_shape(problem, hooks)
@@ -142,7 +140,7 @@ def fit_pattern(
         hooks.progress("fit", 0.9, "draping the recovered pattern")
         topology = Topology.from_garment(recovered)
         drape = equilibrium(
-            topology, soften(fabric), registered, grid=grid, hold=hold_waist(recovered), spin=spin,
+            topology, soften(fabric), registered, grid=problem.grid, hold=hold_waist(recovered), spin=spin,
             hysteresis=hold_folds(topology, registered), hooks=hooks,
         )  # fmt: skip
     if not drape.converged:

@@ -30,7 +30,7 @@ class ShapeSettings:
 
     vertices: int = 6000
     iterations: int = 8
-    trials: int = 4
+    trials: int = 3
     damping: float = 1e-2
     plateau: float = 0.005
     slide: float = 0.01

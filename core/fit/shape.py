@@ -63,7 +63,7 @@ class ShapeProblem:
         garment: The mesh of the first pattern, nodes registered on the target.
         like: The template: tells symmetry and the ratios of gathered seams.
         symmetry: Of `like`.
-        parameters: The effective control points, and ln k where `bending` says so.
+        parameters: The effective control points, and ln k where `bending` is given.
         topology: Of `garment`.
         solver: Analysed for it.
         fabric: The cloth.
