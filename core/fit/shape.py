@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..body import DistanceGrid
-from ..grade import find_proportions
+from ..grade import find_proportions, narrow_panels
 from ..hooks import SILENT, Hooks
 from ..pattern import (
     Garment,
@@ -247,13 +247,18 @@ class ShapeProblem:
 
 
 def _precision(pattern: Pattern, like: Pattern, symmetry: Symmetry, settings: ShapeSettings) -> np.ndarray:
-    """Give the prior's inverse covariance around a pattern [1/m2], shape [p, p]: I / s^2 + R^T R.
+    """Give the prior's inverse covariance around a pattern [1/m2], shape [p, p]: diag(1 / s^2) + R^T R.
 
-    s is `spread`; R are the rates of the base pattern's `Proportions` in standard deviations: what the metric left as
-    it is cut, a front by its back, is not for the simulator to share out anew point by point.
+    s is `spread`, or `spread_band` for the points of bands; R are the rates of the base pattern's `Proportions` in
+    standard deviations: what the metric left as it is cut, a front by its back, is not for the simulator to share out
+    anew point by point.
     """
-    rates = find_proportions(like).linearise(pattern)[1] @ symmetry.matrix.toarray()
-    return np.asarray(np.eye(rates.shape[1]) / settings.spread**2 + rates.T @ rates)
+    free = symmetry.matrix.toarray()
+    rates = find_proportions(like).linearise(pattern)[1] @ free
+    counts = [len(panel.points) for panel in pattern.panels]
+    of_band = np.repeat(np.repeat(narrow_panels(pattern), counts), 2)
+    spread = np.where((free[of_band] != 0.0).any(axis=0), settings.spread_band, settings.spread)
+    return np.asarray(np.diag(spread**-2.0) + rates.T @ rates)
 
 
 def _joined(matrix: np.ndarray, last: float) -> np.ndarray:

@@ -27,7 +27,7 @@ from garmentq.core.fit import (
     nearest_fabrics,
     posterior,
 )
-from garmentq.core.grade import Surface, find_proportions
+from garmentq.core.grade import Surface, find_proportions, narrow_panels
 from garmentq.core.hooks import Arrays, Hooks
 from garmentq.core.pattern import (
     Garment,
@@ -298,6 +298,24 @@ def test_bending_that_folds_and_misfit_contradict_is_not_known(scene: Scene) -> 
     fabric, estimate = fit_bending(problem)
     assert estimate.value == fabric.k > 3.0 * scene.fabric.k
     assert not estimate.identifiable and "folds less than the scan" in estimate.note
+
+
+def test_bands_stay_nearly_as_they_are() -> None:
+    """Breaks where a waistband may answer for its skirt: no scan shows where the long seams of a band lie."""
+    like, settings = load_template("pencil_skirt"), ShapeSettings()
+    mesh = mesh_pattern(like, 400)
+    problem = ShapeProblem.of(mesh, like, get_fabric("cotton_poplin"), None, None, settings)
+
+    def cost(moved: np.ndarray) -> float:
+        """Say what a millimetre across costs a control point; a panel that moves as a whole breaks no proportion."""
+        points = like.points + np.where(moved[:, None], [0.0, 1e-3], 0.0)
+        away = problem.away(like.with_points(points), problem.fabric)
+        return 2.0 * problem.objective(1.0, 100.0, away) / float((away != 0.0).sum())
+
+    bands = np.repeat(narrow_panels(like), [len(panel.points) for panel in like.panels])
+    assert 0 < bands.sum() < len(bands)
+    assert cost(bands) == pytest.approx((1e-3 / settings.spread_band) ** 2, rel=1e-6)
+    assert cost(~bands) == pytest.approx((1e-3 / settings.spread) ** 2, rel=1e-6)
 
 
 def test_what_a_drape_does_not_tell_is_said(scene: Scene) -> None:
