@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..body import DistanceGrid
-from ..grade import find_proportions, narrow_panels
+from ..grade import find_proportions, mean_width
 from ..hooks import SILENT, Hooks
 from ..pattern import (
     Garment,
@@ -249,15 +249,16 @@ class ShapeProblem:
 def _precision(pattern: Pattern, like: Pattern, symmetry: Symmetry, settings: ShapeSettings) -> np.ndarray:
     """Give the prior's inverse covariance around a pattern [1/m2], shape [p, p]: diag(1 / s^2) + R^T R.
 
-    s is `spread`, or `spread_band` for the points of bands; R are the rates of the base pattern's `Proportions` in
-    standard deviations: what the metric left as it is cut, a front by its back, is not for the simulator to share out
-    anew point by point.
+    s is `spread`, but no more than `spread_share` of the panel's mean width; R are the rates of the base pattern's
+    `Proportions` in standard deviations: what the metric left as it is cut, a front by its back, is not for the
+    simulator to share out anew point by point.
     """
     free = symmetry.matrix.toarray()
     rates = find_proportions(like).linearise(pattern)[1] @ free
     counts = [len(panel.points) for panel in pattern.panels]
-    of_band = np.repeat(np.repeat(narrow_panels(pattern), counts), 2)
-    spread = np.where((free[of_band] != 0.0).any(axis=0), settings.spread_band, settings.spread)
+    widths = np.array([settings.spread_share * mean_width(panel) for panel in pattern.panels])
+    of_point = np.repeat(np.minimum(widths, settings.spread), 2 * np.array(counts))
+    spread = np.where(free != 0.0, of_point[:, None], settings.spread).min(axis=0)
     return np.asarray(np.diag(spread**-2.0) + rates.T @ rates)
 
 

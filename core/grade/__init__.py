@@ -5,6 +5,7 @@ from .distances import ContourMeasure, compare_contours, position_along
 from .flattening import (
     FlatteningSettings,
     fit_control_points,
+    mean_width,
     narrow_panels,
     right_stretch,
     seam_rows,
@@ -38,6 +39,7 @@ __all__ = [
     "fit_control_points",
     "grade_pattern",
     "hidden_folds",
+    "mean_width",
     "move_pattern",
     "narrow_panels",
     "position_along",

@@ -126,10 +126,10 @@ def stretch_between(garment: Garment, moved: np.ndarray, settings: FlatteningSet
 def narrow_panels(pattern: Pattern, settings: FlatteningSettings | None = None) -> np.ndarray:
     """Tell the panels that are bands, narrower than `band_width`; shape [panel_count]."""
     settings = settings or FlatteningSettings()
-    return np.array([_width(panel) < settings.band_width for panel in pattern.panels])
+    return np.array([mean_width(panel) < settings.band_width for panel in pattern.panels])
 
 
-def _width(panel: Panel) -> float:
+def mean_width(panel: Panel) -> float:
     """Give a panel's mean width across its longest extent [m]."""
     corners = panel.points
     return panel_area(panel) / float(np.linalg.norm(corners[:, None] - corners[None], axis=2).max())
