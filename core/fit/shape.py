@@ -292,7 +292,7 @@ def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT) -> ShapeFit:
     pulls little at the pattern.
     """
     settings = problem.settings
-    first, outcome = 0, "iterations"
+    first, outcome, settled = 0, "iterations", False
     kept = _kept(problem, hooks)
     if kept is None:
         pattern, fabric = problem.garment.pattern, problem.fabric
@@ -300,9 +300,11 @@ def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT) -> ShapeFit:
         damping = settings.damping
         misfits = [float(np.sqrt(2.0 * problem.loss.value(drape.nodes)))]
     else:
-        pattern, fabric, drape, damping, misfits = kept
+        pattern, fabric, drape, damping, misfits, settled = kept
         first = len(misfits) - 1
     for iteration in range(first, settings.iterations):
+        if settled:
+            break
         hooks.progress("fit", (iteration + 1.0) / (settings.iterations + 1.0), f"misfit {1e3 * misfits[-1]:.1f} mm")
         linear = problem.linearise(pattern, drape, fabric)
         loss, count = problem.loss.value(drape.nodes), problem.observations(drape.nodes)
@@ -321,15 +323,13 @@ def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT) -> ShapeFit:
                 misfits.append(float(np.sqrt(2.0 * problem.loss.value(drape.nodes))))
                 # back to the damping that worked, and a fifth of it next
                 damping /= 50.0
-                _keep(problem, hooks, pattern, fabric, drape, damping, misfits)
+                settled = before - reached < settings.plateau * count
+                _keep(problem, hooks, pattern, fabric, drape, damping, misfits, settled)
                 break
         else:
             outcome = "no gain"
             break
-        if before - reached < settings.plateau * count:
-            outcome = "plateau"
-            break
-    return ShapeFit(pattern, fabric, drape.nodes, tuple(misfits), outcome, drape)
+    return ShapeFit(pattern, fabric, drape.nodes, tuple(misfits), "plateau" if settled else outcome, drape)
 
 
 def _keep(
@@ -340,6 +340,7 @@ def _keep(
     drape: Drape,
     damping: float,
     misfits: list[float],
+    settled: bool,
 ) -> None:
     """Save what the next iteration starts from under the name `fit.shape`."""
     hooks.save_checkpoint(
@@ -353,12 +354,14 @@ def _keep(
             "anchors": drape.anchors,
             "damping": np.array(damping),
             "misfits": np.array(misfits),
+            "settled": np.array(settled),
+            "converged": np.array(drape.converged),
         },
     )
 
 
-def _kept(problem: ShapeProblem, hooks: Hooks) -> tuple[Pattern, Fabric, Drape, float, list[float]] | None:
-    """Give pattern, cloth, drape, damping and misfits that an earlier run of the same fit reached, or None."""
+def _kept(problem: ShapeProblem, hooks: Hooks) -> tuple[Pattern, Fabric, Drape, float, list[float], bool] | None:
+    """Give pattern, cloth, drape, damping, misfits and whether that is all, as an earlier run left them, or None."""
     from ..simulate import Drape
 
     kept = hooks.load_checkpoint("fit.shape")
@@ -366,6 +369,7 @@ def _kept(problem: ShapeProblem, hooks: Hooks) -> tuple[Pattern, Fabric, Drape, 
         return None
     if kept.get("first_k") != problem.fabric.k:
         return None
-    drape = Drape(kept["nodes"], 0.0, 0, True, 0.0, "still", "", kept["anchors"])
+    drape = Drape(kept["nodes"], 0.0, 0, bool(kept["converged"]), 0.0, "still", "", kept["anchors"])
     pattern, fabric = problem.like.with_points(kept["points"]), replace(problem.fabric, k=float(kept["k"]))
-    return pattern, fabric, drape, float(kept["damping"]), [float(value) for value in kept["misfits"]]
+    misfits = [float(value) for value in kept["misfits"]]
+    return pattern, fabric, drape, float(kept["damping"]), misfits, bool(kept["settled"])
