@@ -131,7 +131,7 @@ def fit_pattern(
         problem, fabric, shape.pattern, shape.drape, problem.loss.value(shape.nodes), material
     )
     if problem.bending is not None:
-        fabric, estimate = refine_bending(fabric, shape.fabric.k, bending_std, estimate)
+        fabric, estimate = refine_bending(fabric, shape.fabric.k, bending_std, estimate, material)
         bending = (estimate,)
     estimates = (*bending, *membrane, state_density(fabric))
     recovered = move_pattern(refitted, shape.pattern)

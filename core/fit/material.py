@@ -118,13 +118,16 @@ def fit_bending(
     return _found(fabric, k, FabricEstimate("k", k, std, spread, abs(torn) <= _TORN, bound))
 
 
-def refine_bending(fabric: Fabric, k: float, std: float, estimate: FabricEstimate) -> tuple[Fabric, FabricEstimate]:
+def refine_bending(
+    fabric: Fabric, k: float, std: float, estimate: FabricEstimate, settings: MaterialSettings | None = None
+) -> tuple[Fabric, FabricEstimate]:
     """State k as the fit through the simulator left it, `std` its standard deviation.
 
     Returns:
         The fabric with that k, and what is known of it; as `fit_bending` gives them.
     """
-    return _found(fabric, k, replace(estimate, std=max(std, MaterialSettings().least_std), note=""))
+    settings = settings or MaterialSettings()
+    return _found(fabric, k, replace(estimate, std=max(std, settings.least_std), note=""))
 
 
 def _found(fabric: Fabric, k: float, estimate: FabricEstimate) -> tuple[Fabric, FabricEstimate]:

@@ -154,7 +154,7 @@ class ShapeProblem:
         return points if self.bending is None else np.append(points, np.log(fabric.k / self.fabric.k))
 
     def energy(self, pattern: Pattern, fabric: Fabric | None = None) -> Energy:
-        """Give the energy of cloth, the problem's or another, that was cut by a pattern; friction is not in it."""
+        """Give the energy of the cloth, with another k where k is fitted, cut by a pattern; friction is not in it."""
         from ..simulate import Energy
 
         energy = Energy(
@@ -284,8 +284,8 @@ def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT) -> ShapeFit:
     """Fit control points, and k where the problem asks for it, so that the equilibrium comes to lie on the target.
 
     Minimises n/2 ln L(x*(p)) + (p - p0) P (p - p0) / 2, L of `RegisteredLoss`, x* the equilibrium of the parameters p,
-    p0 the first ones, P = I / s^2 + R^T R with the rates R of the base pattern's proportions, by Levenberg-Marquardt
-    with the implicit Jacobian dx*/dp. n is counted anew before each step. Only steps that lower it are taken.
+    p0 the first ones, P `precision`, by Levenberg-Marquardt with the implicit Jacobian dx*/dp. n is counted anew before
+    each step. Only steps that lower it are taken.
 
     **Deviation**: the thesis descends by Adam through 20 time steps without a prior. Here the misfit itself says how
     far to believe it: a drape in other folds than the target's has a large L that is alike over wide stretches, and
@@ -317,10 +317,11 @@ def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT) -> ShapeFit:
             if wanted is None:
                 continue
             trial = problem.drape(wanted, drape.nodes, hooks, cloth)
-            reached = problem.objective(problem.loss.value(trial.nodes), count, problem.away(wanted, cloth))
+            trial_loss = problem.loss.value(trial.nodes)
+            reached = problem.objective(trial_loss, count, problem.away(wanted, cloth))
             if reached < before:
                 pattern, fabric, drape = wanted, cloth, trial
-                misfits.append(float(np.sqrt(2.0 * problem.loss.value(drape.nodes))))
+                misfits.append(float(np.sqrt(2.0 * trial_loss)))
                 # back to the damping that worked, and a fifth of it next
                 damping /= 50.0
                 settled = before - reached < settings.plateau * count
