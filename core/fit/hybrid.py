@@ -101,7 +101,8 @@ def fit_pattern(
     refitted = stand_pattern(pattern, vertex_count or len(registered), isometric, isometric.nodes, stand.body)
     graded = resample(garment, garment.nodes, refitted)
     hooks.progress("fit", 0.2, "registering again")
-    detail = deform(refitted, target, stand.body, settings=deforming or DeformSettings(), hooks=hooks.quiet())
+    again = (deforming or DeformSettings()).going_on()
+    detail = deform(refitted, target, stand.body, settings=again, hooks=hooks.quiet())
     registered = detail.nodes
     refitted = refitted.at(registered)
     hooks.progress("fit", 0.3, "preparing the fit through the simulator")

@@ -19,7 +19,8 @@ class ShapeSettings:
         trials: Steps tried in one iteration, each with ten times the damping of the one before.
         damping: First damping, relative to the diagonal of the Gauss-Newton matrix (Marquardt).
         plateau: Gain in the objective, by the number of observations, below which the fit stops: as much as a misfit
-            that falls by half a percent.
+            that falls by half a percent. A step that promises less is not tried: on four garments steps gained 0 to 1.6
+            times what they promised.
         slide: Cost of sliding within the surface as a share of leaving it: registration finds the surface to 1 mm and
             the place on it to about a centimetre, wrong in one direction all along a seam. With a tenth two T-shirts
             of our own came out 0.9 and 1.2 % off in area, with a hundredth 0.2 and 0.3.

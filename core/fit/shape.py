@@ -207,17 +207,19 @@ class ShapeProblem:
 
     def step(
         self, pattern: Pattern, away: np.ndarray, weight: float, linear: tuple[np.ndarray, np.ndarray], damping: float
-    ) -> np.ndarray:
-        """Give the Levenberg-Marquardt step, shape [p], along which all seams stay equal to first order.
+    ) -> tuple[np.ndarray, float]:
+        """Give the Levenberg-Marquardt step, shape [p], along which all seams stay equal to first order, and its gain.
 
-        `weight` is n / (2 L), by which the loss counts.
+        `weight` is n / (2 L), by which the loss counts. The gain is what the objective's quadratic model promises.
         """
         gradient, matrix = weight * linear[0] + self.precision @ away, weight * linear[1]
-        matrix = matrix + damping * np.diag(np.diag(matrix)) + self.precision
+        curvature = matrix + self.precision
+        matrix = curvature + damping * np.diag(np.diag(matrix))
         free = keep_seams(pattern, self.like, self.symmetry, self.held)
         if self.bending is not None:
             free = _joined(free, 1.0)
-        return np.asarray(free @ np.linalg.solve(free.T @ matrix @ free, -free.T @ gradient))
+        step = np.asarray(free @ np.linalg.solve(free.T @ matrix @ free, -free.T @ gradient))
+        return step, -float(gradient @ step) - 0.5 * float(step @ curvature @ step)
 
     def cut(self, away: np.ndarray) -> tuple[Pattern | None, Fabric]:
         """Give the pattern, seams equal, and the cloth so far from the first ones [m; 1 for ln k], shape [p].
@@ -285,7 +287,7 @@ def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT) -> ShapeFit:
 
     Minimises n/2 ln L(x*(p)) + (p - p0) P (p - p0) / 2, L of `RegisteredLoss`, x* the equilibrium of the parameters p,
     p0 the first ones, P `precision`, by Levenberg-Marquardt with the implicit Jacobian dx*/dp. n is counted anew before
-    each step. Only steps that lower it are taken.
+    each step. Only steps that lower it are taken, and none is tried that promises too little.
 
     **Deviation**: the thesis descends by Adam through 20 time steps without a prior. Here the misfit itself says how
     far to believe it: a drape in other folds than the target's has a large L that is alike over wide stretches, and
@@ -311,7 +313,10 @@ def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT) -> ShapeFit:
         away = problem.away(pattern, fabric)
         before = problem.objective(loss, count, away)
         for _ in range(settings.trials):
-            step = problem.step(pattern, away, 0.5 * count / loss, linear, damping)
+            step, promised = problem.step(pattern, away, 0.5 * count / loss, linear, damping)
+            settled = promised < settings.plateau * count
+            if settled:
+                break
             wanted, cloth = problem.cut(away + step)
             damping *= 10.0
             if wanted is None:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
 
 from ..body import Body
 from ..pattern import Garment, Pattern, find_symmetry, map_controls
@@ -15,6 +15,9 @@ from .flattening import narrow_panels, seam_rows, solve_sewn, uv_gradient
 from .grading import GradeSettings, move_pattern, step_without_folds
 from .proportion import Proportions, find_proportions
 from .registration import Surface
+
+if TYPE_CHECKING:
+    from ..simulate import Solver, Topology
 
 
 @dataclass(frozen=True)
@@ -81,6 +84,8 @@ class Isometry:
         proportions: Rules to keep.
         start: Control points at the start [m], shape [point_count, 2].
         anchor: Matrix of the last sum, shape [effective_count, effective_count].
+        topology: Which nodes share a face; its rest shape is of no account.
+        solver: Analysed for it.
         settings: How.
     """
 
@@ -91,6 +96,8 @@ class Isometry:
     proportions: Proportions
     start: np.ndarray
     anchor: np.ndarray
+    topology: Topology
+    solver: Solver
     settings: IsometrySettings
 
     @classmethod
@@ -113,6 +120,8 @@ class Isometry:
             strain: U of each face, shape [face_count, 2, 2].
             settings: How.
         """
+        from ..simulate import Topology, make_solver
+
         borders = []
         for contour in name_contours(garment.nodes, garment.faces, body)[0]:
             other = target.contour(contour.name)
@@ -122,6 +131,9 @@ class Isometry:
                 loop = target.vertices[other.vertices]
             borders.append((contour.vertices, loop))
         free = find_symmetry(like).matrix.toarray()
+        # any triangle will do: only which nodes share a face counts, and flat faces may be slivers
+        some = np.broadcast_to(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), (len(garment.faces), 3, 2))
+        topology = Topology.from_mesh(garment.faces, some, len(garment.nodes))
         return cls(
             goal=Surface(target.vertices, target.faces),
             borders=tuple(borders),
@@ -130,6 +142,8 @@ class Isometry:
             proportions=find_proportions(like),
             start=garment.pattern.points,
             anchor=_anchor(garment, free, settings),
+            topology=topology,
+            solver=make_solver(topology),
             settings=settings,
         )
 
@@ -144,12 +158,11 @@ class Isometry:
         # Rows of a face: (d/dx, d/dy) of the three coordinates.
         target_rows = np.swapaxes(wanted, 1, 2)
         held, pulled = self._hold_on_target(garment, area)
-        stiffness = sp.kron(sp.csr_matrix(gradient.T @ sp.diags(weight) @ gradient), sp.eye(3))
-        factor = splu(sp.csc_matrix(stiffness + held), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+        self._factor(sp.csr_matrix(gradient.T @ sp.diags(weight) @ gradient), held)
         weighted = weight.reshape(-1, 2, 1, 1) * moved
         coupling = (gradient.T @ weighted.reshape(len(weight), -1)).reshape(3 * count, parameters)
         load = gradient.T @ (weight[:, None] * target_rows.reshape(-1, 3))
-        start, follow = factor.solve((load + pulled).ravel()), factor.solve(coupling)
+        start, follow = self.solver.solve((load + pulled).ravel()), self.solver.solve(coupling)
         flat = moved.reshape(-1, parameters)
         matrix = flat.T @ weighted.reshape(-1, parameters) - coupling.T @ follow
         right = coupling.T @ start - weighted.reshape(-1, parameters).T @ target_rows.ravel()
@@ -158,6 +171,14 @@ class Isometry:
         pattern, share = step_without_folds(garment.pattern, points, GradeSettings())
         nodes = (start + share * (follow @ change)).reshape(-1, 3)
         return move_pattern(garment, pattern).at(nodes)
+
+    def _factor(self, stiffness: sp.csr_matrix, held: np.ndarray) -> None:
+        """Factor the nodes' matrix: a stiffness [n, n] that all coordinates share, and a block [3, 3] of each node."""
+        pairs = np.asarray(stiffness[self.topology.block_rows, self.topology.block_columns]).ravel()
+        blocks = pairs[:, None, None] * np.eye(3)
+        blocks[self.topology.diagonal] += held
+        if not self.solver.factor(self.topology.assemble(blocks, np.zeros(len(held), dtype=bool))):
+            raise np.linalg.LinAlgError("the cloth on the target is not held everywhere")  # a node without a face
 
     def _turned_strain(self, gradient: sp.csr_matrix, nodes: np.ndarray) -> np.ndarray:
         """Give R_f U_f, shape [face_count, 3, 2], R_f the isometry nearest to F_f U_f."""
@@ -169,8 +190,8 @@ class Isometry:
         """Give d(R U J)/dc, (d/dx, d/dy) of three coordinates of each face, shape [face_count, 2, 3, parameters]."""
         return np.einsum("fka,fdap->fdkp", wanted, _slope_rates(garment, on_uv, self.free))
 
-    def _hold_on_target(self, garment: Garment, area: np.ndarray) -> tuple[sp.bsr_matrix, np.ndarray]:
-        """Give what holds the nodes on the target: matrix, [3 n, 3 n], and right side, shape [n, 3]."""
+    def _hold_on_target(self, garment: Garment, area: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Give what holds the nodes on the target: each one's block, [n, 3, 3], and right side, shape [n, 3]."""
         chosen, nodes, count = self.settings, garment.nodes, len(garment.nodes)
         mass = np.bincount(garment.faces.ravel(), np.repeat(area / 3.0, 3), minlength=count)
         face, foot, seen = self.goal.closest(nodes, Surface(nodes, garment.faces).normals, chosen.facing)
@@ -188,8 +209,7 @@ class Isometry:
             across *= (mass[line] / chosen.border**2)[:, None, None]
             blocks[line] += across
             pulled[line] += np.einsum("vij,vj->vi", across, place)
-        matrix = sp.bsr_matrix((blocks, np.arange(count), np.arange(count + 1)), shape=(3 * count, 3 * count))
-        return matrix, pulled
+        return blocks, pulled
 
     def _solve_pattern(self, pattern: Pattern, matrix: np.ndarray, right: np.ndarray, area: float) -> np.ndarray:
         """Give the change of the effective control points [m] under equal seams, pulled by ratios and start."""

@@ -35,10 +35,12 @@ MESSAGES = {
 _SETTLED = 1e-5
 """Motion in a leg under which friction's normal forces stay as they are [m]: their change moves nothing that counts."""
 
-_CHASE = 12
+_CHASE = 6
 """Legs without a tenth less motion than the least before, after which friction's normal forces stay as they are. Where
-cloth is caught in a crease of the body they and the cloth chase each other round for ever, by half a millimetre; drapes
-that come to rest by themselves slow down by a tenth every few legs."""
+cloth is caught in a crease of the body they and the cloth chase each other round for ever, by half a millimetre to two;
+drapes that come to rest by themselves slow down by a tenth every few legs. Twelve took trousers 3 to 9 legs longer
+each time they were draped, and the fit's misfit was the same to 0.04 mm.
+"""
 
 
 class NodesBad(BadInput):
