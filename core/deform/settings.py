@@ -105,7 +105,12 @@ class DeformSettings:
         garments that ended as far from the target as the whole stage within 0.01 mm on three, 0.2 mm on trousers, in
         60 % of the time, and the pattern that was fitted to it came out 0.2 % closer on a T-shirt.
         """
-        return replace(self, iterations=self.iterations // 3, learning_rate=self.learning_rate / 2.0)
+        return replace(
+            self,
+            iterations=self.iterations // 3,
+            strain_from=self.strain_from // 3,
+            learning_rate=self.learning_rate / 2.0,
+        )
 
     @classmethod
     def thesis(cls) -> DeformSettings:

@@ -73,6 +73,13 @@ def test_going_on_from_the_target_stays_on_it(scene, fitted, rms):
         assert now < before + 0.1
 
 
+def test_going_on_keeps_the_strains_share_of_the_steps():
+    """Breaks if the shorter stage ends before strain sets in, as the thesis' setting did, whose strain waits."""
+    for whole in (DeformSettings(), DeformSettings.thesis()):
+        short = whole.going_on()
+        assert short.strain_from / short.iterations == pytest.approx(whole.strain_from / whole.iterations, abs=0.01)
+
+
 def moved(scene, matrix, shift):
     garment, target, body = scene
     return (
