@@ -43,7 +43,8 @@ class ShapeFit:
         fabric: The cloth, with the k that was fitted, or as the problem gave it.
         nodes: Its equilibrium on the mesh of the fit [m], shape [node_count, 3].
         misfits: Root mean square misfit at the start and after each step that was taken [m].
-        outcome: `plateau`, `no gain` (no step lowers the objective) or `iterations`.
+        outcome: `plateau` (the last step gained too little, or the next promises too little), `no gain` (no step lowers
+            the objective) or `iterations`.
         drape: The equilibrium with its friction.
     """
 
@@ -311,10 +312,10 @@ def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT) -> ShapeFit:
         linear = problem.linearise(pattern, drape, fabric)
         loss, count = problem.loss.value(drape.nodes), problem.observations(drape.nodes)
         away = problem.away(pattern, fabric)
-        before = problem.objective(loss, count, away)
+        before, least = problem.objective(loss, count, away), settings.plateau * count
         for _ in range(settings.trials):
             step, promised = problem.step(pattern, away, 0.5 * count / loss, linear, damping)
-            settled = promised < settings.plateau * count
+            settled = promised < least
             if settled:
                 break
             wanted, cloth = problem.cut(away + step)
@@ -329,7 +330,7 @@ def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT) -> ShapeFit:
                 misfits.append(float(np.sqrt(2.0 * trial_loss)))
                 # back to the damping that worked, and a fifth of it next
                 damping /= 50.0
-                settled = before - reached < settings.plateau * count
+                settled = before - reached < least
                 _keep(problem, hooks, pattern, fabric, drape, damping, misfits, settled)
                 break
         else:
