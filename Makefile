@@ -10,7 +10,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 export MKL_NUM_THREADS ?= 1
 export NUMBA_NUM_THREADS ?= 1
 
-.PHONY: demo test lint types bench clean
+.PHONY: demo test nightly lint types bench clean
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV) || python3 -m venv $(VENV)
@@ -27,8 +27,15 @@ $(VENV)/.installed-test: $(VENV)/.installed
 demo: $(VENV)/.installed
 	$(BIN)/garmentq run examples/data/person.ply --keep 1 --keep 2 --cloth 3 --method deform --home demo --out demo/result
 
+# Two processes: the suite needs two cores. Each has an own PostgreSQL and brokers of its own.
+TEST_PROCESSES ?= 2
+PYTEST = $(BIN)/python -m pytest -n $(TEST_PROCESSES) --dist worksteal
+
 test: $(VENV)/.installed-test
-	$(BIN)/python -m pytest
+	$(PYTEST) --durations 25
+
+nightly: $(VENV)/.installed-test
+	$(PYTEST) -m nightly
 
 lint: $(VENV)/.installed-test
 	$(BIN)/ruff check .

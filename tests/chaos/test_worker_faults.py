@@ -83,6 +83,7 @@ def test_r1_killed_child(settings, database, queue_job, start_worker, marks):
     assert [step for step, _ in steps(marks)] == [*range(8), *range(5, STEPS)], "from the last checkpoint on"
     [loss] = [event for event in read_events(database, job) if event.kind == "worker_lost"]
     assert "signal 9" in loss.data["reason"]
+    assert not list((settings.home / "work").glob(f"{job}-*")), "the killed attempt's folder must be gone"
 
 
 @pytest.mark.slow

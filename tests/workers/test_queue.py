@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import os
-import signal
 import subprocess
 import sys
 from dataclasses import replace
 
 import pytest
 from garmentq.service.jobs import cancel, list_jobs, read_events
-from garmentq.service.results import export_files
 from garmentq.workers.broker import is_broker_up, run_folder, start_broker, stop_broker
 from garmentq.workers.embedded import ensure_services, is_worker_up, stop_services
 from garmentq_home import make_environment, read_job, wait_ended, wait_for
@@ -59,26 +57,6 @@ def test_twelve_jobs_and_two_workers(settings, database, queue_job, environment)
     assert codes == [0, 0]
 
 
-@pytest.mark.slow
-def test_a_killed_child_resumes_and_a_poisonous_job_dies(settings, database, store, queue_job, environment, tmp_path):
-    """Broken where a crash loses the job, begins it anew, or is repeated for ever."""
-    hold_gate(environment, 13)
-    ensure_services(replace(settings, lease_seconds=600.0), workers=2)
-    job, poison = queue_job("gated"), queue_job("crash")
-    wait_for(lambda: len(read_marks(environment)) == 13)
-    os.kill(read_marks(environment)[-1][1], signal.SIGKILL)
-    hold_gate(environment, STEPS)
-    row = wait_ended(settings, job)
-    assert (row.state, row.attempts, row.fence) == ("succeeded", 2, 2)
-    marks = read_marks(environment)
-    assert len({process for _, process in marks}) == 2
-    assert [step for step, _ in marks] == [*range(13), *range(10, STEPS)], "from the last checkpoint on"
-    assert export_files(database, store, job, tmp_path / "out")[0].name == "metrics.txt"
-    row = wait_ended(settings, poison)
-    assert (row.state, row.attempts, row.error_code) == ("dead", 3, "job.worker_lost")
-    assert not list((settings.home / "work").glob(f"{job}-*")), "the killed attempt's folder must be gone"
-
-
 def test_cancel_a_running_job(settings, database, queue_job, environment):
     """Broken where a worker does not look at the flag."""
     hold_gate(environment, 3)
@@ -107,27 +85,6 @@ def test_down_gives_the_job_back_and_up_goes_on(settings, database, queue_job, e
     row = wait_ended(settings, job)
     assert (row.state, row.attempts, row.fence) == ("succeeded", 1, 2)
     assert [step for step, _ in read_marks(environment)] == list(range(STEPS)), "no step twice, none left out"
-
-
-def test_a_lost_message_is_sent_again(settings, database, queue_job, environment):
-    """Broken where the broker's memory is the truth: after FLUSHALL the queue would be forgotten."""
-    import redis
-
-    start_broker(settings)
-    client = redis.Redis(unix_socket_path=str(run_folder(settings) / "broker.sock"))
-    job = queue_job()
-    from garmentq.service.reaper import dispatch
-    from garmentq.workers.app import make_app, publish
-
-    app = make_app(settings)
-    assert dispatch(database, lambda key, queue: publish(app, key, queue)) == 1
-    assert client.llen("garmentq") == 1
-    client.flushall()
-    client.close()
-    app.close()
-    ensure_services(settings, workers=1)
-    assert wait_ended(settings, job).state == "succeeded"
-    assert "republished" in [event.kind for event in read_events(database, job)]
 
 
 def test_a_job_that_takes_too_long_fails(settings, database, queue_job, environment, monkeypatch):
