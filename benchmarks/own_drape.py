@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 import trimesh
 from garmentq.core.body import builtin_body, vertex_normals
-from garmentq.core.drape import Stand, drape_graded, drape_template
+from garmentq.core.drape import WearerGeometry, drape_graded, drape_template
 from garmentq.core.measure import measure_panels, measure_recovery, read_packs, read_true_pattern
 from garmentq.core.pattern import (
     BodyMeasures,
@@ -70,15 +70,15 @@ def draw_pattern(name: str, rng: np.random.Generator) -> Pattern:
 
 def write_pack(folder: Path, name: str, pattern: Pattern, fabric: Fabric) -> None:
     """Drape a pattern and write it as a target pack: mesh, body, base pattern, and apart from them the truth."""
-    stand = Stand(builtin_body(BODY))
-    worn = drape_template(pattern, stand)
+    wearer = WearerGeometry(builtin_body(BODY))
+    worn = drape_template(pattern, wearer)
     normals = vertex_normals(worn.nodes, worn.faces)
     where_it_hangs = Target(worn.nodes, worn.faces, normals, worn.contours, (), pattern.category)
-    garment, drape = drape_graded(worn, stand, fabric, where_it_hangs, vertex_count=VERTICES)
+    garment, drape = drape_graded(worn, wearer, fabric, where_it_hangs, vertex_count=VERTICES)
     print(f"{name}: target of {len(garment.nodes)} vertices {drape.message}", flush=True)
     folder.mkdir(parents=True, exist_ok=True)
     trimesh.Trimesh(garment.nodes, garment.faces, process=False).export(folder / "garment.ply")
-    trimesh.Trimesh(stand.body.vertices, stand.body.faces, process=False).export(folder / "body.ply")
+    trimesh.Trimesh(wearer.body.vertices, wearer.body.faces, process=False).export(folder / "body.ply")
     save_pattern(load_template(name), folder / "template.json")
     panels: dict[str, Any] = {}
     for panel in pattern.panels:

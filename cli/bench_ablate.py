@@ -118,7 +118,7 @@ class _Stage:
 
     pack: Any
     base: Any
-    stand: Any
+    wearer: Any
     target: Any
     fabric: Any
     graded: Any
@@ -129,7 +129,7 @@ class _Stage:
     def of(cls, pack: Any, preset: str) -> _Stage:
         """Go as far as the graded drape, and drape the base pattern beside it."""
         from ..core.deform import DeformSettings
-        from ..core.drape import Stand, drape_graded, drape_template
+        from ..core.drape import WearerGeometry, drape_graded, drape_template
         from ..core.grade import grade_pattern
         from ..core.hooks import SILENT
         from ..core.pipeline import GRADINGS, find_body, find_template, read_files
@@ -144,15 +144,15 @@ class _Stage:
         body = find_body(request, pieces, SILENT)
         target = segment_garment(pieces.garment, body)
         base = find_template(request, target)[1]
-        stand, fabric, count = Stand(body), get_fabric(settings.fabric), settings.vertex_count
-        worn = drape_template(base, stand, target)
+        wearer, fabric, count = WearerGeometry(body), get_fabric(settings.fabric), settings.vertex_count
+        worn = drape_template(base, wearer, target)
         garment = worn
         for _ in range(GRADINGS):
             garment = grade_pattern(garment, target, body).garment
-        graded = drape_graded(garment, stand, fabric, target, vertex_count=count)[0]
-        ungraded = drape_graded(worn, stand, fabric, target, vertex_count=count)[0]
+        graded = drape_graded(garment, wearer, fabric, target, vertex_count=count)[0]
+        ungraded = drape_graded(worn, wearer, fabric, target, vertex_count=count)[0]
         chosen = DeformSettings.thesis() if preset == "thesis" else DeformSettings()
-        return cls(pack, base, stand, target, fabric, graded, ungraded, chosen)
+        return cls(pack, base, wearer, target, fabric, graded, ungraded, chosen)
 
     def descend(self, switch: Switch) -> dict[str, float | None]:
         """Run the inverse loop and measure its simulation mesh."""
@@ -160,7 +160,7 @@ class _Stage:
 
         few = InverseSettings(iterations=STEPS[0], fabric_iterations=STEPS[1])
         settings = replace(few, **switch.descent)
-        found = fit_inverse(self.graded, self.target, self.base, self.fabric, self.stand, settings=settings)
+        found = fit_inverse(self.graded, self.target, self.base, self.fabric, self.wearer, settings=settings)
         return self._measure(found.garment, found.simulation)
 
     def deform(self, switch: Switch) -> dict[str, float | None]:
@@ -169,7 +169,7 @@ class _Stage:
 
         start = self.graded if switch.graded else self.ungraded
         settings = replace(self.preset, **switch.deforming)
-        return self._measure(start, deform(start, self.target, self.stand.body, settings=settings).nodes)
+        return self._measure(start, deform(start, self.target, self.wearer.body, settings=settings).nodes)
 
     def _measure(self, garment: Any, nodes: Any) -> dict[str, float | None]:
         """Measure nodes against the truth as it is in the file."""

@@ -17,7 +17,7 @@ import numpy as np
 from .body import Body, BodyMissing, builtin_body, is_smpl, load_smpl, register_body
 from .checkpoints import keep_body, keep_drape, kept_body, kept_drape
 from .deform import Deformation, DeformSettings, deform
-from .drape import Stand, describe_motion, drape_as_scanned, drape_template, redrape
+from .drape import WearerGeometry, describe_motion, drape_as_scanned, drape_template, redrape
 from .errors import Cancelled, GarmentqError
 from .fit import InverseFit, PatternFit, find_held, fit_inverse, fit_pattern
 from .grade import choose_template, grade_pattern, slide_seams
@@ -87,8 +87,8 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     template, base = find_template(request, target)
     base = replace(base, symmetric=settings.free != "symmetry")
     find_held(base, base, settings.locks)  # a lock of nothing is refused now, not after the drape
-    stand = Stand(body)
-    garment, drape, notes = drape_to_scan(base, stand, target, settings, clock)
+    wearer = WearerGeometry(body)
+    garment, drape, notes = drape_to_scan(base, wearer, target, settings, clock)
     warnings = [*scan.repairs, *notes]
     simulation: np.ndarray | None = None
     fitted: PatternFit | InverseFit | None = None
@@ -98,7 +98,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     if settings.method == "inverse":
         with clock.stage("fit", "descending through the simulator") as inner:
             fitted = fit_inverse(
-                garment, target, base, fabric, stand,
+                garment, target, base, fabric, wearer,
                 vertex_count=settings.vertex_count, locks=locks, spin=drape.spin, hooks=inner,
             )  # fmt: skip
         fabric, garment, graded, simulation = fitted.fabric, fitted.garment, fitted.graded, fitted.simulation
@@ -111,7 +111,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     if settings.method == "hybrid":
         with clock.stage("fit", "fitting the pattern through the simulator") as inner:
             found = refit(
-                garment, detail.nodes, target, base, fabric, stand,
+                garment, detail.nodes, target, base, fabric, wearer,
                 vertex_count=settings.vertex_count, deforming=preset, locks=locks, spin=drape.spin, hooks=inner,
             )  # fmt: skip
         if isinstance(found, PatternFit):
@@ -125,7 +125,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     if fitted is not None:
         known = measure_knowledge(fitted.estimates, getattr(fitted, "point_std", None))
         with clock.stage("redrape", "dressing the body in the recovered pattern") as inner:
-            redraped, again = redrape(garment, stand, fabric, target, spin=drape.spin, hooks=inner)
+            redraped, again = redrape(garment, wearer, fabric, target, spin=drape.spin, hooks=inner)
         if not again.converged:
             warnings.append(f"the re-draped mesh is {again.message}")
         known |= {"redrape.residual": again.residual, "redrape.iterations": float(again.iterations)}
@@ -162,12 +162,12 @@ def refit(
     target: Target,
     base: Pattern,
     fabric: Fabric,
-    stand: Stand,
+    wearer: WearerGeometry,
     **options: Any,
 ) -> PatternFit | str:
     """Recover the pattern through the simulator; where that fails, say why: the graded pattern then stands."""
     try:
-        return fit_pattern(garment, registered, target, base, fabric, stand, **options)
+        return fit_pattern(garment, registered, target, base, fabric, wearer, **options)
     except Cancelled:
         raise
     except (GarmentqError, np.linalg.LinAlgError) as error:
@@ -175,19 +175,19 @@ def refit(
 
 
 def drape_to_scan(
-    base: Pattern, stand: Stand, target: Target, settings: RecoverySettings, clock: Clock
+    base: Pattern, wearer: WearerGeometry, target: Target, settings: RecoverySettings, clock: Clock
 ) -> tuple[Garment, Drape, list[str]]:
     """Dress the wearer in a base pattern, grade it to the target and drape what was graded.
 
     Returns:
         The graded garment at rest, its drape, and what the user should know.
     """
-    body = stand.body
+    body = wearer.body
     kept = kept_drape(clock.hooks, base, settings.vertex_count, body)
     if kept is not None:
         return kept
     with clock.stage("template", "dressing the body in the template") as inner:
-        worn = drape_template(base, stand, target, hooks=inner)
+        worn = drape_template(base, wearer, target, hooks=inner)
     with clock.stage("grade", "grading the pattern to the scan") as inner:
         grading = grade_pattern(worn, target, body, hooks=inner)
         for _ in range(GRADINGS - 1):
@@ -197,7 +197,7 @@ def drape_to_scan(
     with clock.stage("drape", "draping the graded pattern") as inner:
         fabric = get_fabric(settings.fabric)
         garment, drape = drape_as_scanned(
-            graded, stand, fabric, target, vertex_count=settings.vertex_count, hooks=inner
+            graded, wearer, fabric, target, vertex_count=settings.vertex_count, hooks=inner
         )
     if drape.spin is not None:
         warnings.append(describe_motion(drape.spin))

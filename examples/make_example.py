@@ -21,7 +21,7 @@ import warp as wp
 from garmentq.core.body import Body, builtin_body, skin
 from garmentq.core.body.builtin import ARM_DROPS, arm_pose
 from garmentq.core.body.template import articulate, rotations_of, transforms_of
-from garmentq.core.drape import DrapeSettings, Stand, drape_template
+from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template
 from garmentq.core.pattern import Garment, Pattern, mesh_pattern, resample, save_pattern
 from garmentq.core.pattern.outline import Outline, Stroke, mirror, place_panel, sew_by_label, unfold
 from garmentq.core.simulate import push_out
@@ -122,7 +122,7 @@ def dress_body(pattern: Pattern, body: Body) -> Garment:
 
     This only says where the simulation starts: nodes outside the skin, most edges near their rest lengths.
     """
-    coarse = drape_template(pattern, Stand.of(body), settings=DrapeSettings(template_vertices=START_NODES))
+    coarse = drape_template(pattern, WearerGeometry(body), settings=DrapeSettings(template_vertices=START_NODES))
     fine = mesh_pattern(pattern, NODES)
     return fine.at(push_out(resample(coarse, coarse.nodes, fine), body, fine.faces, THICKNESS))
 

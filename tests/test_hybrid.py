@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from garmentq.core import pipeline
 from garmentq.core.body import builtin_body
-from garmentq.core.drape import DrapeSettings, Stand, drape_template
+from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template
 from garmentq.core.errors import Cancelled, GarmentqError
 from garmentq.core.export import write_recovery
 from garmentq.core.fit import LockUnknown
@@ -46,7 +46,7 @@ def recovered(tmp_path_factory: pytest.TempPathFactory) -> Recovery:
     (folder / "rock.json").write_text(json.dumps(draw_skirt()))
     base = load_pattern(folder / "rock.json")
     true = base.with_points(base.points * [WIDER, LONGER])
-    worn = drape_template(true, Stand(builtin_body(WEARER)), settings=DrapeSettings(template_vertices=700))
+    worn = drape_template(true, WearerGeometry(builtin_body(WEARER)), settings=DrapeSettings(template_vertices=700))
     trimesh.Trimesh(worn.nodes, worn.faces, process=False).export(folder / "scan.ply")
     settings = RecoverySettings(method="hybrid", vertex_count=500, lock="point:Vorn/2")
     return recover(Request(folder / "scan.ply", WEARER, template=folder / "rock.json", settings=settings))
@@ -107,7 +107,7 @@ def test_a_fit_that_fails_leaves_the_graded_pattern(monkeypatch: pytest.MonkeyPa
 def test_a_lock_of_nothing_is_refused_before_the_drape(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Breaks if a misspelt panel is found out only after a minute's work."""
     base = load_template("skirt")
-    worn = drape_template(base, Stand(builtin_body(WEARER)), settings=DrapeSettings(template_vertices=300))
+    worn = drape_template(base, WearerGeometry(builtin_body(WEARER)), settings=DrapeSettings(template_vertices=300))
     trimesh.Trimesh(worn.nodes, worn.faces, process=False).export(tmp_path / "scan.ply")
     monkeypatch.setattr(pipeline, "drape_to_scan", lambda *arguments: pytest.fail("draped"))
     with pytest.raises(LockUnknown, match="nowhere"):

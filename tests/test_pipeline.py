@@ -13,7 +13,7 @@ import pytest
 import trimesh
 from garmentq.core.body import Body, BodyMissing, builtin_body
 from garmentq.core.checkpoints import keep_body, kept_body
-from garmentq.core.drape import DrapeSettings, Stand, drape_template
+from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template
 from garmentq.core.hooks import Hooks
 from garmentq.core.pattern import load_template
 from garmentq.core.pipeline import recover
@@ -28,7 +28,8 @@ def request_of_a_skirt(tmp_path_factory: pytest.TempPathFactory) -> Request:
     """Write a skirt 12 % longer and 6 % wider than the template, worn by the built-in body."""
     base = load_template("skirt")
     longer = base.with_points(base.points * np.array([1.06, 1.12]))
-    garment = drape_template(longer, Stand(builtin_body(WEARER)), settings=DrapeSettings(template_vertices=900))
+    wearer = WearerGeometry(builtin_body(WEARER))
+    garment = drape_template(longer, wearer, settings=DrapeSettings(template_vertices=900))
     path = tmp_path_factory.mktemp("scan") / "skirt.ply"
     trimesh.Trimesh(garment.nodes, garment.faces, process=False).export(path)
     return Request(path, WEARER, settings=RecoverySettings(method="deform", vertex_count=800))

@@ -5,8 +5,9 @@ from .dress import DressSettings, dress, place, waist_loop
 from .follow import FollowSettings, Threads, follow, lay_threads
 from .motion import MotionSettings, describe_motion, drape_as_scanned
 from .sizing import measure_wearer, size_template
-from .stage import DrapeSettings, Stand, drape_graded, drape_template, redrape, waist_height
+from .stage import DrapeSettings, drape_graded, drape_template, redrape, waist_height
 from .tie import tie_contour
+from .wearer import WearerGeometry
 
 __all__ = [
     "CarrySettings",
@@ -14,9 +15,9 @@ __all__ = [
     "DressSettings",
     "FollowSettings",
     "MotionSettings",
-    "Stand",
     "Threads",
     "Way",
+    "WearerGeometry",
     "carry",
     "describe_motion",
     "drape_as_scanned",

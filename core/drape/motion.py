@@ -12,7 +12,8 @@ from ..hooks import SILENT, Hooks
 from ..pattern import Garment, mesh_pattern
 from ..segment import Target
 from ..simulate import Drape, Fabric, Spin
-from .stage import DrapeSettings, Stand, drape_graded
+from .stage import DrapeSettings, drape_graded
+from .wearer import WearerGeometry
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class MotionSettings:
 
 def drape_as_scanned(
     graded: Garment,
-    stand: Stand,
+    wearer: WearerGeometry,
     fabric: Fabric,
     target: Target,
     *,
@@ -62,7 +63,7 @@ def drape_as_scanned(
 
     Args:
         graded: The graded pattern's coarse mesh, nodes near the target.
-        stand: The wearer.
+        wearer: The wearer's geometry.
         fabric: The cloth.
         target: The scan.
         vertex_count: Vertices of the mesh.
@@ -80,13 +81,13 @@ def drape_as_scanned(
     def drape_at(spin: Spin | None, leave: Callable[[int, np.ndarray], bool] | None = None) -> tuple[Garment, Drape]:
         quiet = hooks if spin is None else hooks.quiet()
         return drape_graded(
-            graded, stand, fabric, target, mesh=mesh, spin=spin, leave=leave, settings=settings, hooks=quiet
+            graded, wearer, fabric, target, mesh=mesh, spin=spin, leave=leave, settings=settings, hooks=quiet
         )
 
     def moves(legs: int, nodes: np.ndarray) -> bool:
         if legs != motion.patience or (away := miss(mesh.at(nodes), target)) <= motion.hopeless * motion.missed:
             return False
-        found.append(find_spin(graded, stand, fabric, target, away, settings, coarse, hooks))
+        found.append(find_spin(graded, wearer, fabric, target, away, settings, coarse, hooks))
         return found[-1] is not None
 
     garment, drape = drape_at(None, moves)
@@ -94,7 +95,7 @@ def drape_as_scanned(
     if rest <= motion.missed:
         return garment, drape
     if not found:
-        found.append(find_spin(graded, stand, fabric, target, rest, settings, coarse, hooks))
+        found.append(find_spin(graded, wearer, fabric, target, rest, settings, coarse, hooks))
     if found[0] is None:
         return garment, drape
     turning, turned = drape_at(found[0])
@@ -105,7 +106,7 @@ def drape_as_scanned(
 
 def find_spin(
     graded: Garment,
-    stand: Stand,
+    wearer: WearerGeometry,
     fabric: Fabric,
     target: Target,
     rest: float,
@@ -116,9 +117,9 @@ def find_spin(
     """Find the slowest rotation that explains a scan which the drape at rest misses by a distance [m], or None."""
     mesh, found = mesh_pattern(graded.pattern, motion.vertices), []
     for rate in motion.rates:
-        spin = spin_of(stand.body, rate)
+        spin = spin_of(wearer.body, rate)
         coarse = drape_graded(
-            graded, stand, fabric, target, mesh=mesh, spin=spin, settings=settings, hooks=hooks.quiet()
+            graded, wearer, fabric, target, mesh=mesh, spin=spin, settings=settings, hooks=hooks.quiet()
         )[0]
         found.append((miss(coarse, target), spin))
     best = min(distance for distance, _ in found)

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 
 import numpy as np
 
-from ..body import Body, DistanceGrid, rest_body, skin, unskin, weights_at
+from ..body import Body, DistanceGrid, skin, unskin, weights_at
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target, find_loops, name_contours, smoothed_length
 from ..simulate import Drape, Fabric, Hold, SimulateSettings, Spin, Topology, equilibrium, push_out, soften
-from .carry import Way, take_pose
+from .carry import take_pose
 from .dress import DressSettings, dress, place, waist_loop
 from .follow import FollowSettings, Lookup, Threads, follow, lay_threads
 from .tie import tie_contour
+from .wearer import WearerGeometry
 
 PLACED = 0.1
 """Distance of placed panels from the middle plane where their contours are named [m]: deeper than the bones bend."""
@@ -46,39 +46,6 @@ class DrapeSettings:
     simulate: SimulateSettings = field(default_factory=SimulateSettings)
 
 
-@dataclass(frozen=True)
-class Stand:
-    """Hold a body with the distance grids that every drape on it needs.
-
-    Each grid takes about a second and is filled when it is first asked for.
-
-    Attributes:
-        body: The wearer.
-    """
-
-    body: Body
-
-    @cached_property
-    def rest(self) -> Body:
-        """Give the same person in the T-pose."""
-        return rest_body(self.body)
-
-    @cached_property
-    def grid(self) -> DistanceGrid:
-        """Give the distance to the wearer's own mesh in its pose."""
-        return DistanceGrid.from_mesh(self.body.vertices, self.body.faces)
-
-    @cached_property
-    def rest_grid(self) -> DistanceGrid:
-        """Give the distance to `rest`."""
-        return DistanceGrid.from_mesh(self.rest.vertices, self.rest.faces)
-
-    @cached_property
-    def way(self) -> Way:
-        """Give the frames in which the wearer takes the pose."""
-        return Way.of(self.body)
-
-
 def look_up(grid: DistanceGrid) -> Lookup:
     """Give a grid's distances and gradients as the position-based steps ask for them."""
 
@@ -100,7 +67,7 @@ def waist_height(target: Target, body: Body) -> float | None:
 
 def drape_template(
     pattern: Pattern,
-    stand: Stand,
+    wearer: WearerGeometry,
     target: Target | None = None,
     *,
     carry: bool = False,
@@ -115,7 +82,7 @@ def drape_template(
 
     Args:
         pattern: The base pattern.
-        stand: The wearer.
+        wearer: The wearer's geometry.
         target: Says where the waist sits, or None for the body's own waist.
         carry: Carry what hangs from a target's waist with the skin, too. Skinned instead, which does for a start of
             grading and takes a second less, cloth between the legs can be pinched.
@@ -128,16 +95,16 @@ def drape_template(
     garment = mesh_pattern(pattern, settings.template_vertices)
     threads = lay_threads(garment, settings.dress.follow.bending)
     hooks.progress("template", 0.1, "dressing the T-pose")
-    hung = _dress(garment, threads, stand, target, settings.dress, hooks)
+    hung = _dress(garment, threads, wearer, target, settings.dress, hooks)
     loops = len(find_loops(garment.faces))
     # The way into the pose is long, so what is lost is looked for before it.
-    if settings.dress.outline and (kept := _openings(hung, garment, stand.rest)) < loops:
+    if settings.dress.outline and (kept := _openings(hung, garment, wearer.rest)) < loops:
         # On bodies of loose parts (mannequins) a seam can be pushed along an arm: an opening then goes round nothing.
-        freed = _dress(garment, threads, stand, target, replace(settings.dress, outline=False), hooks)
-        hung = freed if _openings(freed, garment, stand.rest) > kept else hung
-    worn = _take_pose(garment, threads, hung, stand, target, carry, settings, hooks)
+        freed = _dress(garment, threads, wearer, target, replace(settings.dress, outline=False), hooks)
+        hung = freed if _openings(freed, garment, wearer.rest) > kept else hung
+    worn = _take_pose(garment, threads, hung, wearer, target, carry, settings, hooks)
     lost = settings.dress.outline and len(worn.contours) < loops
-    return name_as_placed(worn, stand.rest) if lost else worn
+    return name_as_placed(worn, wearer.rest) if lost else worn
 
 
 def _openings(nodes: np.ndarray, garment: Garment, body: Body) -> int:
@@ -146,14 +113,19 @@ def _openings(nodes: np.ndarray, garment: Garment, body: Body) -> int:
 
 
 def _dress(
-    garment: Garment, threads: Threads, stand: Stand, target: Target | None, settings: DressSettings, hooks: Hooks
+    garment: Garment,
+    threads: Threads,
+    wearer: WearerGeometry,
+    target: Target | None,
+    settings: DressSettings,
+    hooks: Hooks,
 ) -> np.ndarray:
     """Dress the T-pose, the waist where the target has it, and give the nodes [m], shape [node_count, 3]."""
     return dress(
         garment,
-        stand.rest,
-        look_up(stand.rest_grid),
-        waist_height=None if target is None else waist_height(target, stand.body),
+        wearer.rest,
+        look_up(wearer.rest_grid),
+        waist_height=None if target is None else waist_height(target, wearer.body),
         settings=settings if target is None else replace(settings, iron=False),
         hooks=hooks,
         threads=threads,
@@ -164,7 +136,7 @@ def _take_pose(
     garment: Garment,
     threads: Threads,
     nodes: np.ndarray,
-    stand: Stand,
+    wearer: WearerGeometry,
     target: Target | None,
     carry: bool,
     settings: DrapeSettings,
@@ -172,11 +144,11 @@ def _take_pose(
 ) -> Garment:
     """Carry what hangs on the T-pose (nodes [m], shape [node_count, 3]) into the wearer's pose; name its contours."""
     hooks.progress("template", 0.6, "taking the pose")
-    body = stand.body
+    body = wearer.body
     waist = waist_loop(garment)
     wanted = None if target is None else target.contour("waist")
     if waist is None or target is None or carry:
-        nodes, _ = take_pose(threads, nodes, stand.way, look_up(stand.grid), held=waist)
+        nodes, _ = take_pose(threads, nodes, wearer.way, look_up(wearer.grid), held=waist)
     else:  # skinned, it starts the grading as the T-pose left it, pinched between the legs here and there
         nodes = skin(nodes, weights_at(body, nodes, rest=True), body.transforms)
     if waist is not None and target is not None:
@@ -185,7 +157,7 @@ def _take_pose(
         nodes, _ = follow(
             threads,
             nodes,
-            look_up(stand.grid),
+            look_up(wearer.grid),
             settings.pose_steps,
             settings=settings.follow,
             gravity=9.81,
@@ -209,7 +181,7 @@ def name_as_placed(worn: Garment, rest: Body) -> Garment:
 
 def drape_graded(
     graded: Garment,
-    stand: Stand,
+    wearer: WearerGeometry,
     fabric: Fabric,
     target: Target,
     *,
@@ -224,7 +196,7 @@ def drape_graded(
 
     Args:
         graded: The graded pattern's coarse mesh, nodes near the target: where the equilibrium is looked for.
-        stand: The wearer.
+        wearer: The wearer's geometry.
         fabric: The cloth.
         target: Where its waist, if any, holds the garment's.
         vertex_count: Vertices of the mesh.
@@ -248,28 +220,28 @@ def drape_graded(
         hold = Hold(waist, points)
     hooks.progress("drape", 0.1, "settling")
     threads = lay_threads(garment, settings.follow.bending)
-    lookup = look_up(stand.grid)
+    lookup = look_up(wearer.grid)
     nodes, _ = follow(threads, nodes, lookup, settings.settle_steps, settings=settings.follow, held=waist)
     hooks.progress("drape", 0.3, "equilibrium")
     drape = equilibrium(
         Topology.from_garment(garment),
         soften(fabric),
         nodes,
-        grid=stand.grid,
+        grid=wearer.grid,
         hold=hold,
         settings=settings.simulate,
         hooks=hooks,
         spin=spin,
         leave=leave,
     )
-    nodes = push_out(drape.nodes, stand.body, garment.faces)
-    contours, _ = name_contours(nodes, garment.faces, stand.body)
+    nodes = push_out(drape.nodes, wearer.body, garment.faces)
+    contours, _ = name_contours(nodes, garment.faces, wearer.body)
     return garment.at(nodes, contours), drape
 
 
 def redrape(
     garment: Garment,
-    stand: Stand,
+    wearer: WearerGeometry,
     fabric: Fabric,
     target: Target,
     *,
@@ -284,7 +256,7 @@ def redrape(
 
     Args:
         garment: The pattern's mesh; the result is of its topology, its nodes do not matter.
-        stand: The wearer.
+        wearer: The wearer's geometry.
         fabric: The cloth.
         target: Where its waist, if any, holds the garment's.
         spin: The rotation in which the wearer turns, or None for cloth under its weight alone.
@@ -294,6 +266,6 @@ def redrape(
     Returns:
         Nodes at rest [m], shape [node_count, 3], outside the wearer's exact mesh, and the drape with its residual.
     """
-    worn = drape_template(garment.pattern, stand, target, carry=True, settings=settings, hooks=hooks)
-    draped, drape = drape_graded(worn, stand, fabric, target, mesh=garment, spin=spin, settings=settings, hooks=hooks)
+    worn = drape_template(garment.pattern, wearer, target, carry=True, settings=settings, hooks=hooks)
+    draped, drape = drape_graded(worn, wearer, fabric, target, mesh=garment, spin=spin, settings=settings, hooks=hooks)
     return draped.nodes, drape

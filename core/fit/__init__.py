@@ -1,6 +1,7 @@
 """The inverse fit: the pattern from a registered garment, by its metric and through the simulator."""
 
 from ..grade import IsometrySettings, move_pattern
+from .body_offset import estimate_body_offset, is_estimated
 from .descent import Descent, DescentProblem, InverseSettings, descend
 from .hybrid import PatternFit, fit_pattern
 from .independence import count_independent
@@ -11,7 +12,6 @@ from .losses import ChamferLoss, ContourLoss, PanelLoss, PlaneLoss, RangeLoss, R
 from .material import fit_bending, folding, nearest_fabrics, posterior, ratio_prior
 from .settings import MaterialSettings, ShapeSettings
 from .shape import ShapeFit, ShapeProblem, fit_shape, keep_seams
-from .wearer import is_estimated, raise_wearer
 
 __all__ = [
     "ChamferLoss",
@@ -34,6 +34,7 @@ __all__ = [
     "ShapeSettings",
     "count_independent",
     "descend",
+    "estimate_body_offset",
     "find_held",
     "fit_bending",
     "fit_inverse",
@@ -47,6 +48,5 @@ __all__ = [
     "move_pattern",
     "nearest_fabrics",
     "posterior",
-    "raise_wearer",
     "ratio_prior",
 ]

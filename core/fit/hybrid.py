@@ -8,19 +8,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..deform import Deformation, DeformSettings, deform
-from ..drape import Stand
+from ..drape import WearerGeometry
 from ..grade import move_pattern
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, resample
 from ..segment import Target
 from ..simulate import Fabric, FabricEstimate
+from .body_offset import estimate_body_offset, is_estimated
 from .isometry import fit_isometry
 from .locks import find_held, keep_held
 from .material import fit_bending, nearest_fabrics, posterior, refine_bending, state_density
 from .settings import MaterialSettings, ShapeSettings
 from .shape import ShapeFit, ShapeProblem, fit_shape
-from .stand import hold_waist, stand_pattern
-from .wearer import is_estimated, raise_wearer
+from .transfer import hold_waist, remesh_and_transfer
 
 if TYPE_CHECKING:
     from ..simulate import Spin
@@ -61,7 +61,7 @@ def fit_pattern(
     target: Target,
     like: Pattern,
     fabric: Fabric,
-    stand: Stand,
+    wearer: WearerGeometry,
     *,
     vertex_count: int | None = None,
     settings: ShapeSettings | None = None,
@@ -78,7 +78,7 @@ def fit_pattern(
         target: The scan's surface with named contours.
         like: The template: tells symmetry, proportions and gathered seams.
         fabric: The cloth.
-        stand: The wearer.
+        wearer: The wearer's geometry.
         vertex_count: Vertices of the recovered pattern's mesh, or None for as many as there are.
         settings: How to fit through the simulator.
         deforming: How to register again.
@@ -94,15 +94,15 @@ def fit_pattern(
     settings, material = settings or ShapeSettings(), MaterialSettings()
     warnings = []
     held = find_held(garment.pattern, like, locks)
-    isometric = fit_isometry(garment, registered, target, stand.body, like, hooks=hooks)
+    isometric = fit_isometry(garment, registered, target, wearer.body, like, hooks=hooks)
     pattern = isometric.pattern
     if held.any():
         pattern = keep_held(pattern, garment.pattern, like, held)
-    refitted = stand_pattern(pattern, vertex_count or len(registered), isometric, isometric.nodes, stand.body)
+    refitted = remesh_and_transfer(pattern, vertex_count or len(registered), isometric, isometric.nodes, wearer.body)
     graded = resample(garment, garment.nodes, refitted)
     hooks.progress("fit", 0.2, "registering again")
     again = (deforming or DeformSettings()).going_on()
-    detail = deform(refitted, target, stand.body, settings=again, hooks=hooks.quiet())
+    detail = deform(refitted, target, wearer.body, settings=again, hooks=hooks.quiet())
     registered = detail.nodes
     refitted = refitted.at(registered)
     hooks.progress("fit", 0.3, "preparing the fit through the simulator")
@@ -111,13 +111,13 @@ def fit_pattern(
         """State the fit on the registered mesh, or on a coarser one."""
         mesh = refitted
         if vertices < len(registered):
-            mesh = stand_pattern(refitted.pattern, vertices, refitted, registered, stand.body)
-        return ShapeProblem.of(mesh, like, soften(cloth), stand.grid, hold_waist(mesh), settings, held, spin)
+            mesh = remesh_and_transfer(refitted.pattern, vertices, refitted, registered, wearer.body)
+        return ShapeProblem.of(mesh, like, soften(cloth), wearer.grid, hold_waist(mesh), settings, held, spin)
 
     coarse = problem_on(material.vertices, fabric)
-    if is_estimated(stand.body):
+    if is_estimated(wearer.body):
         hooks.progress("fit", 0.3, "raising the body to where the cloth rests on it")
-        coarse = replace(coarse, grid=raise_wearer(coarse.holding_folds(), hooks))
+        coarse = replace(coarse, grid=estimate_body_offset(coarse.holding_folds(), hooks))
     bending: tuple[FabricEstimate, ...] = ()
     if "fabric" not in locks:
         found, estimate = fit_bending(coarse, material, hooks)
@@ -146,7 +146,7 @@ def fit_pattern(
         )  # fmt: skip
     if not drape.converged:
         warnings.append(f"the simulation mesh is {drape.message}")
-    simulation = push_out(drape.nodes, stand.body, recovered.faces)
+    simulation = push_out(drape.nodes, wearer.body, recovered.faces)
     return PatternFit(
         recovered,
         graded,

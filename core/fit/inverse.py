@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..drape import Stand
+from ..drape import WearerGeometry
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, resample
 from ..segment import Target
@@ -17,7 +17,7 @@ from .locks import find_held
 from .losses.range import STIFFNESSES
 from .material import nearest_fabrics, ratio_prior, state_density
 from .settings import MaterialSettings
-from .stand import hold_waist, stand_pattern
+from .transfer import hold_waist, remesh_and_transfer
 
 if TYPE_CHECKING:
     from ..simulate import Spin
@@ -53,7 +53,7 @@ def fit_inverse(
     target: Target,
     like: Pattern,
     fabric: Fabric,
-    stand: Stand,
+    wearer: WearerGeometry,
     *,
     vertex_count: int | None = None,
     settings: InverseSettings | None = None,
@@ -68,7 +68,7 @@ def fit_inverse(
         target: The scan's surface with named contours.
         like: The template: tells symmetry, which seams are gathered and which corners are to stay.
         fabric: The cloth to begin with.
-        stand: The wearer.
+        wearer: The wearer's geometry.
         vertex_count: Vertices of the recovered pattern's mesh, or None for as many as there are.
         settings: Weights and steps.
         locks: What stays as it is given: `fabric`, `panel:NAME` (and its mirror image).
@@ -83,21 +83,21 @@ def fit_inverse(
     settings = settings or InverseSettings()
     held = find_held(garment.pattern, like, locks)
     count = min(settings.vertices, len(garment.nodes))
-    coarse = stand_pattern(garment.pattern, count, garment, garment.nodes, stand.body)
+    coarse = remesh_and_transfer(garment.pattern, count, garment, garment.nodes, wearer.body)
     hold = hold_waist(coarse, target)
-    problem = DescentProblem.of(coarse, target, like, fabric, stand.grid, hold, settings, held, spin)
+    problem = DescentProblem.of(coarse, target, like, fabric, wearer.grid, hold, settings, held, spin)
     fit_fabric = "fabric" not in locks and settings.fabric_iterations > 0
     descent = descend(problem, hooks, fit_fabric)
     hooks.progress("fit", 0.9, "draping the recovered pattern")
     count = vertex_count or len(garment.nodes)
-    fine = stand_pattern(problem.pattern_of(descent.best), count, coarse, descent.best_nodes, stand.body)
+    fine = remesh_and_transfer(problem.pattern_of(descent.best), count, coarse, descent.best_nodes, wearer.body)
     found = problem.fabric_of(descent.best) if fit_fabric else fabric
     drape = equilibrium(
         Topology.from_garment(fine), found, fine.nodes,
-        grid=stand.grid, hold=hold_waist(fine, target), spin=spin, hooks=hooks,
+        grid=wearer.grid, hold=hold_waist(fine, target), spin=spin, hooks=hooks,
     )  # fmt: skip
     warnings = () if drape.converged else (f"the simulation mesh is {drape.message}",)
-    simulation = push_out(drape.nodes, stand.body, fine.faces)
+    simulation = push_out(drape.nodes, wearer.body, fine.faces)
     return InverseFit(
         garment=fine.at(simulation),
         graded=resample(garment, garment.nodes, fine),

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.drape import DrapeSettings, Stand, drape_template, place, waist_loop
+from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template, place, waist_loop
 from garmentq.core.pattern import list_templates, load_template, mesh_pattern
 
 CONTOURS = {
@@ -27,9 +27,9 @@ CONTOURS = {
 
 
 @cache
-def stand(pose: str) -> Stand:
+def wearer_in(pose: str) -> WearerGeometry:
     """Give the built-in body in a pose with its distance grids."""
-    return Stand(builtin_body(f"builtin:female,height=1.70,pose={pose}"))
+    return WearerGeometry(builtin_body(f"builtin:female,height=1.70,pose={pose}"))
 
 
 FINER = ("trousers", "sleeved_dress")
@@ -44,7 +44,7 @@ half of it. The others are nightly."""
 )
 def test_template_hangs_on_the_builtin_body(name: str, pose: str) -> None:
     """Breaks if a panel passes through the body while it is inflated, or if the pose tears the cloth."""
-    wearer = stand(pose)
+    wearer = wearer_in(pose)
     garment = drape_template(load_template(name), wearer, settings=DrapeSettings(template_vertices=700))
     assert {contour.name for contour in garment.contours} == CONTOURS[name]
     assert wearer.grid.distance(garment.nodes).min() > -1e-3
@@ -65,7 +65,7 @@ def test_every_template_is_tried_here() -> None:
 @pytest.mark.parametrize("shift", [-1.1, 0.0, 0.4])
 def test_origin_of_the_file_does_not_matter(shift: float) -> None:
     """Breaks if the height at which a garment is placed follows its file instead of the body's shoulders or waist."""
-    body = stand("T").rest
+    body = wearer_in("T").rest
     for name in ("tshirt", "skirt"):
         garment = mesh_pattern(load_template(name), 500)
         moved = garment.at(garment.nodes + np.array([0.3, shift, -0.2]))
@@ -84,5 +84,5 @@ def test_waistband_sits_where_the_body_is_as_wide(name: str, below: float) -> No
     garment = mesh_pattern(load_template(name), 500)
     waist = waist_loop(garment)
     assert waist is not None
-    nodes = place(garment, stand("T").rest)
+    nodes = place(garment, wearer_in("T").rest)
     assert nodes[waist, 1].mean() == pytest.approx(1.07 - below, abs=0.05)

@@ -7,7 +7,7 @@ import pytest
 from garmentq.core.body import builtin_body, vertex_normals
 from garmentq.core.drape import (
     DrapeSettings,
-    Stand,
+    WearerGeometry,
     drape_as_scanned,
     drape_graded,
     drape_template,
@@ -22,14 +22,14 @@ COUNT = 250
 
 @pytest.fixture(scope="module")
 def worn():
-    """A skirt flared to nearly a circle on a woman: stand, mesh and fabric."""
-    stand = Stand(builtin_body("builtin:female,height=1.70"))
+    """A skirt flared to nearly a circle on a woman: wearer, mesh and fabric."""
+    wearer = WearerGeometry(builtin_body("builtin:female,height=1.70"))
     straight = load_template("skirt")
     down = (straight.points[:, 1].max() - straight.points[:, 1]) / np.ptp(straight.points[:, 1])
     wide = straight.points * np.stack([1.0 + 1.2 * down, np.full(len(down), 0.7)], axis=1)
     flared = equalise_seams(straight.with_points(wide), like=straight)
-    skirt = drape_template(flared, stand, settings=DrapeSettings(template_vertices=COUNT))
-    return stand, skirt, get_fabric("cotton_poplin")
+    skirt = drape_template(flared, wearer, settings=DrapeSettings(template_vertices=COUNT))
+    return wearer, skirt, get_fabric("cotton_poplin")
 
 
 def as_scan(garment) -> Target:
@@ -40,21 +40,21 @@ def as_scan(garment) -> Target:
 @pytest.mark.slow
 def test_a_twirl_is_told_from_rest(worn):
     """A load that is found where there is none, or missed where the skirt stands out, breaks this: another mesh."""
-    stand, skirt, fabric = worn
-    spin = spin_of(stand.body, 12.0)
-    turning, turned = drape_graded(skirt, stand, fabric, as_scan(skirt), vertex_count=320, spin=spin)
+    wearer, skirt, fabric = worn
+    spin = spin_of(wearer.body, 12.0)
+    turning, turned = drape_graded(skirt, wearer, fabric, as_scan(skirt), vertex_count=320, spin=spin)
     assert turned.converged
-    found, drape = drape_as_scanned(skirt, stand, fabric, as_scan(turning), vertex_count=COUNT)
+    found, drape = drape_as_scanned(skirt, wearer, fabric, as_scan(turning), vertex_count=COUNT)
     assert drape.converged
     assert drape.spin is not None
     assert 8.0 <= drape.spin.rate <= 12.0
     assert miss(found, as_scan(turning)) < 0.015
-    still, calm = drape_graded(skirt, stand, fabric, as_scan(skirt), vertex_count=COUNT)
+    still, calm = drape_graded(skirt, wearer, fabric, as_scan(skirt), vertex_count=COUNT)
     assert calm.spin is None
     assert miss(still, as_scan(turning)) > 0.05
-    rest = drape_as_scanned(skirt, stand, fabric, as_scan(still), vertex_count=COUNT)[1]
+    rest = drape_as_scanned(skirt, wearer, fabric, as_scan(still), vertex_count=COUNT)[1]
     assert rest.spin is None
-    plain = drape_graded(skirt, stand, fabric, as_scan(still), vertex_count=COUNT)[1]
+    plain = drape_graded(skirt, wearer, fabric, as_scan(still), vertex_count=COUNT)[1]
     np.testing.assert_array_equal(rest.nodes, plain.nodes)
 
 

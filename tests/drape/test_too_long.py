@@ -2,7 +2,7 @@
 
 import numpy as np
 from garmentq.core.body import builtin_body
-from garmentq.core.drape import DrapeSettings, Stand, drape_template
+from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template
 from garmentq.core.pattern import load_template
 from garmentq.core.segment import name_contours
 
@@ -11,9 +11,9 @@ def test_legs_that_crumple_about_the_feet_keep_their_names() -> None:
     """Breaks if legs' ends that pile up and go round nothing lose their names: grading could not shorten them."""
     pattern = load_template("trousers")
     longer = pattern.with_points({panel.name: panel.points * [1.0, 1.15] for panel in pattern.panels})
-    stand = Stand(builtin_body("builtin:female,height=1.50"))
-    worn = drape_template(longer, stand, settings=DrapeSettings(template_vertices=450))
-    piled, _ = name_contours(worn.nodes, worn.faces, stand.body)
+    wearer = WearerGeometry(builtin_body("builtin:female,height=1.50"))
+    worn = drape_template(longer, wearer, settings=DrapeSettings(template_vertices=450))
+    piled, _ = name_contours(worn.nodes, worn.faces, wearer.body)
     assert len(piled) < 3, "the case no longer crumples: make the legs longer"
     assert [contour.name for contour in worn.contours] == ["leg.left", "leg.right", "waist"]
     left, right, waist = (worn.nodes[contour.vertices].mean(axis=0) for contour in worn.contours)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.drape import DrapeSettings, Stand, drape_graded, drape_template, redrape
+from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_graded, drape_template, redrape
 from garmentq.core.export import save_pattern
 from garmentq.core.measure import measure_distance
 from garmentq.core.pattern import Garment, equalise_seams, load_pattern, load_template
@@ -20,46 +20,46 @@ FABRIC = get_fabric("cotton_poplin")
 
 
 @pytest.fixture(scope="module")
-def stand() -> Stand:
-    return Stand(builtin_body("builtin:female,height=1.70"))
+def wearer() -> WearerGeometry:
+    return WearerGeometry(builtin_body("builtin:female,height=1.70"))
 
 
 @pytest.fixture(scope="module")
-def worn(stand: Stand) -> tuple[Garment, Target]:
+def worn(wearer: WearerGeometry) -> tuple[Garment, Target]:
     """Dress a skirt whose pattern is no template's: wider, longer, with a slanted hem."""
     template = load_template("skirt")
     points = template.points * [1.04, 1.02] + 0.02 * np.sin(3.0 * template.points[:, ::-1])
     pattern = equalise_seams(template.with_points(points), like=template)
-    garment = drape_template(pattern, stand, settings=COARSE)
+    garment = drape_template(pattern, wearer, settings=COARSE)
     normals = np.zeros_like(garment.nodes)
     return garment, Target(garment.nodes, garment.faces, normals, garment.contours, (), "skirt")
 
 
 @pytest.mark.slow
-def test_an_exported_pattern_drapes_to_the_same_shape(worn, stand: Stand, tmp_path: Path) -> None:
+def test_an_exported_pattern_drapes_to_the_same_shape(worn, wearer: WearerGeometry, tmp_path: Path) -> None:
     """Breaks if a file loses an edge's curve, a panel's place, a seam or the grain: 1 mm RMS between both drapes."""
     garment, target = worn
     save_pattern(garment.pattern, tmp_path / "pattern.json")
     read = load_pattern(tmp_path / "pattern.json")
     np.testing.assert_allclose(read.points, garment.pattern.points, atol=1e-6)
-    ours, drape = drape_graded(garment, stand, FABRIC, target, vertex_count=500, settings=COARSE)
+    ours, drape = drape_graded(garment, wearer, FABRIC, target, vertex_count=500, settings=COARSE)
     assert drape.converged
-    again, _ = drape_graded(replace(garment, pattern=read), stand, FABRIC, target, vertex_count=500, settings=COARSE)
+    again, _ = drape_graded(replace(garment, pattern=read), wearer, FABRIC, target, vertex_count=500, settings=COARSE)
     found = measure_distance(again.nodes, again.faces, ours.nodes, ours.faces, samples=2000)
     assert found["surface_rms_mm.s2t"] < 1.0
     assert found["surface_rms_mm.t2s"] < 1.0
 
 
 @pytest.mark.slow
-def test_a_pattern_is_dressed_anew_on_its_own_mesh(worn, stand: Stand) -> None:
+def test_a_pattern_is_dressed_anew_on_its_own_mesh(worn, wearer: WearerGeometry) -> None:
     """Breaks if the new drape starts from the nodes it is given, changes the mesh, or lets go of the waist."""
     garment, target = worn
     lost = garment.at(np.random.default_rng(0).normal(size=garment.nodes.shape))
-    nodes, drape = redrape(lost, stand, FABRIC, target, settings=COARSE)
+    nodes, drape = redrape(lost, wearer, FABRIC, target, settings=COARSE)
     assert nodes.shape == garment.nodes.shape
     assert drape.converged
     away = measure_distance(nodes, garment.faces, garment.nodes, garment.faces, samples=2000)
     assert away["surface_rms_mm.s2t"] < 25.0  # a drape on another mesh: other folds, the same garment
     waist = next(contour for contour in garment.contours if contour.name == "waist")
     assert np.linalg.norm(nodes[waist.vertices] - garment.nodes[waist.vertices], axis=1).max() < 0.02
-    assert stand.grid.distance(nodes).min() > -2e-3
+    assert wearer.grid.distance(nodes).min() > -2e-3

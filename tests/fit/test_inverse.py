@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body, vertex_normals
-from garmentq.core.drape import DrapeSettings, Stand, drape_template, waist_loop
+from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template, waist_loop
 from garmentq.core.errors import Cancelled
 from garmentq.core.fit import Descent, DescentProblem, InverseSettings, descend, find_held, fit_inverse, move_pattern
 from garmentq.core.fit.adam import Adam
@@ -190,9 +190,9 @@ def test_locks_are_honoured(scene: Scene) -> None:
 def test_the_whole_method_on_a_body() -> None:
     """Breaks where the recovered pattern is not draped, meshed or held, or its drape comes no nearer."""
     template = load_template("skirt")
-    stand = Stand(builtin_body("builtin:female,height=1.70"))
+    wearer = WearerGeometry(builtin_body("builtin:female,height=1.70"))
     fabric = replace(get_fabric("cotton_poplin"), friction=0.3)  # with more, 15 steps end in either of two folds
-    worn = drape_template(template, stand, settings=DrapeSettings(template_vertices=300))
+    worn = drape_template(template, wearer, settings=DrapeSettings(template_vertices=300))
     waist = waist_loop(worn)
     assert waist is not None
     longer = template.with_points(template.points * [1.0, 1.04])
@@ -200,11 +200,11 @@ def test_the_whole_method_on_a_body() -> None:
         Topology.from_garment(move_pattern(worn, longer)),
         fabric,
         worn.nodes,
-        grid=stand.grid,
+        grid=wearer.grid,
         hold=Hold(waist, worn.nodes[waist]),
     )
     normals = vertex_normals(drape.nodes, worn.faces)
-    contours = name_contours(drape.nodes, worn.faces, stand.body)[0]
+    contours = name_contours(drape.nodes, worn.faces, wearer.body)[0]
     target = Target(drape.nodes, worn.faces, normals, contours, (), "skirt")
     settings = InverseSettings(
         vertices=200,
@@ -213,7 +213,7 @@ def test_the_whole_method_on_a_body() -> None:
         contour=0.5,
         simulate=SimulateSettings(max_iterations=8),
     )
-    found = fit_inverse(worn, target, template, fabric, stand, vertex_count=300, settings=settings)
+    found = fit_inverse(worn, target, template, fabric, wearer, vertex_count=300, settings=settings)
     assert found.simulation.shape == found.graded.shape == found.garment.nodes.shape
     assert {contour.name for contour in found.garment.contours} == {"waist", "hem"}
     surface = Surface(target.vertices, target.faces)

@@ -30,7 +30,7 @@ def is_estimated(body: Body) -> bool:
     return body.source.startswith("scan:")
 
 
-def raise_wearer(problem: ShapeProblem, hooks: Hooks = SILENT) -> DistanceGrid:
+def estimate_body_offset(problem: ShapeProblem, hooks: Hooks = SILENT) -> DistanceGrid:
     """Give the distance to a body that carries the cloth at the height at which it was scanned.
 
     Under the cloth of a dressed person the body is a guess, good to a centimetre or two, and cloth hangs from where it

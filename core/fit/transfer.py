@@ -1,4 +1,4 @@
-"""Stand a meshed pattern where another mesh of it stands, and hold it there by its waist."""
+"""Mesh a pattern anew, transfer another mesh's drape to it, and hold it there by its waist."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from ..simulate import Hold
 
 
-def stand_pattern(pattern: Pattern, count: int, garment: Garment, nodes: np.ndarray, body: Body) -> Garment:
-    """Mesh a pattern anew and stand it where another mesh of it stands, contours named.
+def remesh_and_transfer(pattern: Pattern, count: int, garment: Garment, nodes: np.ndarray, body: Body) -> Garment:
+    """Mesh a pattern anew and transfer the drape of another mesh of it, contours named.
 
     Meshed anew, because triangles that are moved along with many points get thin in narrow corners.
 
@@ -24,7 +24,7 @@ def stand_pattern(pattern: Pattern, count: int, garment: Garment, nodes: np.ndar
         pattern: What to mesh; panels and seams as `garment`'s.
         count: Vertices, about.
         garment: A mesh of the same panels.
-        nodes: Where that one stands [m], shape [node_count, 3].
+        nodes: Positions of that one [m], shape [node_count, 3].
         body: The wearer, on whom the contours are named.
     """
     mesh = mesh_pattern(pattern, count)

@@ -5,28 +5,28 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.drape import DrapeSettings, Stand, drape_template
-from garmentq.core.fit import ShapeProblem, ShapeSettings, is_estimated, raise_wearer
+from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template
+from garmentq.core.fit import ShapeProblem, ShapeSettings, estimate_body_offset, is_estimated
 from garmentq.core.pattern import load_template
 from garmentq.core.simulate import Topology, equilibrium, get_fabric, soften
 
 
 def test_cloth_on_a_body_guessed_too_thin_hangs_where_it_was_scanned() -> None:
     """Breaks if the body moves the wrong way, by nodes that do not touch, or not far enough: the top then hangs low."""
-    stand = Stand(builtin_body("builtin:female,height=1.70"))
-    assert not is_estimated(stand.body)
+    wearer = WearerGeometry(builtin_body("builtin:female,height=1.70"))
+    assert not is_estimated(wearer.body)
     pattern, fabric = load_template("tank"), soften(get_fabric("cotton_poplin"))
-    worn = drape_template(pattern, stand, settings=DrapeSettings(template_vertices=400))
-    scanned = worn.at(equilibrium(Topology.from_garment(worn), fabric, worn.nodes, grid=stand.grid).nodes)
-    problem = ShapeProblem.of(scanned, pattern, fabric, stand.grid.shrunk(0.012), None, ShapeSettings())
+    worn = drape_template(pattern, wearer, settings=DrapeSettings(template_vertices=400))
+    scanned = worn.at(equilibrium(Topology.from_garment(worn), fabric, worn.nodes, grid=wearer.grid).nodes)
+    problem = ShapeProblem.of(scanned, pattern, fabric, wearer.grid.shrunk(0.012), None, ShapeSettings())
 
     def fall(drape: np.ndarray) -> float:
         return float((scanned.nodes - drape)[:, 1].mean())
 
     sunk = fall(problem.drape(pattern, scanned.nodes).nodes)
-    raised = raise_wearer(problem)
+    raised = estimate_body_offset(problem)
     hung = equilibrium(Topology.from_garment(scanned), fabric, scanned.nodes, grid=raised).nodes
     assert sunk > 5e-3 and abs(fall(hung)) < 0.3 * sunk
     # far from the cloth nothing is known, and nothing moves
-    head = stand.body.vertices[stand.body.vertices[:, 1].argmax()][None]
-    assert raised.distance(head) == pytest.approx(stand.grid.shrunk(0.012).distance(head), abs=1e-4)
+    head = wearer.body.vertices[wearer.body.vertices[:, 1].argmax()][None]
+    assert raised.distance(head) == pytest.approx(wearer.grid.shrunk(0.012).distance(head), abs=1e-4)
