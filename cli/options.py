@@ -18,6 +18,7 @@ home_option = click.option(
     help="Folder of the database, the store and the logs.  [default: ~/.local/share/garmentq]",
 )
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object a line.")
+verbose_option = click.option("--verbose", is_flag=True, help="Show every metric, check, warning and file.")
 workers_option = click.option(
     "--workers", type=click.IntRange(1, 256), help="Jobs at a time, if a worker has to be started.  [default: cores]"
 )

@@ -7,15 +7,16 @@ from pathlib import Path
 import click
 
 from . import exits
-from .options import home_option, json_option
+from .options import home_option, json_option, verbose_option
 
 
 @click.command("result")
 @click.argument("job")
 @home_option
+@verbose_option
 @json_option
 @click.pass_context
-def command(context: click.Context, job: str, home: Path | None, as_json: bool) -> None:
+def command(context: click.Context, job: str, home: Path | None, verbose: bool, as_json: bool) -> None:
     """Show what a job found.
 
     The exit status is the job's: 0 succeeded, 4 bad input, 5 failed, 6 dead, 7 cancelled; 3 where it has no result yet.
@@ -39,8 +40,9 @@ def command(context: click.Context, job: str, home: Path | None, as_json: bool) 
         kept = [{"name": file.name, "sha256": file.sha256, "size": file.size} for file in files]
         print_json({**found, "files": kept})
     elif row.state == "succeeded":
-        print_result(found, [])
-        print_table(["file", "bytes", "sha256"], [[file.name, file.size, file.sha256[:12]] for file in files])
+        print_result(found, [], verbose)
+        if verbose:
+            print_table(["file", "bytes", "sha256"], [[file.name, file.size, file.sha256[:12]] for file in files])
     if row.error_code:
         print_error(row.error_code, row.error_message or "")
     context.exit(exits.job_status(row.state, row.bad_input))

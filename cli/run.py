@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import exits
-from .options import home_option, json_option, order_options, timeout_option, workers_option
+from .options import home_option, json_option, order_options, timeout_option, verbose_option, workers_option
 
 if TYPE_CHECKING:
     from ..service.anywhere import Place
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="Folder for the result's files.")
 @workers_option
 @timeout_option
+@verbose_option
 @json_option
 @click.pass_context
 def command(
@@ -32,6 +33,7 @@ def command(
     out: Path | None,
     workers: int | None,
     timeout: float | None,
+    verbose: bool,
     as_json: bool,
     **options: Any,
 ) -> None:
@@ -72,7 +74,8 @@ def command(
     status = exits.OK
     for part, submitted in zip(parts, garments, strict=True):
         folder = out if out is None or len(parts) == 1 else out / folder_name(part["keep"][0])
-        status = max(status, wait_and_show(settings, database, submitted.job, timeout, folder, as_json, keep_up))
+        ended = wait_and_show(settings, database, submitted.job, timeout, folder, as_json, keep_up, verbose)
+        status = max(status, ended)
     context.exit(status)
 
 
@@ -89,6 +92,7 @@ def wait_and_show(
     out: Path | None,
     as_json: bool,
     keep_up: Callable[[], None] | None = None,
+    verbose: bool = False,
 ) -> int:
     """Wait for a job, bring its files out, and show what it found.
 
@@ -100,6 +104,7 @@ def wait_and_show(
         out: Folder for the files; None: below the home.
         as_json: Print one object instead of tables.
         keep_up: Called now and then, to start again what died meanwhile.
+        verbose: Print every number instead of the summary.
 
     Returns:
         Exit status.
@@ -126,7 +131,7 @@ def wait_and_show(
     if as_json:
         print_json({**found, "files": {path.name: str(path) for path in files}})
     elif files:
-        print_result(found, files)
+        print_result(found, files, verbose)
     if row.error_code:
         print_error(row.error_code, row.error_message or "")
     elif row.state == "cancelled":

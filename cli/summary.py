@@ -1,12 +1,15 @@
-"""Show what a job found."""
+"""Show what a job found: ten lines a garment, or every number of it."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from .terminal import print_table, show_time
+import click
+
+from .terminal import plain, print_table, show_time
 
 FIRST = (
     "surface_rms_mm.s2t", "surface_rms_mm.t2s", "graded.surface_rms_mm.s2t", "graded.surface_rms_mm.t2s",
@@ -15,9 +18,43 @@ FIRST = (
 )  # fmt: skip
 """Metrics that a user looks at first; the others follow by name."""
 
+OPEN_FIRST = ("report.html", "pattern.svg", "detail.ply")
+"""Result files a user opens first: pictures and verdicts, the pattern at true scale, the mesh on the scan."""
 
-def print_result(found: dict[str, Any], files: list[Path]) -> None:
-    """Print a job's result as tables, then where its files are."""
+PREFIXES = (("", "detail mesh"), ("sim.", "simulation mesh"), ("redrape.", "re-draped pattern"))
+"""Prefixes of the metrics of the delivered meshes, and what the summary calls these meshes."""
+
+
+def print_result(found: dict[str, Any], files: Sequence[Path], verbose: bool = False) -> None:
+    """Print a job's result: ten lines, or with `verbose` all metrics, gates, warnings and files as tables."""
+    if verbose:
+        print_tables(found, files)
+        return
+    click.echo(plain(f"{found['garment'] or 'result'} (job {found['job']})"))
+    for title, text in summarise(found, files):
+        click.echo(f"  {title:<10} {plain(text)}")
+
+
+def summarise(found: dict[str, Any], files: Sequence[Path]) -> Iterator[tuple[str, str]]:
+    """Yield the lines of a summary as title and text: what the garment is, how near it lies, and what to open next."""
+    metrics: Mapping[str, float | None] = found["metrics"]
+    yield "scan", f"{found['name']}; wearer: {found['body'] or 'not known'}"
+    yield "pattern", f"base pattern {found['template']}, {_describe_count(metrics, 'vertices')} vertices in each mesh"
+    yield "fabric", f"{found['fabric']}; {_describe_bending(metrics)}"
+    yield "surface", "; ".join(_describe_distances(metrics)) or "not measured"
+    yield "body", "; ".join(_describe_depths(metrics)) or "not measured"
+    yield "checks", _describe_gates(found["gates"])
+    warnings = found["warnings"]
+    more = f" (and {len(warnings) - 1} more, see --verbose)" if len(warnings) > 1 else ""
+    yield "warnings", f"{warnings[0]}{more}" if warnings else "none"
+    yield "cost", f"{found['cpu_seconds'] or 0.0:.0f} s CPU, {found['peak_mb'] or 0.0:.0f} MB"
+    names = {path.name: path for path in files}
+    chosen = [str(names[name]) for name in OPEN_FIRST if name in names] or [str(path) for path in files]
+    yield "open", ", ".join(chosen) or f"garmentq export {found['job']} --out DIR"
+
+
+def print_tables(found: dict[str, Any], files: Sequence[Path]) -> None:
+    """Print everything a job found as tables, then where its files are."""
     print_table(
         ["job", "scan", "garment", "template", "fabric", "body", "CPU s", "peak MB", "ended"],
         [
@@ -41,8 +78,48 @@ def print_result(found: dict[str, Any], files: list[Path]) -> None:
 
 
 def flatten(found: Sequence[dict[str, Any]]) -> tuple[list[str], list[list[object]]]:
-    """Give described jobs as columns and rows: one column for each metric that any of them has."""
-    plain = ("job", "name", "state", "garment", "template", "fabric", "body", "attempts", "created", "finished")
+    """Return described jobs as columns and rows: one column for each metric that any of them has."""
+    first = ("job", "name", "state", "garment", "template", "fabric", "body", "attempts", "created", "finished")
     metrics = sorted({name for item in found for name in item["metrics"]})
-    rows = [[*(item[name] for name in plain), *(item["metrics"].get(name) for name in metrics)] for item in found]
-    return [*plain, *metrics], rows
+    rows = [[*(item[name] for name in first), *(item["metrics"].get(name) for name in metrics)] for item in found]
+    return [*first, *metrics], rows
+
+
+def _describe_count(metrics: Mapping[str, float | None], name: str) -> str:
+    value = metrics.get(name)
+    return "unknown number of" if value is None else f"{value:.0f}"
+
+
+def _describe_bending(metrics: Mapping[str, float | None]) -> str:
+    """Return what is known of the bending stiffness: its value with one standard deviation, or why there is none."""
+    stiffness, std = metrics.get("fabric.k"), metrics.get("fabric.k.std")
+    if "fabric.k.identifiable" not in metrics:
+        return "its stiffness was taken as given"
+    if not metrics["fabric.k.identifiable"] or stiffness is None or std is None:
+        return "its bending stiffness is not identifiable from this scan"
+    return f"bending stiffness {stiffness:.2g} N m, within a factor of {math.exp(std):.1f}"
+
+
+def _describe_distances(metrics: Mapping[str, float | None]) -> Iterator[str]:
+    for prefix, mesh in PREFIXES:
+        ways = [metrics.get(f"{prefix}surface_rms_mm.{way}") for way in ("s2t", "t2s")]
+        if ways[0] is not None and ways[1] is not None:
+            yield f"{mesh} {ways[0]:.1f} / {ways[1]:.1f} mm" + (" (RMS to the scan / back)" if not prefix else "")
+
+
+def _describe_depths(metrics: Mapping[str, float | None]) -> Iterator[str]:
+    for prefix, mesh in PREFIXES:
+        depth = metrics.get(f"{prefix}body_penetration_mm")
+        crossed = metrics.get(f"{prefix}self_intersecting_faces")
+        if depth is not None:
+            yield f"{mesh} {depth:.1f} mm inside the body, {crossed or 0:.0f} crossing faces"
+
+
+def _describe_gates(gates: Sequence[Mapping[str, Any]]) -> str:
+    """Return how many checks passed, and the message of the worst of the others."""
+    if not gates:
+        return "none"
+    order = {"fail": 0, "warn": 1}
+    others = sorted((gate for gate in gates if gate["verdict"] in order), key=lambda gate: order[gate["verdict"]])
+    passed = f"{len(gates) - len(others)} of {len(gates)} passed"
+    return f"{passed}; {others[0]['verdict']}: {others[0]['message']}" if others else passed

@@ -152,8 +152,13 @@ def test_run_shows_and_keeps_the_result(cli, tmp_path):
         job = found["job"]
         shown = cli("run", scan, "--body", body)
         assert shown.returncode == 0 and "succeeded" in shown.stderr
-        for word in (job, "surface_rms_mm.t2s", "penetration", "metrics.txt"):
+        assert len(shown.stdout.splitlines()) == 10
+        for word in (job, "skirt", "surface", "passed", "metrics.txt"):
             assert word in shown.stdout
+        for command in (("run", scan, "--body", body), ("result", job)):
+            every = cli(*command, "--verbose").stdout
+            for word in (job, "surface_rms_mm.t2s", "penetration", "metrics.txt"):
+                assert word in every
         done = cli("run", put_file(tmp_path, "bad.ply"), "--body", body)
         assert done.returncode == 4 and "error scan.truncated" in done.stderr and "Traceback" not in done.stderr
         done = cli("run", put_file(tmp_path, "slow.ply"), "--body", body, "--timeout", "0.5")

@@ -1,0 +1,60 @@
+"""The ten lines that a user sees of a result."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from garmentq.cli.summary import print_result, summarise
+
+GATES = [
+    {"name": "a", "verdict": "pass", "value": 1.0, "limit": 2.0, "message": "fine."},
+    {"name": "b", "verdict": "warn", "value": 1.0, "limit": 2.0, "message": "nearly."},
+    {"name": "c", "verdict": "fail", "value": 3.0, "limit": 2.0, "message": "too far."},
+]
+METRICS = {
+    "vertices": 3905.0, "fabric.k": 1.6e-6, "fabric.k.std": 0.3, "fabric.k.identifiable": 1.0,
+    "surface_rms_mm.s2t": 0.94, "surface_rms_mm.t2s": 1.26, "sim.surface_rms_mm.s2t": 2.0,
+    "sim.surface_rms_mm.t2s": 2.1, "body_penetration_mm": 0.31, "self_intersecting_faces": 4.0,
+}  # fmt: skip
+
+
+def make_found(**changes) -> dict:
+    """Return a described job with everything that a summary reads."""
+    found = {
+        "job": "3685ecfd4f81", "name": "person", "garment": "skirt", "template": "four_panel_skirt",
+        "fabric": "cotton_poplin", "body": "scan:person", "metrics": METRICS, "gates": GATES,
+        "warnings": ["frayed hem.", "other."], "cpu_seconds": 71.2, "peak_mb": 640.0,
+    }  # fmt: skip
+    return found | changes
+
+
+def test_what_it_says() -> None:
+    """Breaks where a mesh is left out, the worst check is not the one shown, or a value gets a wrong name."""
+    lines = dict(summarise(make_found(), [Path("/out/pattern.svg"), Path("/out/report.html"), Path("/out/fit.json")]))
+    assert lines["surface"].startswith("detail mesh 0.9 / 1.3 mm") and "simulation mesh 2.0 / 2.1 mm" in lines["surface"]
+    assert "re-draped" not in lines["surface"]
+    assert lines["body"] == "detail mesh 0.3 mm inside the body, 4 crossing faces"
+    assert lines["checks"] == "1 of 3 passed; fail: too far."
+    assert "1.6e-06 N m, within a factor of 1.3" in lines["fabric"]
+    assert lines["warnings"] == "frayed hem. (and 1 more, see --verbose)"
+    assert lines["open"] == "/out/report.html, /out/pattern.svg"
+
+
+@pytest.mark.parametrize(
+    ("metrics", "text"),
+    [
+        ({}, "taken as given"),
+        ({"fabric.k": None, "fabric.k.std": 1.2, "fabric.k.identifiable": 0.0}, "not identifiable"),
+    ],
+)
+def test_a_fabric_that_is_not_known_gets_no_digits(metrics, text) -> None:
+    """Breaks where a stiffness is printed that the scan does not determine."""
+    assert text in dict(summarise(make_found(metrics=metrics), []))["fabric"]
+
+
+@pytest.mark.parametrize("found", [make_found(), make_found(metrics={}, gates=[], warnings=[], cpu_seconds=None)])
+def test_it_has_ten_lines(found, capsys) -> None:
+    """Breaks where a text brings line breaks along, or a result without numbers is a traceback."""
+    print_result(found | {"warnings": ["two\nlines"]}, [])
+    assert len(capsys.readouterr().out.splitlines()) == 10
