@@ -32,7 +32,8 @@ def make_found(**changes) -> dict:
 def test_what_it_says() -> None:
     """Breaks where a mesh is left out, the worst check is not the one shown, or a value gets a wrong name."""
     lines = dict(summarise(make_found(), [Path("/out/pattern.svg"), Path("/out/report.html"), Path("/out/fit.json")]))
-    assert lines["surface"].startswith("detail mesh 0.9 / 1.3 mm") and "simulation mesh 2.0 / 2.1 mm" in lines["surface"]
+    assert lines["surface"].startswith("detail mesh 0.9 / 1.3 mm")
+    assert "simulation mesh 2.0 / 2.1 mm" in lines["surface"]
     assert "re-draped" not in lines["surface"]
     assert lines["body"] == "detail mesh 0.3 mm inside the body, 4 crossing faces"
     assert lines["checks"] == "1 of 3 passed; fail: too far."
