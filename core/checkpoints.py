@@ -10,7 +10,7 @@ from .body import Body
 from .hooks import Arrays, Hooks
 from .pattern import Garment, Pattern, mesh_pattern
 from .segment import name_contours
-from .simulate import Drape, Spin
+from .simulate import Drape, SteadyRotation
 
 _BODY_ARRAYS = tuple(f.name for f in fields(Body) if f.name not in ("parameters", "source", "fit_rms"))
 
@@ -42,7 +42,7 @@ def keep_drape(hooks: Hooks, garment: Garment, drape: Drape, warnings: list[str]
             "nodes": drape.nodes,
             "anchors": drape.anchors,
             "numbers": np.array([drape.residual, drape.iterations, drape.converged, drape.energy]),
-            "spin": np.zeros(0) if drape.spin is None else np.array([drape.spin.rate, *drape.spin.centre]),
+            "spin": np.zeros(0) if drape.rotation is None else np.array([drape.rotation.rate, *drape.rotation.centre]),
             "texts": _text("\n".join([drape.outcome, drape.message, *warnings])),
         },
     )
@@ -60,7 +60,7 @@ def kept_drape(hooks: Hooks, base: Pattern, vertex_count: int, body: Body) -> tu
     contours, _ = name_contours(kept["garment"], garment.faces, body)
     residual, iterations, converged, energy = kept["numbers"]
     outcome, message, *warnings = _read(kept["texts"]).split("\n")
-    spin = [float(value) for value in kept.get("spin", ())]
+    rotation = [float(value) for value in kept.get("spin", ())]
     drape = Drape(
         nodes=kept["nodes"],
         residual=float(residual),
@@ -70,7 +70,7 @@ def kept_drape(hooks: Hooks, base: Pattern, vertex_count: int, body: Body) -> tu
         outcome=outcome,
         message=message,
         anchors=kept["anchors"],
-        spin=Spin(spin[0], (spin[1], spin[2], spin[3])) if spin else None,
+        rotation=SteadyRotation(rotation[0], (rotation[1], rotation[2], rotation[3])) if rotation else None,
     )
     return garment.at(kept["garment"], contours), drape, warnings
 

@@ -94,12 +94,12 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     fitted: PatternFit | InverseFit | None = None
     graded = garment.nodes
     # cloth in motion tells nothing of its fabric
-    locks = settings.locks if drape.spin is None else (*settings.locks, "fabric")
+    locks = settings.locks if drape.rotation is None else (*settings.locks, "fabric")
     if settings.method == "inverse":
         with clock.stage("fit", "descending through the simulator") as inner:
             fitted = fit_inverse(
                 garment, target, base, fabric, wearer,
-                vertex_count=settings.vertex_count, locks=locks, spin=drape.spin, hooks=inner,
+                vertex_count=settings.vertex_count, locks=locks, rotation=drape.rotation, hooks=inner,
             )  # fmt: skip
         fabric, garment, graded, simulation = fitted.fabric, fitted.garment, fitted.graded, fitted.simulation
         warnings += fitted.warnings
@@ -112,7 +112,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         with clock.stage("fit", "fitting the pattern through the simulator") as inner:
             found = refit(
                 garment, detail.nodes, target, base, fabric, wearer,
-                vertex_count=settings.vertex_count, deforming=preset, locks=locks, spin=drape.spin, hooks=inner,
+                vertex_count=settings.vertex_count, deforming=preset, locks=locks, rotation=drape.rotation, hooks=inner,
             )  # fmt: skip
         if isinstance(found, PatternFit):
             fitted, fabric, detail = found, found.fabric, found.detail
@@ -125,7 +125,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     if fitted is not None:
         known = measure_knowledge(fitted.estimates, getattr(fitted, "point_std", None))
         with clock.stage("redrape", "dressing the body in the recovered pattern") as inner:
-            redraped, again = redrape(garment, wearer, fabric, target, spin=drape.spin, hooks=inner)
+            redraped, again = redrape(garment, wearer, fabric, target, rotation=drape.rotation, hooks=inner)
         if not again.converged:
             warnings.append(f"the re-draped mesh is {again.message}")
         known |= {"redrape.residual": again.residual, "redrape.iterations": float(again.iterations)}
@@ -199,8 +199,8 @@ def drape_to_scan(
         garment, drape = drape_as_scanned(
             graded, wearer, fabric, target, vertex_count=settings.vertex_count, hooks=inner
         )
-    if drape.spin is not None:
-        warnings.append(describe_motion(drape.spin))
+    if drape.rotation is not None:
+        warnings.append(describe_motion(drape.rotation))
     if not drape.converged:
         warnings.append(drape.message)
     keep_drape(clock.hooks, garment, drape, warnings)
@@ -290,7 +290,7 @@ def measure(
     metrics |= measure_seams(garment.pattern)
     metrics["drape.residual"] = drape.residual
     metrics["drape.iterations"] = float(drape.iterations)
-    metrics["drape.spin_rad_s"] = 0.0 if drape.spin is None else drape.spin.rate
+    metrics["drape.spin_rad_s"] = 0.0 if drape.rotation is None else drape.rotation.rate
     metrics["body.fit_rms_mm"] = 1e3 * body.fit_rms
     return metrics
 

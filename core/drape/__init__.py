@@ -6,7 +6,7 @@ from .follow import FollowSettings, Threads, follow, lay_threads
 from .motion import MotionSettings, describe_motion, drape_as_scanned
 from .sizing import measure_wearer, size_template
 from .stage import DrapeSettings, drape_graded, drape_template, redrape, waist_height
-from .tie import tie_contour
+from .tie import pin_waist, tie_contour
 from .wearer import WearerGeometry
 
 __all__ = [
@@ -27,6 +27,7 @@ __all__ = [
     "follow",
     "lay_threads",
     "measure_wearer",
+    "pin_waist",
     "place",
     "redrape",
     "size_template",

@@ -11,7 +11,7 @@ from ..body import Body
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, mesh_pattern
 from ..segment import Target
-from ..simulate import Drape, Fabric, Spin
+from ..simulate import Drape, Fabric, SteadyRotation
 from .stage import DrapeSettings, drape_graded
 from .wearer import WearerGeometry
 
@@ -72,22 +72,24 @@ def drape_as_scanned(
         hooks: Progress and cancellation.
 
     Returns:
-        The garment with named contours, and the drape; its `spin` tells a rotation that was accepted.
+        The garment with named contours, and the drape; its `rotation` tells a rotation that was accepted.
     """
     mesh = mesh_pattern(graded.pattern, vertex_count)
     coarse = replace(motion, vertices=min(motion.vertices, vertex_count))
-    found: list[Spin | None] = []
+    found: list[SteadyRotation | None] = []
 
-    def drape_at(spin: Spin | None, leave: Callable[[int, np.ndarray], bool] | None = None) -> tuple[Garment, Drape]:
-        quiet = hooks if spin is None else hooks.quiet()
+    def drape_at(
+        rotation: SteadyRotation | None, leave: Callable[[int, np.ndarray], bool] | None = None
+    ) -> tuple[Garment, Drape]:
+        quiet = hooks if rotation is None else hooks.quiet()
         return drape_graded(
-            graded, wearer, fabric, target, mesh=mesh, spin=spin, leave=leave, settings=settings, hooks=quiet
+            graded, wearer, fabric, target, mesh=mesh, rotation=rotation, leave=leave, settings=settings, hooks=quiet
         )
 
     def moves(legs: int, nodes: np.ndarray) -> bool:
         if legs != motion.patience or (away := miss(mesh.at(nodes), target)) <= motion.hopeless * motion.missed:
             return False
-        found.append(find_spin(graded, wearer, fabric, target, away, settings, coarse, hooks))
+        found.append(find_rotation(graded, wearer, fabric, target, away, settings, coarse, hooks))
         return found[-1] is not None
 
     garment, drape = drape_at(None, moves)
@@ -95,7 +97,7 @@ def drape_as_scanned(
     if rest <= motion.missed:
         return garment, drape
     if not found:
-        found.append(find_spin(graded, wearer, fabric, target, rest, settings, coarse, hooks))
+        found.append(find_rotation(graded, wearer, fabric, target, rest, settings, coarse, hooks))
     if found[0] is None:
         return garment, drape
     turning, turned = drape_at(found[0])
@@ -104,7 +106,7 @@ def drape_as_scanned(
     return (garment, drape) if drape.outcome != "left" else drape_at(None)
 
 
-def find_spin(
+def find_rotation(
     graded: Garment,
     wearer: WearerGeometry,
     fabric: Fabric,
@@ -113,32 +115,33 @@ def find_spin(
     settings: DrapeSettings,
     motion: MotionSettings,
     hooks: Hooks,
-) -> Spin | None:
+) -> SteadyRotation | None:
     """Find the slowest rotation that explains a scan which the drape at rest misses by a distance [m], or None."""
     mesh, found = mesh_pattern(graded.pattern, motion.vertices), []
     for rate in motion.rates:
-        spin = spin_of(wearer.body, rate)
+        rotation = rotation_of(wearer.body, rate)
         coarse = drape_graded(
-            graded, wearer, fabric, target, mesh=mesh, spin=spin, settings=settings, hooks=hooks.quiet()
+            graded, wearer, fabric, target, mesh=mesh, rotation=rotation, settings=settings, hooks=hooks.quiet()
         )[0]
-        found.append((miss(coarse, target), spin))
+        found.append((miss(coarse, target), rotation))
     best = min(distance for distance, _ in found)
     if best > motion.explained * rest:
         return None
-    return next(spin for distance, spin in found if distance <= (1.0 + motion.alike) * best)
+    return next(rotation for distance, rotation in found if distance <= (1.0 + motion.alike) * best)
 
 
-def spin_of(body: Body, rate: float) -> Spin:
+def rotation_of(body: Body, rate: float) -> SteadyRotation:
     """Give the rotation of a wearer about a vertical axis through the pelvis at a rate [rad/s]."""
     x, y, z = (float(value) for value in body.joint("pelvis"))
-    return Spin(rate, (x, y, z))
+    return SteadyRotation(rate, (x, y, z))
 
 
-def describe_motion(spin: Spin) -> str:
+def describe_motion(rotation: SteadyRotation) -> str:
     """Say what it means that a drape was found in rotation."""
     return (
-        f"the cloth was in motion: at rest this pattern hangs far from the scan, turning at {spin.rate:.0f} rad/s it "
-        f"does not; the graded drape is shown so, and the fabric cannot be told from cloth in motion."
+        "the cloth was in motion: at rest this pattern hangs far from the scan, turning at "
+        f"{rotation.rate:.0f} rad/s it does not; the graded drape is shown so, and the fabric cannot be told from "
+        "cloth in motion."
     )
 
 

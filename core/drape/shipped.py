@@ -8,9 +8,10 @@ from ..body import DistanceGrid, builtin_body
 from ..pattern import list_templates, load_template, mesh_pattern
 from ..pattern.templates import DRAPED_VERTICES, LIBRARY, save_draped_template
 from ..segment import name_contours
-from ..simulate import Hold, SimulateSettings, Topology, equilibrium, get_fabric, push_out
+from ..simulate import SimulateSettings, Topology, equilibrium, get_fabric, push_out
 from .dress import dress, waist_loop
 from .stage import look_up
+from .tie import pin_waist
 
 WEARER = "builtin:female,height=1.70"
 """The body that the templates were drafted for."""
@@ -31,9 +32,9 @@ def drape_library(folder: Path) -> None:
         waist = waist_loop(garment)
         height = None if waist is None else float(garment.nodes[waist, 1].mean())
         nodes = dress(garment, body, look_up(grid), waist_height=height)
-        hold = None if waist is None else Hold(waist, nodes[waist])
         topology = Topology.from_garment(garment)
-        rest = equilibrium(topology, get_fabric(FABRIC), nodes, grid=grid, hold=hold, settings=SimulateSettings())
+        pins = pin_waist(garment.at(nodes))
+        rest = equilibrium(topology, get_fabric(FABRIC), nodes, grid=grid, pins=pins, settings=SimulateSettings())
         nodes = push_out(rest.nodes, body, garment.faces)
         contours, _ = name_contours(nodes, garment.faces, body)
         save_draped_template(garment.at(nodes, contours), folder / f"{info.name}.npz")

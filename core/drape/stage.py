@@ -11,11 +11,11 @@ from ..body import Body, DistanceGrid, skin, unskin, weights_at
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target, find_loops, name_contours, smoothed_length
-from ..simulate import Drape, Fabric, Hold, SimulateSettings, Spin, Topology, equilibrium, push_out, soften
+from ..simulate import Drape, Fabric, SimulateSettings, SteadyRotation, Topology, equilibrium, push_out, soften
 from .carry import take_pose
 from .dress import DressSettings, dress, place, waist_loop
 from .follow import FollowSettings, Lookup, Threads, follow, lay_threads
-from .tie import tie_contour
+from .tie import pin_waist, place_waist
 from .wearer import WearerGeometry
 
 PLACED = 0.1
@@ -146,14 +146,12 @@ def _take_pose(
     hooks.progress("template", 0.6, "taking the pose")
     body = wearer.body
     waist = waist_loop(garment)
-    wanted = None if target is None else target.contour("waist")
     if waist is None or target is None or carry:
         nodes, _ = take_pose(threads, nodes, wearer.way, look_up(wearer.grid), held=waist)
     else:  # skinned, it starts the grading as the T-pose left it, pinched between the legs here and there
         nodes = skin(nodes, weights_at(body, nodes, rest=True), body.transforms)
     if waist is not None and target is not None:
-        if wanted is not None:
-            nodes[waist] = tie_contour(nodes[waist], target.vertices[wanted.vertices])
+        nodes[waist] = place_waist(nodes[waist], target)
         nodes, _ = follow(
             threads,
             nodes,
@@ -187,7 +185,7 @@ def drape_graded(
     *,
     vertex_count: int = 4000,
     mesh: Garment | None = None,
-    spin: Spin | None = None,
+    rotation: SteadyRotation | None = None,
     leave: Callable[[int, np.ndarray], bool] | None = None,
     settings: DrapeSettings = DrapeSettings(),
     hooks: Hooks = SILENT,
@@ -201,7 +199,7 @@ def drape_graded(
         target: Where its waist, if any, holds the garment's.
         vertex_count: Vertices of the mesh.
         mesh: The pattern's mesh where there is one already, wherever its nodes are; `vertex_count` then says nothing.
-        spin: The rotation in which the wearer turns, or None for cloth under its weight alone.
+        rotation: The rotation in which the wearer turns, or None for cloth under its weight alone.
         leave: Asked after each leg of the equilibrium, with how many there were and the nodes, whether to leave off.
         settings: Steps.
         hooks: Progress and cancellation.
@@ -211,27 +209,24 @@ def drape_graded(
     """
     garment = mesh_pattern(graded.pattern, vertex_count) if mesh is None else mesh
     nodes = resample(graded, graded.nodes, garment)
-    waist = waist_loop(garment.at(nodes))
-    wanted = target.contour("waist")
-    hold = None
-    if waist is not None:
-        points = nodes[waist] if wanted is None else tie_contour(nodes[waist], target.vertices[wanted.vertices])
-        nodes[waist] = points
-        hold = Hold(waist, points)
+    pins = pin_waist(garment.at(nodes), target)
+    if pins is not None:
+        nodes[pins.nodes] = pins.points
     hooks.progress("drape", 0.1, "settling")
     threads = lay_threads(garment, settings.follow.bending)
     lookup = look_up(wearer.grid)
-    nodes, _ = follow(threads, nodes, lookup, settings.settle_steps, settings=settings.follow, held=waist)
+    held = None if pins is None else pins.nodes
+    nodes, _ = follow(threads, nodes, lookup, settings.settle_steps, settings=settings.follow, held=held)
     hooks.progress("drape", 0.3, "equilibrium")
     drape = equilibrium(
         Topology.from_garment(garment),
         soften(fabric),
         nodes,
         grid=wearer.grid,
-        hold=hold,
+        pins=pins,
         settings=settings.simulate,
         hooks=hooks,
-        spin=spin,
+        rotation=rotation,
         leave=leave,
     )
     nodes = push_out(drape.nodes, wearer.body, garment.faces)
@@ -245,7 +240,7 @@ def redrape(
     fabric: Fabric,
     target: Target,
     *,
-    spin: Spin | None = None,
+    rotation: SteadyRotation | None = None,
     settings: DrapeSettings = DrapeSettings(),
     hooks: Hooks = SILENT,
 ) -> tuple[np.ndarray, Drape]:
@@ -259,7 +254,7 @@ def redrape(
         wearer: The wearer's geometry.
         fabric: The cloth.
         target: Where its waist, if any, holds the garment's.
-        spin: The rotation in which the wearer turns, or None for cloth under its weight alone.
+        rotation: The rotation in which the wearer turns, or None for cloth under its weight alone.
         settings: Steps.
         hooks: Progress and cancellation.
 
@@ -267,5 +262,7 @@ def redrape(
         Nodes at rest [m], shape [node_count, 3], outside the wearer's exact mesh, and the drape with its residual.
     """
     worn = drape_template(garment.pattern, wearer, target, carry=True, settings=settings, hooks=hooks)
-    draped, drape = drape_graded(worn, wearer, fabric, target, mesh=garment, spin=spin, settings=settings, hooks=hooks)
+    draped, drape = drape_graded(
+        worn, wearer, fabric, target, mesh=garment, rotation=rotation, settings=settings, hooks=hooks
+    )
     return draped.nodes, drape

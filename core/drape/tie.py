@@ -4,6 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..pattern import Garment
+from ..segment import Target
+from ..simulate import Pins
+from .dress import waist_loop
+
 
 def tie_contour(loop: np.ndarray, curve: np.ndarray) -> np.ndarray:
     """Give each point of a closed loop its place on a closed curve [m], shape [loop_count, 3].
@@ -29,3 +34,22 @@ def tie_contour(loop: np.ndarray, curve: np.ndarray) -> np.ndarray:
             if cost < best_cost:
                 best, best_cost = points, cost
     return best
+
+
+def place_waist(points: np.ndarray, target: Target | None) -> np.ndarray:
+    """Find where a waist contour sits: on the target's waist, or where it is if the target has none.
+
+    Args:
+        points: The garment's waist in order [m], shape [n, 3].
+        target: The scan with its contours, or None.
+    """
+    waist = None if target is None else target.contour("waist")
+    if target is None or waist is None:
+        return points
+    return tie_contour(points, target.vertices[waist.vertices])
+
+
+def pin_waist(garment: Garment, target: Target | None = None) -> Pins | None:
+    """Pin what hangs from the waist where it sits (`place_waist`); None for what hangs from the shoulders."""
+    waist = waist_loop(garment)
+    return None if waist is None else Pins(waist, place_waist(garment.nodes[waist], target))

@@ -19,7 +19,7 @@ from .losses import ChamferLoss, ContourLoss, PanelLoss, RangeLoss, SeamLoss
 from .losses.range import STIFFNESSES, logarithms
 
 if TYPE_CHECKING:
-    from ..simulate import Energy, Hold, Parameters, Solver, Spin, Topology
+    from ..simulate import Energy, Parameters, Pins, Solver, SteadyRotation, Topology
 
 _LEAST = 0.05
 """Share of its area below which a flat triangle forbids a step: the simulator needs triangles that have some."""
@@ -80,11 +80,11 @@ class DescentProblem:
         solver: Analysed for it.
         fabric: The cloth at first.
         grid: Distance to the body, or None.
-        hold: What holds the cloth, or None.
+        pins: What holds the cloth, or None.
         chamfer, contour, seam, panel, material: The losses.
         settings: Their weights and the steps.
         held: Which effective coordinates are locked, shape [shape_count].
-        spin: The rotation in which the cloth rests, or None.
+        rotation: The rotation in which the cloth rests, or None.
     """
 
     garment: Garment
@@ -95,7 +95,7 @@ class DescentProblem:
     solver: Solver
     fabric: Fabric
     grid: DistanceGrid | None
-    hold: Hold | None
+    pins: Pins | None
     chamfer: ChamferLoss
     contour: ContourLoss
     seam: SeamLoss
@@ -103,7 +103,7 @@ class DescentProblem:
     material: RangeLoss
     settings: InverseSettings
     held: np.ndarray
-    spin: Spin | None
+    rotation: SteadyRotation | None
 
     @classmethod
     def of(
@@ -113,10 +113,10 @@ class DescentProblem:
         like: Pattern,
         fabric: Fabric,
         grid: DistanceGrid | None,
-        hold: Hold | None,
+        pins: Pins | None,
         settings: InverseSettings,
         held: np.ndarray | None = None,
-        spin: Spin | None = None,
+        rotation: SteadyRotation | None = None,
     ) -> DescentProblem:
         """Prepare the descent from a garment at rest towards a target."""
         from ..simulate import Parameters, Topology, make_solver
@@ -132,7 +132,7 @@ class DescentProblem:
             solver=make_solver(topology),
             fabric=fabric,
             grid=grid,
-            hold=hold,
+            pins=pins,
             chamfer=ChamferLoss.of(garment, target.vertices, target.faces, settings.curvature),
             contour=ContourLoss.of(garment, target),
             seam=SeamLoss.of(garment, like),
@@ -140,7 +140,7 @@ class DescentProblem:
             material=RangeLoss.of(fabric),
             settings=settings,
             held=np.zeros(symmetry.matrix.shape[1], dtype=bool) if held is None else held,
-            spin=spin,
+            rotation=rotation,
         )
 
     @property
@@ -175,7 +175,7 @@ class DescentProblem:
         from ..simulate import Energy
 
         energy = Energy(
-            self.topology, self.fabric, self.grid, self.hold, settings=self.settings.simulate, spin=self.spin
+            self.topology, self.fabric, self.grid, self.pins, settings=self.settings.simulate, rotation=self.rotation
         )
         return self.parameters.move(energy, variables - self.start)
 
@@ -191,12 +191,12 @@ class DescentProblem:
             energy.fabric,
             nodes,
             grid=self.grid,
-            hold=self.hold,
+            pins=self.pins,
             settings=self.settings.simulate,
             hooks=hooks,
             anchors=anchors,
             solver=self.solver,
-            spin=self.spin,
+            rotation=self.rotation,
         )
         return drape.nodes, drape.anchors
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..deform import Deformation, DeformSettings, deform
-from ..drape import WearerGeometry
+from ..drape import WearerGeometry, pin_waist
 from ..grade import move_pattern
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, resample
@@ -20,10 +20,10 @@ from .locks import find_held, keep_held
 from .material import fit_bending, nearest_fabrics, posterior, refine_bending, state_density
 from .settings import MaterialSettings, ShapeSettings
 from .shape import ShapeFit, ShapeProblem, fit_shape
-from .transfer import hold_waist, remesh_and_transfer
+from .transfer import remesh_and_transfer
 
 if TYPE_CHECKING:
-    from ..simulate import Spin
+    from ..simulate import SteadyRotation
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def fit_pattern(
     settings: ShapeSettings | None = None,
     deforming: DeformSettings | None = None,
     locks: tuple[str, ...] = (),
-    spin: Spin | None = None,
+    rotation: SteadyRotation | None = None,
     hooks: Hooks = SILENT,
 ) -> PatternFit:
     """Recover the pattern of a registered garment and drape it.
@@ -83,13 +83,13 @@ def fit_pattern(
         settings: How to fit through the simulator.
         deforming: How to register again.
         locks: What stays as it is given: `fabric`, `panel:NAME` (and its mirror image).
-        spin: The rotation in which the cloth was scanned, or None for cloth at rest.
+        rotation: The rotation in which the cloth was scanned, or None for cloth at rest.
         hooks: Progress, cancellation and checkpoints.
 
     Raises:
         LockUnknown: where a lock names no panel of the pattern.
     """
-    from ..simulate import Topology, equilibrium, hold_folds, push_out, soften
+    from ..simulate import BendingFriction, Topology, equilibrium, push_out, soften
 
     settings, material = settings or ShapeSettings(), MaterialSettings()
     warnings = []
@@ -112,7 +112,7 @@ def fit_pattern(
         mesh = refitted
         if vertices < len(registered):
             mesh = remesh_and_transfer(refitted.pattern, vertices, refitted, registered, wearer.body)
-        return ShapeProblem.of(mesh, like, soften(cloth), wearer.grid, hold_waist(mesh), settings, held, spin)
+        return ShapeProblem.of(mesh, like, soften(cloth), wearer.grid, pin_waist(mesh), settings, held, rotation)
 
     coarse = problem_on(material.vertices, fabric)
     if is_estimated(wearer.body):
@@ -141,8 +141,8 @@ def fit_pattern(
         hooks.progress("fit", 0.9, "draping the recovered pattern")
         topology = Topology.from_garment(recovered)
         drape = equilibrium(
-            topology, soften(fabric), registered, grid=problem.grid, hold=hold_waist(recovered), spin=spin,
-            hysteresis=hold_folds(topology, registered), hooks=hooks,
+            topology, soften(fabric), registered, grid=problem.grid, pins=pin_waist(recovered), rotation=rotation,
+            bending_friction=BendingFriction.at(topology, registered), hooks=hooks,
         )  # fmt: skip
     if not drape.converged:
         warnings.append(f"the simulation mesh is {drape.message}")

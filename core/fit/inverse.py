@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..drape import WearerGeometry
+from ..drape import WearerGeometry, pin_waist
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, resample
 from ..segment import Target
@@ -17,10 +17,10 @@ from .locks import find_held
 from .losses.range import STIFFNESSES
 from .material import nearest_fabrics, ratio_prior, state_density
 from .settings import MaterialSettings
-from .transfer import hold_waist, remesh_and_transfer
+from .transfer import remesh_and_transfer
 
 if TYPE_CHECKING:
-    from ..simulate import Spin
+    from ..simulate import SteadyRotation
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ def fit_inverse(
     vertex_count: int | None = None,
     settings: InverseSettings | None = None,
     locks: tuple[str, ...] = (),
-    spin: Spin | None = None,
+    rotation: SteadyRotation | None = None,
     hooks: Hooks = SILENT,
 ) -> InverseFit:
     """Recover a pattern as the thesis does: descend through the simulator from the graded pattern's drape.
@@ -72,7 +72,7 @@ def fit_inverse(
         vertex_count: Vertices of the recovered pattern's mesh, or None for as many as there are.
         settings: Weights and steps.
         locks: What stays as it is given: `fabric`, `panel:NAME` (and its mirror image).
-        spin: The rotation in which the cloth was scanned, or None for cloth at rest.
+        rotation: The rotation in which the cloth was scanned, or None for cloth at rest.
         hooks: Progress, cancellation and checkpoints.
 
     Raises:
@@ -84,8 +84,8 @@ def fit_inverse(
     held = find_held(garment.pattern, like, locks)
     count = min(settings.vertices, len(garment.nodes))
     coarse = remesh_and_transfer(garment.pattern, count, garment, garment.nodes, wearer.body)
-    hold = hold_waist(coarse, target)
-    problem = DescentProblem.of(coarse, target, like, fabric, wearer.grid, hold, settings, held, spin)
+    pins = pin_waist(coarse, target)
+    problem = DescentProblem.of(coarse, target, like, fabric, wearer.grid, pins, settings, held, rotation)
     fit_fabric = "fabric" not in locks and settings.fabric_iterations > 0
     descent = descend(problem, hooks, fit_fabric)
     hooks.progress("fit", 0.9, "draping the recovered pattern")
@@ -94,7 +94,7 @@ def fit_inverse(
     found = problem.fabric_of(descent.best) if fit_fabric else fabric
     drape = equilibrium(
         Topology.from_garment(fine), found, fine.nodes,
-        grid=wearer.grid, hold=hold_waist(fine, target), spin=spin, hooks=hooks,
+        grid=wearer.grid, pins=pin_waist(fine, target), rotation=rotation, hooks=hooks,
     )  # fmt: skip
     warnings = () if drape.converged else (f"the simulation mesh is {drape.message}",)
     simulation = push_out(drape.nodes, wearer.body, fine.faces)

@@ -28,7 +28,7 @@ from .losses import RegisteredLoss
 from .settings import ShapeSettings
 
 if TYPE_CHECKING:
-    from ..simulate import AtRest, Drape, Energy, Hold, Hysteresis, Parameters, Solver, Spin, Topology
+    from ..simulate import AtRest, BendingFriction, Drape, Energy, Parameters, Pins, Solver, SteadyRotation, Topology
 
 _DEPENDENT = 1e-6
 """Singular value, relative to the largest, below which a seam's row follows from others (a chain that closes)."""
@@ -69,13 +69,13 @@ class ShapeProblem:
         solver: Analysed for it.
         fabric: The cloth.
         grid: Distance to the body, or None.
-        hold: What holds the cloth where the target has it, or None.
+        pins: What holds the cloth where the target has it, or None.
         loss: The misfit.
         settings: How.
         precision: Inverse covariance of the parameters around the first ones [1/m2; 1 for ln k], shape [p, p].
         held: Which effective coordinates are locked, shape [p]; None where none is.
-        spin: The rotation in which the cloth rests, or None.
-        hysteresis: The internal friction that holds the target's folds, or None.
+        rotation: The rotation in which the cloth rests, or None.
+        bending_friction: The internal friction that holds the target's folds, or None.
         bending: Standard deviation of ln k around the fabric's where k is fitted, too; None where it stays.
     """
 
@@ -87,13 +87,13 @@ class ShapeProblem:
     solver: Solver
     fabric: Fabric
     grid: DistanceGrid | None
-    hold: Hold | None
+    pins: Pins | None
     loss: RegisteredLoss
     settings: ShapeSettings
     precision: np.ndarray
     held: np.ndarray | None = None
-    spin: Spin | None = None
-    hysteresis: Hysteresis | None = None
+    rotation: SteadyRotation | None = None
+    bending_friction: BendingFriction | None = None
     bending: float | None = None
 
     @classmethod
@@ -103,10 +103,10 @@ class ShapeProblem:
         like: Pattern,
         fabric: Fabric,
         grid: DistanceGrid | None,
-        hold: Hold | None,
+        pins: Pins | None,
         settings: ShapeSettings,
         held: np.ndarray | None = None,
-        spin: Spin | None = None,
+        rotation: SteadyRotation | None = None,
     ) -> ShapeProblem:
         """Prepare the fit of a garment that stands on the target, contours named."""
         from ..simulate import Parameters, Topology, make_solver
@@ -122,19 +122,19 @@ class ShapeProblem:
             solver=make_solver(topology),
             fabric=fabric,
             grid=grid,
-            hold=hold,
+            pins=pins,
             loss=RegisteredLoss.of(garment, settings.slide),
             settings=settings,
             precision=_precision(garment.pattern, like, symmetry, settings),
             held=held,
-            spin=spin,
+            rotation=rotation,
         )
 
     def holding_folds(self) -> ShapeProblem:
         """Give the same with the internal friction that holds the target's folds."""
-        from ..simulate import hold_folds
+        from ..simulate import BendingFriction
 
-        return replace(self, hysteresis=hold_folds(self.topology, self.garment.nodes))
+        return replace(self, bending_friction=BendingFriction.at(self.topology, self.garment.nodes))
 
     def fitting_bending(self, std: float) -> ShapeProblem:
         """Give the same with k fitted, too: ln k is believed to lie within `std` of the fabric's."""
@@ -159,8 +159,8 @@ class ShapeProblem:
         from ..simulate import Energy
 
         energy = Energy(
-            self.topology, self.fabric, self.grid, self.hold,
-            settings=self.settings.simulate, spin=self.spin, hysteresis=self.hysteresis,
+            self.topology, self.fabric, self.grid, self.pins,
+            settings=self.settings.simulate, rotation=self.rotation, bending_friction=self.bending_friction,
         )  # fmt: skip
         return self.parameters.move(energy, self.away(pattern, fabric or self.fabric))
 
@@ -174,13 +174,13 @@ class ShapeProblem:
             energy.fabric,
             nodes,
             grid=self.grid,
-            hold=self.hold,
+            pins=self.pins,
             settings=self.settings.simulate,
             hooks=hooks,
             anchors=self.garment.nodes,
             solver=self.solver,
-            spin=self.spin,
-            hysteresis=self.hysteresis,
+            rotation=self.rotation,
+            bending_friction=self.bending_friction,
         )
 
     def linearise(self, pattern: Pattern, drape: Drape, fabric: Fabric | None = None) -> tuple[np.ndarray, np.ndarray]:

@@ -1,18 +1,12 @@
-"""Mesh a pattern anew, transfer another mesh's drape to it, and hold it there by its waist."""
+"""Mesh a pattern anew and transfer another mesh's drape to it."""
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..body import Body
-from ..drape import tie_contour, waist_loop
 from ..pattern import Garment, Pattern, mesh_pattern, resample
-from ..segment import Target, name_contours
-
-if TYPE_CHECKING:
-    from ..simulate import Hold
+from ..segment import name_contours
 
 
 def remesh_and_transfer(pattern: Pattern, count: int, garment: Garment, nodes: np.ndarray, body: Body) -> Garment:
@@ -30,16 +24,3 @@ def remesh_and_transfer(pattern: Pattern, count: int, garment: Garment, nodes: n
     mesh = mesh_pattern(pattern, count)
     placed = resample(garment, nodes, mesh)
     return mesh.at(placed, name_contours(placed, mesh.faces, body)[0])
-
-
-def hold_waist(garment: Garment, target: Target | None = None) -> Hold | None:
-    """Hold what hangs from the waist where it is, or by a target's waist; None for what hangs from the shoulders."""
-    from ..simulate import Hold
-
-    waist = waist_loop(garment)
-    if waist is None:
-        return None
-    points, wanted = garment.nodes[waist], None if target is None else target.contour("waist")
-    if target is not None and wanted is not None:
-        points = tie_contour(points, target.vertices[wanted.vertices])
-    return Hold(waist, points)

@@ -11,16 +11,16 @@ from .locking import soften
 from .settings import GRAVITY, SimulateSettings, SimulateSettingsBad
 
 if TYPE_CHECKING:
+    from .bending_friction import BendingFriction
     from .derivative import AtRest, Derivative, Implicit, Response, linearise_at, with_friction_frozen
     from .dynamics import State, settle
-    from .energy import Energy, Inertia, Spin
+    from .energy import Energy, Inertia, SteadyRotation
     from .friction import Friction
-    from .hold import Hold, HoldBad
-    from .hysteresis import Hysteresis, hold_folds
     from .linearised import Linearised
     from .newton import factor_blend
     from .parameters import Parameters, list_gathers, map_rest, stretch_edge
     from .penetration import push_out
+    from .pins import Pins, PinsBad
     from .rest import NotAtRest
     from .sensitivity import FABRIC, Sensitivity, fabric_forces, pull_forces, push_forces
     from .solver import Solver, SuperLU, make_solver
@@ -31,14 +31,12 @@ if TYPE_CHECKING:
 
 _LAZY = {
     "AtRest": "derivative",
+    "BendingFriction": "bending_friction",
     "Derivative": "derivative",
     "Drape": "statics",
     "Energy": "energy",
     "FABRIC": "sensitivity",
     "Friction": "friction",
-    "Hold": "hold",
-    "HoldBad": "hold",
-    "Hysteresis": "hysteresis",
     "Implicit": "derivative",
     "InMotion": "steps",
     "Inertia": "energy",
@@ -46,11 +44,13 @@ _LAZY = {
     "NodesBad": "statics",
     "NotAtRest": "rest",
     "Parameters": "parameters",
+    "Pins": "pins",
+    "PinsBad": "pins",
     "Response": "derivative",
     "Sensitivity": "sensitivity",
     "Solver": "solver",
-    "Spin": "energy",
     "State": "dynamics",
+    "SteadyRotation": "energy",
     "SuperLU": "solver",
     "Topology": "topology",
     "TopologyBad": "topology",
@@ -58,7 +58,6 @@ _LAZY = {
     "equilibrium": "statics",
     "fabric_forces": "sensitivity",
     "factor_blend": "newton",
-    "hold_folds": "hysteresis",
     "linearise_at": "derivative",
     "list_gathers": "parameters",
     "make_solver": "solver",
@@ -76,6 +75,7 @@ __all__ = [
     "FABRIC",
     "GRAVITY",
     "AtRest",
+    "BendingFriction",
     "Derivative",
     "Drape",
     "Energy",
@@ -83,9 +83,6 @@ __all__ = [
     "FabricEstimate",
     "FabricUnknown",
     "Friction",
-    "Hold",
-    "HoldBad",
-    "Hysteresis",
     "Implicit",
     "InMotion",
     "Inertia",
@@ -93,13 +90,15 @@ __all__ = [
     "NodesBad",
     "NotAtRest",
     "Parameters",
+    "Pins",
+    "PinsBad",
     "Response",
     "Sensitivity",
     "SimulateSettings",
     "SimulateSettingsBad",
     "Solver",
-    "Spin",
     "State",
+    "SteadyRotation",
     "SuperLU",
     "Topology",
     "TopologyBad",
@@ -108,7 +107,6 @@ __all__ = [
     "fabric_forces",
     "factor_blend",
     "get_fabric",
-    "hold_folds",
     "linearise_at",
     "list_gathers",
     "load_fabrics",

@@ -21,7 +21,7 @@ def bending(x, hinges, scale, rest, k, angles, moments, slip, order, exact, slot
     On a regular mesh a cylinder of curvature kappa costs k kappa^2 / 4 per area: the flexural rigidity is B = k / 2. A
     mesh whose diagonals all point one way couples bending with twist and lets a narrow strip show 0.8 of it.
 
-    With `moments` above zero the friction of `Hysteresis` about `angles` comes on top, which is convex in theta.
+    With `moments` above zero the friction of `BendingFriction` about `angles` comes on top, which is convex in theta.
 
     **Deviation**: eq. 3.4 is a force; it is used as the gradient of the energy above, which it is for theta0 = 0 and
     rest lengths and areas in c, so that the Hessian is exact and symmetric. The PSD form keeps d2E grad grad^T.

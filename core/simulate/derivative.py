@@ -64,7 +64,7 @@ class Implicit:
             NotAtRest: where the force left stays above the tolerance.
         """
         solver = solver or make_solver(energy.topology)
-        return come_to_rest(energy, place_held(energy, nodes), solver, self.tolerance, self.max_iterations)
+        return come_to_rest(energy, place_pinned(energy, nodes), solver, self.tolerance, self.max_iterations)
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class AtRest:
         weights = adjoint(self.energy, self.solver, upstream)
         rest, fabric = pull_forces(self.energy, self.nodes, weights)
         return Sensitivity(
-            -rest, -fabric, pull_hold(self.energy, self.blocks, weights, upstream), np.zeros_like(weights)
+            -rest, -fabric, pull_pins(self.energy, self.blocks, weights, upstream), np.zeros_like(weights)
         )
 
     def push(self, rest_rates: np.ndarray | None = None, fabric_rates: np.ndarray | None = None) -> np.ndarray:
@@ -155,26 +155,26 @@ def adjoint(energy: Energy, solver: Solver, upstream: np.ndarray) -> np.ndarray:
     return np.asarray(solver.solve(right.ravel())).reshape(-1, 3)
 
 
-def place_held(energy: Energy, nodes: np.ndarray) -> np.ndarray:
+def place_pinned(energy: Energy, nodes: np.ndarray) -> np.ndarray:
     """Put fixed nodes where they are held; give a copy of nodes [m], shape [node_count, 3]."""
     nodes = np.array(nodes, dtype=np.float64)
-    if energy.hold is not None and energy.hold.stiffness is None:
-        nodes[energy.hold.nodes] = energy.hold.points
+    if energy.pins is not None and energy.pins.stiffness is None:
+        nodes[energy.pins.nodes] = energy.pins.points
     return nodes
 
 
-def pull_hold(energy: Energy, blocks: np.ndarray, weights: np.ndarray, upstream: np.ndarray) -> np.ndarray:
+def pull_pins(energy: Energy, blocks: np.ndarray, weights: np.ndarray, upstream: np.ndarray) -> np.ndarray:
     """Give the derivative by the held points [1/m], shape [held_count, 3].
 
     Fixed: dL/dx_h - K_hf lambda_f, for x_h is the point itself. On springs: stiffness lambda_h.
     """
-    hold = energy.hold
-    if hold is None:
+    pins = energy.pins
+    if pins is None:
         return np.zeros((0, 3))
-    if hold.stiffness is not None:
-        return hold.stiffness * np.array(hold.directions) * weights[hold.nodes]
+    if pins.stiffness is not None:
+        return pins.stiffness * np.array(pins.directions) * weights[pins.nodes]
     data = energy.topology.assemble(blocks, np.zeros(len(weights), dtype=bool))
-    return upstream[hold.nodes] - (matrix_of(energy.topology, data) @ weights.ravel()).reshape(-1, 3)[hold.nodes]
+    return upstream[pins.nodes] - (matrix_of(energy.topology, data) @ weights.ravel()).reshape(-1, 3)[pins.nodes]
 
 
 def matrix_of(topology: Topology, data: np.ndarray) -> csr_matrix:

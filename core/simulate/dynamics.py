@@ -10,8 +10,8 @@ from ..body import DistanceGrid
 from .energy import Energy, Inertia
 from .fabric import Fabric
 from .friction import Friction
-from .hold import Hold
 from .newton import newton_step
+from .pins import Pins
 from .settings import GRAVITY, SimulateSettings
 from .solver import Solver, make_solver
 from .topology import Topology
@@ -39,7 +39,7 @@ def settle(
     velocities: np.ndarray | None = None,
     *,
     grid: DistanceGrid | None = None,
-    hold: Hold | None = None,
+    pins: Pins | None = None,
     gravity: bool | tuple[float, float, float] = True,
     steps: int = 20,
     dt: float = 0.05,
@@ -58,13 +58,13 @@ def settle(
     velocities = np.zeros_like(nodes) if velocities is None else np.asarray(velocities, dtype=np.float64)
     anchors = nodes.copy() if anchors is None else anchors
     solver = solver or make_solver(topology)
-    base = Energy(topology, fabric, grid, hold, pull, settings)
+    base = Energy(topology, fabric, grid, pins, pull, settings)
     for _ in range(steps):
         start = nodes
         friction = lag_friction(base, nodes, anchors)
         inertia = Inertia(nodes + settings.damping * dt * velocities, 1.0 / dt**2)
         energy = replace(base, friction=friction, inertia=inertia)
-        nodes = bring_to_hold(nodes, hold, settings.max_step)
+        nodes = move_pins(nodes, pins, settings.max_step)
         for _ in range(settings.newton_per_step):
             step = newton_step(energy, solver, nodes)
             nodes = step.nodes
@@ -83,12 +83,12 @@ def lag_friction(energy: Energy, nodes: np.ndarray, anchors: np.ndarray) -> Fric
     return Friction(anchors, normals, energy.fabric.friction * force, energy.settings.slip)
 
 
-def bring_to_hold(nodes: np.ndarray, hold: Hold | None, max_step: float) -> np.ndarray:
+def move_pins(nodes: np.ndarray, pins: Pins | None, max_step: float) -> np.ndarray:
     """Move fixed nodes towards where they are held, at most `max_step` [m]."""
-    if hold is None or hold.stiffness is not None:
+    if pins is None or pins.stiffness is not None:
         return nodes
     nodes = nodes.copy()
-    way = np.asarray(hold.points) - nodes[hold.nodes]
+    way = np.asarray(pins.points) - nodes[pins.nodes]
     length = np.linalg.norm(way, axis=1, keepdims=True)
-    nodes[hold.nodes] += way * np.minimum(1.0, max_step / np.maximum(length, 1e-300))
+    nodes[pins.nodes] += way * np.minimum(1.0, max_step / np.maximum(length, 1e-300))
     return nodes

@@ -8,12 +8,12 @@ import numpy as np
 
 from ..body import DistanceGrid
 from .bending import bending
+from .bending_friction import BendingFriction, friction_state
 from .contact import contact
 from .fabric import Fabric
 from .friction import Friction, friction
-from .hold import Hold
-from .hysteresis import Hysteresis, list_grip
 from .membrane import foresee_stress, membrane
+from .pins import Pins
 from .settings import GRAVITY, SimulateSettings
 from .topology import Topology
 
@@ -40,7 +40,7 @@ class Inertia:
 
 
 @dataclass(frozen=True)
-class Spin:
+class SteadyRotation:
     """Let the cloth turn with its wearer about a vertical axis: in that frame each mass is drawn outwards by omega^2 r.
 
     Attributes:
@@ -60,25 +60,25 @@ class Energy:
         topology: The mesh.
         fabric: What it is made of.
         grid: Signed distance to the body, or None.
-        hold: Held nodes, or None.
+        pins: Pinned nodes, or None.
         gravity: Acceleration [m/s2], shape [3].
         settings: Contact parameters.
         friction: Lagged friction, or None.
         inertia: For an implicit time step, or None.
-        spin: For cloth in steady rotation, or None.
-        hysteresis: Internal friction of bending, or None.
+        rotation: For cloth in steady rotation, or None.
+        bending_friction: Internal friction of bending, or None.
     """
 
     topology: Topology
     fabric: Fabric
     grid: DistanceGrid | None = None
-    hold: Hold | None = None
+    pins: Pins | None = None
     gravity: tuple[float, float, float] = GRAVITY
     settings: SimulateSettings = field(default_factory=SimulateSettings)
     friction: Friction | None = None
     inertia: Inertia | None = None
-    spin: Spin | None = None
-    hysteresis: Hysteresis | None = None
+    rotation: SteadyRotation | None = None
+    bending_friction: BendingFriction | None = None
 
     @property
     def masses(self) -> np.ndarray:
@@ -94,8 +94,8 @@ class Energy:
     def fixed(self) -> np.ndarray:
         """Tell which nodes are fixed, shape [node_count]."""
         fixed = np.zeros(self.topology.node_count, dtype=bool)
-        if self.hold is not None and self.hold.stiffness is None:
-            fixed[self.hold.nodes] = True
+        if self.pins is not None and self.pins.stiffness is None:
+            fixed[self.pins.nodes] = True
         return fixed
 
     def value(self, nodes: np.ndarray) -> float:
@@ -136,8 +136,8 @@ class Energy:
         frame that turns.
         """
         found = np.tile(np.asarray(self.gravity, dtype=np.float64), (len(nodes), 1))
-        if self.spin is not None:
-            found += self.spin.rate**2 * _LEVEL * (nodes - np.asarray(self.spin.centre))
+        if self.rotation is not None:
+            found += self.rotation.rate**2 * _LEVEL * (nodes - np.asarray(self.rotation.centre))
         return found
 
     def touch(self, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -197,7 +197,7 @@ class Energy:
             topology.hinge_scale,
             topology.hinge_rest,
             fabric.k,
-            *list_grip(topology, self.hysteresis),
+            *friction_state(topology, self.bending_friction),
             order,
             exact,
             topology.hinge_slots,
@@ -221,11 +221,11 @@ class Energy:
         energy = -float(masses @ (nodes @ gravity))
         gradient -= masses[:, None] * self.accelerate(nodes)
         diagonal = self.topology.diagonal
-        if self.spin is not None:
-            outward = _LEVEL * (nodes - np.asarray(self.spin.centre))
-            energy -= 0.5 * self.spin.rate**2 * float(masses @ (outward**2).sum(1))
+        if self.rotation is not None:
+            outward = _LEVEL * (nodes - np.asarray(self.rotation.centre))
+            energy -= 0.5 * self.rotation.rate**2 * float(masses @ (outward**2).sum(1))
             if order == 2 and exact:
-                blocks[diagonal] -= self.spin.rate**2 * masses[:, None, None] * np.diag(_LEVEL)
+                blocks[diagonal] -= self.rotation.rate**2 * masses[:, None, None] * np.diag(_LEVEL)
         if self.inertia is not None:
             stiffness = (self.inertia.weight * masses)[:, None]
             away = nodes - self.inertia.target
@@ -233,9 +233,9 @@ class Energy:
             gradient += stiffness * away
             if order == 2:
                 blocks[diagonal] += stiffness[:, :, None] * np.eye(3)
-        if self.hold is not None and self.hold.stiffness is not None:
-            held, weights = self.hold.nodes, self.hold.stiffness * np.array(self.hold.directions)
-            away = nodes[held] - self.hold.points
+        if self.pins is not None and self.pins.stiffness is not None:
+            held, weights = self.pins.nodes, self.pins.stiffness * np.array(self.pins.directions)
+            away = nodes[held] - self.pins.points
             energy += 0.5 * float((weights * away**2).sum())
             np.add.at(gradient, held, weights * away)
             if order == 2:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import torch
 
+from .bending_friction import friction_state
 from .energy import Energy
-from .hysteresis import list_grip
 
 Pulled = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -89,7 +89,7 @@ def _positive_part(a, b, c):  # type: ignore[no-untyped-def]
 
 
 def _bending(energy, x, rest, areas, k, one, other):  # type: ignore[no-untyped-def]
-    """E'' (grad theta . one)(grad theta . other) for each hinge; see `bending` and `Hysteresis`."""
+    """E'' (grad theta . one)(grad theta . other) for each hinge; see `bending` and `BendingFriction`."""
     topology = energy.topology
     sides, corners = torch.from_numpy(topology.hinge_faces), torch.from_numpy(topology.hinge_corners)
     flat = [rest[sides[:, s], (corners[:, s] + 1) % 3] - rest[sides[:, s], corners[:, s]] for s in (0, 1)]
@@ -103,7 +103,7 @@ def _bending(energy, x, rest, areas, k, one, other):  # type: ignore[no-untyped-
     turn = torch.atan2(-length * (n1 * q).sum(1), (n1 * n2).sum(1))
     angle = 0.5 * (turn - torch.from_numpy(topology.hinge_rest))
     second = 0.5 * k * scale * torch.cos(angle).abs()
-    angles, moments, slip = list_grip(topology, energy.hysteresis)
+    angles, moments, slip = friction_state(topology, energy.bending_friction)
     away = turn - torch.from_numpy(angles)
     away = away - 2.0 * np.pi * torch.round(away.detach() / (2.0 * np.pi))
     second = second + torch.from_numpy(moments) * slip**2 / (away**2 + slip**2) ** 1.5

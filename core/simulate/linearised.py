@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .derivative import NotAtRest, adjoint, matrix_of, place_held
+from .derivative import NotAtRest, adjoint, matrix_of, place_pinned
 from .energy import Energy
 from .sensitivity import Sensitivity, pull_forces
 from .solver import Solver
@@ -37,7 +37,7 @@ class Linearised(TimeSteps):
     """
 
     def _advance(self, step: Energy, nodes: np.ndarray, solver: Solver) -> np.ndarray:
-        placed = place_held(step, nodes)
+        placed = place_pinned(step, nodes)
         _, gradient = _factor(step, placed, solver)
         return placed - adjoint(step, solver, gradient)
 
@@ -47,7 +47,7 @@ class Linearised(TimeSteps):
         """See `TimeSteps`; what comes to fixed nodes goes to the points at which they are held."""
         from .hessian_form import pull_form
 
-        placed, hold = place_held(step, start), step.hold
+        placed, pins = place_pinned(step, start), step.pins
         exact, _ = _factor(step, placed, solver)
         weights = adjoint(step, solver, bar)
         if exact:
@@ -56,10 +56,10 @@ class Linearised(TimeSteps):
             by_nodes, by_rest, by_fabric = pull_form(step, placed, weights, end - placed)[1]
         rest, fabric = pull_forces(step, placed, weights)
         back, held = bar - _turn(step, placed, weights) - by_nodes, np.zeros((0, 3))
-        if hold is not None and hold.stiffness is not None:
-            held = hold.stiffness * np.array(hold.directions) * weights[hold.nodes]
-        elif hold is not None:
-            held, back[hold.nodes] = back[hold.nodes].copy(), 0.0
+        if pins is not None and pins.stiffness is not None:
+            held = pins.stiffness * np.array(pins.directions) * weights[pins.nodes]
+        elif pins is not None:
+            held, back[pins.nodes] = back[pins.nodes].copy(), 0.0
         return weights, Sensitivity(-rest - by_rest, -fabric - by_fabric, held, back)
 
 

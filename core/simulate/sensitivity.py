@@ -8,9 +8,9 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from .bending import bending
+from .bending_friction import friction_state
 from .energy import NO_STRESS, Energy
 from .fabric import Fabric
-from .hysteresis import list_grip
 from .membrane import membrane
 from .topology import Topology
 
@@ -25,13 +25,13 @@ class Sensitivity:
     Attributes:
         rest: By the corners of the flat rest triangles [1/m], shape [face_count, 3, 2].
         fabric: By `FABRIC`, in the inverse of their units, shape [6].
-        hold: By the points at which nodes are held [1/m], shape [held_count, 3].
+        pins: By the points at which nodes are held [1/m], shape [held_count, 3].
         start: By the positions one starts from [1/m], shape [node_count, 3]; zero at an equilibrium.
     """
 
     rest: np.ndarray
     fabric: np.ndarray
-    hold: np.ndarray
+    pins: np.ndarray
     start: np.ndarray
 
 
@@ -130,7 +130,7 @@ def fabric_forces(energy: Energy, nodes: np.ndarray) -> np.ndarray:
                  topology.face_slots, gradient, none)  # fmt: skip
         found[:, :, n] = gradient
     gradient = np.zeros_like(nodes)
-    bending(nodes, topology.hinges, topology.hinge_scale, topology.hinge_rest, 1.0, *list_grip(topology), 1, True,
+    bending(nodes, topology.hinges, topology.hinge_scale, topology.hinge_rest, 1.0, *friction_state(topology), 1, True,
             topology.hinge_slots, gradient, none)  # fmt: skip
     found[:, :, 4] = gradient
     found[:, :, 5] = _acceleration(energy, nodes) * topology.node_areas[:, None]
@@ -159,7 +159,7 @@ def _unit_folds(energy: Energy, nodes: np.ndarray) -> np.ndarray:
     apart = np.ascontiguousarray(nodes[topology.hinges].reshape(-1, 3))
     gradient = np.zeros_like(apart)
     own = np.arange(4 * count).reshape(count, 4)
-    bending(apart, own, np.ones(count), topology.hinge_rest, 1.0, *list_grip(topology), 1, True,
+    bending(apart, own, np.ones(count), topology.hinge_rest, 1.0, *friction_state(topology), 1, True,
             topology.hinge_slots, gradient, np.zeros((0, 3, 3)))  # fmt: skip
     return gradient.reshape(count, 4, 3)
 

@@ -11,12 +11,12 @@ import numpy as np
 from ..body import DistanceGrid
 from ..errors import BadInput
 from ..hooks import SILENT, Hooks
-from .dynamics import bring_to_hold, lag_friction
-from .energy import Energy, Spin
+from .bending_friction import BendingFriction
+from .dynamics import lag_friction, move_pins
+from .energy import Energy, SteadyRotation
 from .fabric import Fabric
-from .hold import Hold
-from .hysteresis import Hysteresis
 from .newton import factor_blend, relative_residual
+from .pins import Pins
 from .quasi_newton import descend
 from .settings import GRAVITY, SimulateSettings
 from .solver import Solver, make_solver
@@ -62,7 +62,7 @@ class Drape:
         outcome: Key of `MESSAGES`.
         message: What that means and what to do.
         anchors: Where friction holds each node [m], shape [node_count, 3].
-        spin: The rotation in which it rests, or None for cloth at rest under its weight alone.
+        rotation: The rotation in which it rests, or None for cloth at rest under its weight alone.
     """
 
     nodes: np.ndarray
@@ -73,7 +73,7 @@ class Drape:
     outcome: str
     message: str
     anchors: np.ndarray
-    spin: Spin | None = None
+    rotation: SteadyRotation | None = None
 
 
 def equilibrium(
@@ -82,23 +82,23 @@ def equilibrium(
     nodes: np.ndarray,
     *,
     grid: DistanceGrid | None = None,
-    hold: Hold | None = None,
+    pins: Pins | None = None,
     gravity: tuple[float, float, float] = GRAVITY,
     settings: SimulateSettings = SimulateSettings(),  # noqa: B008 - frozen
     hooks: Hooks = SILENT,
     anchors: np.ndarray | None = None,
     solver: Solver | None = None,
-    spin: Spin | None = None,
+    rotation: SteadyRotation | None = None,
     leave: Callable[[int, np.ndarray], bool] | None = None,
-    hysteresis: Hysteresis | None = None,
+    bending_friction: BendingFriction | None = None,
 ) -> Drape:
     """Find positions at which no force is left on any node, from nodes [m], shape [node_count, 3].
 
     Descent on E in legs: factor the PSD Hessian, then a few quasi-Newton steps from it (`descend`). Friction's normal
     forces are taken anew before each leg, so that at rest they are those of where the cloth rests; only where that
     makes the cloth creep on by less than `_SETTLED` a leg, or where the two chase each other for `_CHASE` legs, are
-    they left as they are. With `hysteresis` (`hold_folds`) folds stay where they are until more than the yarns'
-    friction bends them. `leave` is asked after each leg, with how many there were and the nodes, whether to leave off.
+    they left as they are. With `bending_friction` folds stay where they are until more than the yarns' friction
+    bends them. `leave` is asked after each leg, with how many there were and the nodes, whether to leave off.
 
     **Deviation** from numerics 1 (Newton with the exact Hessian): see `docs/adr`, "Descend by quasi-Newton steps".
 
@@ -110,12 +110,14 @@ def equilibrium(
         raise NodesBad()
     anchors = nodes.copy() if anchors is None else anchors
     solver = solver or make_solver(topology)
-    energy = Energy(topology, fabric, grid, hold, gravity, settings, spin=spin, hysteresis=hysteresis)
+    energy = Energy(
+        topology, fabric, grid, pins, gravity, settings, rotation=rotation, bending_friction=bending_friction
+    )
     started, calm, outcome, done, lagging = time.process_time(), 0, "iterations", 0, True
     least, since = np.inf, 0
     for done in range(settings.max_iterations + 1):
         hooks.check()
-        held = bring_to_hold(nodes, hold, settings.max_step)
+        held = move_pins(nodes, pins, settings.max_step)
         arrived, nodes = bool((held == nodes).all()), held
         if lagging:
             energy = replace(energy, friction=lag_friction(energy, nodes, anchors))
@@ -150,4 +152,4 @@ def equilibrium(
     end, gradient = energy.gradient(nodes)
     slid = anchors if energy.friction is None else energy.friction.slide(nodes)
     residual, converged = relative_residual(energy, gradient), outcome in ("converged", "still")
-    return Drape(nodes, residual, done, converged, end, outcome, MESSAGES[outcome], slid, spin)
+    return Drape(nodes, residual, done, converged, end, outcome, MESSAGES[outcome], slid, rotation)

@@ -91,13 +91,13 @@ class InMotion:
             bars[2:] = upstream
         else:
             bars[-1] = upstream
-        held = 0 if energy.hold is None else len(energy.hold.nodes)
-        rest, fabric, hold = np.zeros_like(energy.topology.rest), np.zeros(6), np.zeros((held, 3))
+        held = 0 if energy.pins is None else len(energy.pins.nodes)
+        rest, fabric, pins = np.zeros_like(energy.topology.rest), np.zeros(6), np.zeros((held, 3))
         tied = (energy.masses / way.dt**2)[:, None]
         for t in range(len(path) - 1, 1, -1):
             step = way.energy_of_step(energy, path[t - 2], path[t - 1])
             weights, found = way.pull_step(step, path[t - 1], path[t], bars[t], self.solver)
-            rest, fabric, hold = rest + found.rest, fabric + found.fabric, hold + found.hold
+            rest, fabric, pins = rest + found.rest, fabric + found.fabric, pins + found.pins
             bars[t - 1] += found.start + (1.0 + way.damping) * tied * weights
             bars[t - 2] -= way.damping * tied * weights
-        return Sensitivity(rest, fabric, hold, bars[1] + bars[0])
+        return Sensitivity(rest, fabric, pins, bars[1] + bars[0])

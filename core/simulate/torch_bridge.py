@@ -18,7 +18,7 @@ class _Drape(torch.autograd.Function):
 
     @staticmethod
     def forward(  # type: ignore[override]
-        ctx: Any, rest: torch.Tensor, fabric: torch.Tensor, hold: torch.Tensor, start: torch.Tensor, given: Any
+        ctx: Any, rest: torch.Tensor, fabric: torch.Tensor, pins: torch.Tensor, start: torch.Tensor, given: Any
     ) -> torch.Tensor:
         """Bring the cloth to where `given`'s derivative is taken."""
         energy, derivative, solver = given
@@ -26,8 +26,8 @@ class _Drape(torch.autograd.Function):
         energy = replace(
             energy, topology=energy.topology.reshape(_array(rest)), fabric=replace(energy.fabric, **values)
         )
-        if energy.hold is not None:
-            energy = replace(energy, hold=replace(energy.hold, points=_array(hold)))
+        if energy.pins is not None:
+            energy = replace(energy, pins=replace(energy.pins, points=_array(pins)))
         ctx.response = derivative.solve(energy, _array(start), solver)
         return torch.from_numpy(ctx.response.nodes.copy())
 
@@ -35,7 +35,7 @@ class _Drape(torch.autograd.Function):
     def backward(ctx: Any, *upstream: torch.Tensor) -> tuple[torch.Tensor | None, ...]:
         """Pull the gradient by the positions back to everything."""
         found = ctx.response.pull(_array(upstream[0]))
-        return (*(torch.from_numpy(part) for part in (found.rest, found.fabric, found.hold, found.start)), None)
+        return (*(torch.from_numpy(part) for part in (found.rest, found.fabric, found.pins, found.start)), None)
 
 
 def drape_tensor(
@@ -45,17 +45,17 @@ def drape_tensor(
     *,
     rest: torch.Tensor | None = None,
     fabric: torch.Tensor | None = None,
-    hold: torch.Tensor | None = None,
+    pins: torch.Tensor | None = None,
 ) -> torch.Tensor:
     """Give draped positions [m], shape [node_count, 3], float64, through which torch can differentiate.
 
     What is not given is taken from the energy. `rest`: flat triangles [m], shape [face_count, 3, 2], as `map_rest`
-    makes them from uv. `fabric`: the values of `FABRIC`, shape [6]. `hold`: held points [m], shape [held_count, 3].
+    makes them from uv. `fabric`: the values of `FABRIC`, shape [6]. `pins`: held points [m], shape [held_count, 3].
     Each call has a solver of its own, so that several may be in one graph; a graph can be walked back once or often.
     """
-    points = np.zeros((0, 3)) if energy.hold is None else np.asarray(energy.hold.points, dtype=np.float64)
+    points = np.zeros((0, 3)) if energy.pins is None else np.asarray(energy.pins.points, dtype=np.float64)
     values = np.array([getattr(energy.fabric, name) for name in FABRIC])
-    given = [(rest, energy.topology.rest), (fabric, values), (hold, points)]
+    given = [(rest, energy.topology.rest), (fabric, values), (pins, points)]
     tensors = [torch.from_numpy(np.array(value)) if tensor is None else tensor for tensor, value in given]
     return _Drape.apply(*tensors, start, (energy, derivative, None))  # type: ignore[no-any-return, no-untyped-call]
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .derivative import adjoint, factor, place_held, pull_hold
+from .derivative import adjoint, factor, place_pinned, pull_pins
 from .energy import Energy
 from .rest import find_rest
 from .sensitivity import Sensitivity, pull_forces
@@ -39,7 +39,7 @@ class Unrolled(TimeSteps):
 
     def _advance(self, step: Energy, nodes: np.ndarray, solver: Solver) -> np.ndarray:
         assert step.inertia is not None
-        guess = min((place_held(step, nodes), place_held(step, step.inertia.target)), key=step.value)
+        guess = min((place_pinned(step, nodes), place_pinned(step, step.inertia.target)), key=step.value)
         return find_rest(step, guess, solver, self.tolerance, self.max_iterations)
 
     def pull_step(
@@ -49,4 +49,4 @@ class Unrolled(TimeSteps):
         blocks = step.hessian(end)[2]
         weights = adjoint(step, factor(step, blocks, solver), bar)
         rest, fabric = pull_forces(step, end, weights)
-        return weights, Sensitivity(-rest, -fabric, pull_hold(step, blocks, weights, bar), np.zeros_like(weights))
+        return weights, Sensitivity(-rest, -fabric, pull_pins(step, blocks, weights, bar), np.zeros_like(weights))

@@ -12,10 +12,10 @@ from garmentq.core.drape import (
     drape_graded,
     drape_template,
 )
-from garmentq.core.drape.motion import miss, spin_of
+from garmentq.core.drape.motion import miss, rotation_of
 from garmentq.core.pattern import equalise_seams, load_template
 from garmentq.core.segment import Target
-from garmentq.core.simulate import Energy, Spin, Topology, get_fabric
+from garmentq.core.simulate import Energy, SteadyRotation, Topology, get_fabric
 
 COUNT = 250
 
@@ -41,19 +41,19 @@ def as_scan(garment) -> Target:
 def test_a_twirl_is_told_from_rest(worn):
     """A load that is found where there is none, or missed where the skirt stands out, breaks this: another mesh."""
     wearer, skirt, fabric = worn
-    spin = spin_of(wearer.body, 12.0)
-    turning, turned = drape_graded(skirt, wearer, fabric, as_scan(skirt), vertex_count=320, spin=spin)
+    rotation = rotation_of(wearer.body, 12.0)
+    turning, turned = drape_graded(skirt, wearer, fabric, as_scan(skirt), vertex_count=320, rotation=rotation)
     assert turned.converged
     found, drape = drape_as_scanned(skirt, wearer, fabric, as_scan(turning), vertex_count=COUNT)
     assert drape.converged
-    assert drape.spin is not None
-    assert 8.0 <= drape.spin.rate <= 12.0
+    assert drape.rotation is not None
+    assert 8.0 <= drape.rotation.rate <= 12.0
     assert miss(found, as_scan(turning)) < 0.015
     still, calm = drape_graded(skirt, wearer, fabric, as_scan(skirt), vertex_count=COUNT)
-    assert calm.spin is None
+    assert calm.rotation is None
     assert miss(still, as_scan(turning)) > 0.05
     rest = drape_as_scanned(skirt, wearer, fabric, as_scan(still), vertex_count=COUNT)[1]
-    assert rest.spin is None
+    assert rest.rotation is None
     plain = drape_graded(skirt, wearer, fabric, as_scan(still), vertex_count=COUNT)[1]
     np.testing.assert_array_equal(rest.nodes, plain.nodes)
 
@@ -61,7 +61,7 @@ def test_a_twirl_is_told_from_rest(worn):
 def test_rotation_pulls_outwards(crumpled_sheet):
     """A wrong sign, a forgotten mass or a Hessian that does not belong to the force breaks this: differences."""
     topology, nodes, cloth = crumpled_sheet
-    energy = Energy(topology, cloth, gravity=(0.0, 0.0, 0.0), spin=Spin(7.0, (0.1, 5.0, -0.2)))
+    energy = Energy(topology, cloth, gravity=(0.0, 0.0, 0.0), rotation=SteadyRotation(7.0, (0.1, 5.0, -0.2)))
     calm = Energy(topology, cloth, gravity=(0.0, 0.0, 0.0))
     pull = calm.gradient(nodes)[1] - energy.gradient(nodes)[1]
     outward = (nodes - [0.1, 5.0, -0.2]) * [1.0, 0.0, 1.0]

@@ -43,10 +43,10 @@ from garmentq.core.pattern import (
 from garmentq.core.segment import Target, name_contours
 from garmentq.core.simulate import (
     Fabric,
-    Hold,
     Implicit,
+    Pins,
     SimulateSettings,
-    Spin,
+    SteadyRotation,
     Topology,
     equilibrium,
     get_fabric,
@@ -67,12 +67,12 @@ class Scene:
     fabric: Fabric
     body: Body
     grid: DistanceGrid
-    hold: Hold
+    pins: Pins
     target: Target
 
 
-def bring_to_rest(garment: Garment, fabric: Fabric, grid: DistanceGrid, hold: Hold) -> np.ndarray:
-    drape = equilibrium(Topology.from_garment(garment), fabric, garment.nodes, grid=grid, hold=hold, settings=FINE)
+def bring_to_rest(garment: Garment, fabric: Fabric, grid: DistanceGrid, pins: Pins) -> np.ndarray:
+    drape = equilibrium(Topology.from_garment(garment), fabric, garment.nodes, grid=grid, pins=pins, settings=FINE)
     assert drape.converged
     return drape.nodes
 
@@ -85,20 +85,20 @@ def scene() -> Scene:
     worn = drape_template(template, wearer, settings=DrapeSettings(template_vertices=600))
     waist = waist_loop(worn)
     assert waist is not None
-    hold = Hold(waist, worn.nodes[waist])
-    worn = worn.at(bring_to_rest(worn, fabric, wearer.grid, hold))
+    pins = Pins(waist, worn.nodes[waist])
+    worn = worn.at(bring_to_rest(worn, fabric, wearer.grid, pins))
     true = equalise_seams(template.with_points(template.points * [1.03, 1.05]), like=template)
-    registered = bring_to_rest(move_pattern(worn, true), fabric, wearer.grid, hold)
+    registered = bring_to_rest(move_pattern(worn, true), fabric, wearer.grid, pins)
     normals = vertex_normals(registered, worn.faces)
     contours = name_contours(registered, worn.faces, wearer.body)[0]
     target = Target(registered, worn.faces, normals, contours, (), "skirt")
-    return Scene(template, true, worn, registered, fabric, wearer.body, wearer.grid, hold, target)
+    return Scene(template, true, worn, registered, fabric, wearer.body, wearer.grid, pins, target)
 
 
 def state(scene: Scene, settings: ShapeSettings | None = None) -> ShapeProblem:
     """Pose the problem from the template's own pattern: nothing of the truth but its drape."""
     at = scene.worn.at(scene.registered)
-    return ShapeProblem.of(at, scene.template, scene.fabric, scene.grid, scene.hold, settings or ShapeSettings())
+    return ShapeProblem.of(at, scene.template, scene.fabric, scene.grid, scene.pins, settings or ShapeSettings())
 
 
 def area_errors(pattern: Pattern, true: Pattern) -> np.ndarray:
@@ -138,16 +138,16 @@ def test_gradient_by_control_points_and_bending(scene: Scene) -> None:
 
 def test_cloth_in_motion_is_fitted_in_motion(scene: Scene) -> None:
     """Breaks if the fit forgets the rotation in which the cloth was scanned: the pattern would answer for the swing."""
-    spin = Spin(10.0, tuple(float(value) for value in scene.body.joint("pelvis")))
+    turning = SteadyRotation(10.0, tuple(float(value) for value in scene.body.joint("pelvis")))
     turned = equilibrium(
         Topology.from_garment(scene.worn), scene.fabric, scene.worn.nodes,
-        grid=scene.grid, hold=scene.hold, spin=spin, settings=FINE,
+        grid=scene.grid, pins=scene.pins, rotation=turning, settings=FINE,
     )  # fmt: skip
     at = scene.worn.at(turned.nodes)
     misfits = []
-    for rotation in (spin, None):
+    for rotation in (turning, None):
         problem = ShapeProblem.of(
-            at, scene.template, scene.fabric, scene.grid, scene.hold, ShapeSettings(), spin=rotation
+            at, scene.template, scene.fabric, scene.grid, scene.pins, ShapeSettings(), rotation=rotation
         )
         drape = problem.drape(scene.template, turned.nodes)
         misfits.append(np.sqrt(2.0 * problem.loss.value(drape.nodes)))
@@ -228,9 +228,9 @@ def test_a_step_keeps_its_promise(scene: Scene) -> None:
 def test_pattern_and_bending_are_told_apart(scene: Scene) -> None:
     """Breaks where the pattern answers for a wrong k: cloth twice as stiff, whose pattern is 8 % larger."""
     stiff = replace(scene.fabric, k=2.0 * scene.fabric.k)
-    target = bring_to_rest(move_pattern(scene.worn, scene.true).at(scene.registered), stiff, scene.grid, scene.hold)
+    target = bring_to_rest(move_pattern(scene.worn, scene.true).at(scene.registered), stiff, scene.grid, scene.pins)
     at = scene.worn.at(target)
-    problem = ShapeProblem.of(at, scene.template, scene.fabric, scene.grid, scene.hold, ShapeSettings(spread=0.01))
+    problem = ShapeProblem.of(at, scene.template, scene.fabric, scene.grid, scene.pins, ShapeSettings(spread=0.01))
     alone, both = fit_shape(problem), fit_shape(problem.fitting_bending(1.0))
     assert both.misfits[-1] < 0.7 * alone.misfits[-1]
     assert abs(np.log(both.fabric.k / stiff.k)) < np.log(1.15)
@@ -292,13 +292,13 @@ def test_a_fit_killed_after_any_step_ends_at_the_same_pattern(scene: Scene) -> N
 def test_bending_is_found_on_another_mesh(scene: Scene) -> None:
     """A measure of folding that depends on the mesh, or a prior that outweighs it, breaks this: k within 1.5."""
     stiff = replace(scene.fabric, k=8.0 * scene.fabric.k)
-    target = bring_to_rest(scene.worn.at(scene.registered), stiff, scene.grid, scene.hold)
+    target = bring_to_rest(scene.worn.at(scene.registered), stiff, scene.grid, scene.pins)
     coarse = mesh_pattern(scene.template, 450)
     nodes = resample(scene.worn, target, coarse)
     waist = waist_loop(coarse.at(nodes))
     assert waist is not None
     problem = ShapeProblem.of(
-        coarse.at(nodes), scene.template, scene.fabric, scene.grid, Hold(waist, nodes[waist]), ShapeSettings()
+        coarse.at(nodes), scene.template, scene.fabric, scene.grid, Pins(waist, nodes[waist]), ShapeSettings()
     )
     fabric, estimate = fit_bending(problem)
     assert abs(np.log(fabric.k / stiff.k)) < np.log(1.5)
@@ -317,7 +317,7 @@ def test_bending_that_a_drape_does_not_tell_stays_as_given(scene: Scene) -> None
 def test_bending_that_folds_and_misfit_contradict_is_not_known(scene: Scene) -> None:
     """Breaks where a stiff tube counts as the cloth of a scan full of wrinkles, for it is the nearest drape."""
     stiff = replace(scene.fabric, k=30.0 * scene.fabric.k)
-    target = bring_to_rest(scene.worn, stiff, scene.grid, scene.hold)
+    target = bring_to_rest(scene.worn, stiff, scene.grid, scene.pins)
     wrinkles = np.random.default_rng(4).normal(0.0, 2.5e-3, len(target))
     target += wrinkles[:, None] * vertex_normals(target, scene.worn.faces)
     problem = replace(state(scene), garment=scene.worn.at(target), loss=RegisteredLoss.of(scene.worn.at(target), 0.01))

@@ -18,7 +18,7 @@ from garmentq.core.pattern import Garment, Pattern, find_symmetry, load_template
 from garmentq.core.segment import Target, name_contours
 from garmentq.core.segment.loop import find_loops
 from garmentq.core.segment.target import Contour
-from garmentq.core.simulate import Fabric, Hold, Implicit, SimulateSettings, Topology, equilibrium, get_fabric
+from garmentq.core.simulate import Fabric, Implicit, Pins, SimulateSettings, Topology, equilibrium, get_fabric
 
 SHORT = InverseSettings(iterations=4, fabric_iterations=3, patience=100, keep_every=3)
 
@@ -32,12 +32,12 @@ class Scene:
     worn: Garment
     target: Target
     fabric: Fabric
-    hold: Hold
+    pins: Pins
 
 
-def bring_to_rest(garment: Garment, fabric: Fabric, hold: Hold) -> Garment:
+def bring_to_rest(garment: Garment, fabric: Fabric, pins: Pins) -> Garment:
     settings = SimulateSettings(max_iterations=200)
-    drape = equilibrium(Topology.from_garment(garment), fabric, garment.nodes, hold=hold, settings=settings)
+    drape = equilibrium(Topology.from_garment(garment), fabric, garment.nodes, pins=pins, settings=settings)
     assert drape.converged
     return garment.at(drape.nodes)
 
@@ -54,23 +54,23 @@ def scene() -> Scene:
     hem, waist = sorted(find_loops(garment.faces, nodes), key=lambda loop: nodes[loop, 1].mean())
     contours = (Contour("hem", hem, 1.3), Contour("waist", waist, 0.74))
     fabric = replace(get_fabric("cotton_poplin"), k=2e-4)
-    hold = Hold(waist, nodes[waist])
-    worn = bring_to_rest(garment.at(nodes, contours), fabric, hold)
+    pins = Pins(waist, nodes[waist])
+    worn = bring_to_rest(garment.at(nodes, contours), fabric, pins)
     points = template.points.copy()
     middle = [n for n, p in enumerate(points) if abs(p[0]) < 1e-6 and p[1] < -0.5]
     assert len(middle) == 2
     points[middle, 1] -= 0.03
     true = template.with_points(points)
     other = mesh_pattern(true, 200)
-    draped = bring_to_rest(other.at(worn.nodes), fabric, hold)
+    draped = bring_to_rest(other.at(worn.nodes), fabric, pins)
     normals = vertex_normals(draped.nodes, other.faces)
     target = Target(draped.nodes, other.faces, normals, contours, (), "skirt")
-    return Scene(template, true, worn, target, fabric, hold)
+    return Scene(template, true, worn, target, fabric, pins)
 
 
 def state(scene: Scene, settings: InverseSettings = SHORT, locks: tuple[str, ...] = ()) -> DescentProblem:
     held = find_held(scene.template, scene.template, locks)
-    return DescentProblem.of(scene.worn, scene.target, scene.template, scene.fabric, None, scene.hold, settings, held)
+    return DescentProblem.of(scene.worn, scene.target, scene.template, scene.fabric, None, scene.pins, settings, held)
 
 
 def test_adam_steps_are_as_large_as_its_rates() -> None:
@@ -201,7 +201,7 @@ def test_the_whole_method_on_a_body() -> None:
         fabric,
         worn.nodes,
         grid=wearer.grid,
-        hold=Hold(waist, worn.nodes[waist]),
+        pins=Pins(waist, worn.nodes[waist]),
     )
     normals = vertex_normals(drape.nodes, worn.faces)
     contours = name_contours(drape.nodes, worn.faces, wearer.body)[0]

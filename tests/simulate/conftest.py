@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.body import DistanceGrid
-from garmentq.core.simulate import Energy, Fabric, Friction, Hold, Inertia, Topology, hold_folds
+from garmentq.core.simulate import BendingFriction, Energy, Fabric, Friction, Inertia, Pins, Topology
 
 
 def make_sheet(columns: int, rows: int, width: float, height: float) -> tuple[np.ndarray, np.ndarray]:
@@ -57,8 +57,8 @@ def everything(crumpled, cloth, grid_of):
     rng = np.random.default_rng(1)
     normals = np.tile([0.0, 1.0, 0.0], (len(nodes), 1))
     friction = Friction(nodes + rng.normal(0, 3e-4, nodes.shape), normals, np.full(len(nodes), 0.01), 5e-4)
-    hold = Hold(np.array([0, 3]), nodes[[0, 3]] + 0.01, 5.0, (1.0, 0.5, 1.0))
-    folds = hold_folds(topology, nodes + rng.normal(0, 3e-4, nodes.shape), 3e-4)
+    pins = Pins(np.array([0, 3]), nodes[[0, 3]] + 0.01, 5.0, (1.0, 0.5, 1.0))
+    folds = BendingFriction.at(topology, nodes + rng.normal(0, 3e-4, nodes.shape), 3e-4)
     return Energy(
-        topology, cloth, grid, hold, friction=friction, inertia=Inertia(nodes + 0.01, 400.0), hysteresis=folds
+        topology, cloth, grid, pins, friction=friction, inertia=Inertia(nodes + 0.01, 400.0), bending_friction=folds
     )

@@ -9,11 +9,11 @@ import pytest
 from garmentq.core.simulate import (
     FABRIC,
     Energy,
-    Hold,
     Implicit,
     Inertia,
     NotAtRest,
     Parameters,
+    Pins,
     SimulateSettings,
     Topology,
     Unrolled,
@@ -51,11 +51,11 @@ def lay(sheet, grid_of, cloth, count: int) -> Scene:
     topology = Topology.from_mesh(faces, flat[faces])
     moving = settle(topology, cloth, nodes, grid=grid, steps=15)
     held = np.array([0, count - 1])
-    hold = Hold(held, moving.nodes[held] + [0.0, 0.01, 0.0])
+    pins = Pins(held, moving.nodes[held] + [0.0, 0.01, 0.0])
     settings = SimulateSettings(max_iterations=300, still=0.0)
-    drape = equilibrium(topology, cloth, moving.nodes, grid=grid, hold=hold, anchors=moving.anchors, settings=settings)
+    drape = equilibrium(topology, cloth, moving.nodes, grid=grid, pins=pins, anchors=moving.anchors, settings=settings)
     assert drape.converged
-    energy = with_friction_frozen(Energy(topology, cloth, grid, hold), drape.nodes, drape.anchors)
+    energy = with_friction_frozen(Energy(topology, cloth, grid, pins), drape.nodes, drape.anchors)
     u, v = (middle / 0.15).T
     # the rest shape's directions: wider, longer, sheared, and a dart-like swelling
     fields = [(u, 0 * u), (0 * u, v), (v, 0 * u), (u * v, v * v)]
@@ -147,14 +147,14 @@ def test_push_and_pull_are_transposes(scene):
 
 def hold_differences(energy: Energy, derivative, nodes: np.ndarray, upstream: np.ndarray) -> np.ndarray:
     """Give the central differences of upstream . x by the held points."""
-    hold, solver = energy.hold, make_solver(energy.topology)
-    found = np.zeros_like(hold.points)
+    pins, solver = energy.pins, make_solver(energy.topology)
+    found = np.zeros_like(pins.points)
     for place in np.ndindex(found.shape):
         ends = []
         for sign in (1, -1):
-            points = hold.points.copy()
+            points = pins.points.copy()
             points[place] += sign * SHAPE_STEP
-            held = replace(energy, hold=replace(hold, points=points))
+            held = replace(energy, pins=replace(pins, points=points))
             ends.append(derivative.solve(held, nodes, solver).nodes)
         found[place] = float((upstream * (ends[0] - ends[1])).sum()) / (2 * SHAPE_STEP)
     return found
@@ -163,10 +163,10 @@ def hold_differences(energy: Energy, derivative, nodes: np.ndarray, upstream: np
 @pytest.mark.parametrize("stiffness", [None, 5.0])
 def test_hold_differentiates(small, stiffness):
     """A held point whose pull on its neighbours is forgotten, or a spring of the wrong sign, breaks this."""
-    energy = replace(small.energy, hold=replace(small.energy.hold, stiffness=stiffness))
+    energy = replace(small.energy, pins=replace(small.energy.pins, stiffness=stiffness))
     implicit = Implicit(tolerance=0.0)
     rest = implicit.solve(energy, small.nodes)
-    found = rest.pull(small.upstream).hold
+    found = rest.pull(small.upstream).pins
     expected = hold_differences(energy, implicit, rest.nodes, small.upstream)
     np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-5 * np.abs(expected).max())
 

@@ -21,9 +21,9 @@ from garmentq.core.pattern import (
 from garmentq.core.simulate import (
     FABRIC,
     Energy,
-    Hold,
     Implicit,
     Parameters,
+    Pins,
     Topology,
     Unrolled,
     list_gathers,
@@ -163,16 +163,16 @@ def test_torch_passes_gradcheck(sheet, cloth, derivative):
     topology = Topology.from_mesh(faces, flat[faces])
     nodes = np.column_stack([flat[:, 0], flat[:, 1], 0.002 * np.sin(40 * flat[:, 0])])
     top = np.flatnonzero(flat[:, 1] > 0.059)
-    energy = Energy(topology, replace(cloth, k=2e-4), hold=Hold(top, nodes[top]))
+    energy = Energy(topology, replace(cloth, k=2e-4), pins=Pins(top, nodes[top]))
     start = torch.from_numpy(derivative.solve(energy, nodes).nodes)
     uv = torch.from_numpy(flat).requires_grad_()
     logs = torch.zeros(6, dtype=torch.float64, requires_grad=True)
-    hold = torch.from_numpy(nodes[top]).requires_grad_()
+    pins = torch.from_numpy(nodes[top]).requires_grad_()
     values = torch.tensor([getattr(energy.fabric, name) for name in FABRIC], dtype=torch.float64)
     index = torch.from_numpy(faces)
 
-    def loss(uv: torch.Tensor, logs: torch.Tensor, hold: torch.Tensor) -> torch.Tensor:
-        x = drape_tensor(energy, derivative, start, rest=uv[index], fabric=values * torch.exp(logs), hold=hold)
+    def loss(uv: torch.Tensor, logs: torch.Tensor, pins: torch.Tensor) -> torch.Tensor:
+        x = drape_tensor(energy, derivative, start, rest=uv[index], fabric=values * torch.exp(logs), pins=pins)
         return torch.sin(20 * x + torch.arange(3, dtype=torch.float64)).sum()
 
-    assert torch.autograd.gradcheck(loss, (uv, logs, hold), eps=1e-6, atol=1e-4, rtol=1e-4)
+    assert torch.autograd.gradcheck(loss, (uv, logs, pins), eps=1e-6, atol=1e-4, rtol=1e-4)

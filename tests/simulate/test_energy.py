@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import scipy.sparse as sparse
 import torch
-from garmentq.core.simulate import Energy, Hold, Topology, TopologyBad
-from garmentq.core.simulate.hysteresis import measure_angles
+from garmentq.core.simulate import Energy, Pins, Topology, TopologyBad
+from garmentq.core.simulate.bending_friction import measure_angles
 from scipy.spatial.transform import Rotation
 
 
@@ -49,7 +49,7 @@ def test_hessian_against_differences(everything, crumpled):
 def test_psd_form_has_no_negative_direction(everything, crumpled):
     """A projection that leaves compression in breaks this: the exact form has negative eigenvalues here."""
     topology, nodes, _ = crumpled
-    bare = replace(everything, inertia=None, hold=None)
+    bare = replace(everything, inertia=None, pins=None)
     psd = dense(topology, topology.assemble(bare.hessian(nodes, exact=False)[2], bare.fixed))
     exact = dense(topology, topology.assemble(bare.hessian(nodes)[2], bare.fixed))
     scale = np.abs(psd).max()
@@ -166,7 +166,7 @@ def test_one_hinge_folds_as_its_formula_says(cloth, angle, rest):
 def test_fixed_nodes_feel_nothing(crumpled, cloth):
     """A fixed node whose row leaks into the system breaks this."""
     topology, nodes, _ = crumpled
-    energy = Energy(topology, cloth, hold=Hold(np.array([4, 9]), nodes[[4, 9]]))
+    energy = Energy(topology, cloth, pins=Pins(np.array([4, 9]), nodes[[4, 9]]))
     _, gradient, blocks = energy.hessian(nodes)
     matrix = dense(topology, topology.assemble(blocks, energy.fixed))
     rows = (3 * np.array([[4], [9]]) + np.arange(3)).ravel()

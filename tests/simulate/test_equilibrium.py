@@ -9,9 +9,9 @@ import pytest
 from garmentq.core.errors import Cancelled
 from garmentq.core.hooks import Hooks
 from garmentq.core.simulate import (
-    Hold,
-    HoldBad,
     NodesBad,
+    Pins,
+    PinsBad,
     SimulateSettings,
     SimulateSettingsBad,
     Topology,
@@ -31,7 +31,7 @@ def test_hanging_strip_stretches_as_computed(sheet, cloth):
     topology = Topology.from_mesh(faces, flat[faces])
     nodes = np.column_stack([flat[:, 0], flat[:, 1], np.zeros(len(flat))])
     top = np.flatnonzero(flat[:, 1] > length - 1e-9)
-    drape = equilibrium(topology, cloth, nodes, hold=Hold(top, nodes[top]), settings=EXACT)
+    drape = equilibrium(topology, cloth, nodes, pins=Pins(top, nodes[top]), settings=EXACT)
     assert drape.converged
     stiffness = cloth.H11 - cloth.H01**2 / cloth.H00  # the width is free to shrink
     below = (np.arange(400) + 0.5) / 400 * length
@@ -73,9 +73,9 @@ def test_cantilever_droops_as_peirce_says(sheet, cloth, angle):
     topology = Topology.from_mesh(faces, flat[faces])
     nodes = np.column_stack([flat[:, 0] - 2 * step, np.zeros(len(flat)), -flat[:, 1]])
     clamp = np.flatnonzero(nodes[:, 0] < 1e-9)
-    hold = Hold(clamp, nodes[clamp])
-    moving = settle(topology, cloth, nodes, hold=hold, steps=10, dt=0.02)
-    drape = equilibrium(topology, cloth, moving.nodes, hold=hold, settings=EXACT)
+    pins = Pins(clamp, nodes[clamp])
+    moving = settle(topology, cloth, nodes, pins=pins, steps=10, dt=0.02)
+    drape = equilibrium(topology, cloth, moving.nodes, pins=pins, settings=EXACT)
     assert drape.converged
     tip = drape.nodes[nodes[:, 0] > nodes[:, 0].max() - 1e-9].mean(0) + [step / 2, 0.0, 0.0]
     measured = np.arctan2(-tip[1], tip[0])
@@ -148,8 +148,8 @@ def test_bad_input_is_refused(on_sphere, cloth):
             equilibrium(topology, cloth, nodes)
     with pytest.raises(SimulateSettingsBad):
         SimulateSettings(thickness=-1.0)
-    with pytest.raises(HoldBad):
-        Hold(np.array([0]), np.zeros((1, 3)), None, (0.0, 1.0, 0.0))
+    with pytest.raises(PinsBad):
+        Pins(np.array([0]), np.zeros((1, 3)), None, (0.0, 1.0, 0.0))
 
 
 def test_collapsed_start_gives_no_nan(sheet, cloth):
@@ -157,10 +157,10 @@ def test_collapsed_start_gives_no_nan(sheet, cloth):
     flat, faces = sheet(5, 5, 0.1, 0.1)
     topology = Topology.from_mesh(faces, flat[faces])
     start = np.zeros((25, 3))
-    hold = Hold(np.array([0, 4]), np.array([[0, 0, 0], [0, 0, 0.1]]))
-    drape = equilibrium(topology, cloth, start, hold=hold, settings=SimulateSettings(max_iterations=20))
+    pins = Pins(np.array([0, 4]), np.array([[0, 0, 0], [0, 0, 0.1]]))
+    drape = equilibrium(topology, cloth, start, pins=pins, settings=SimulateSettings(max_iterations=20))
     assert np.isfinite(drape.nodes).all()
-    state = settle(topology, cloth, start, hold=hold, steps=3)
+    state = settle(topology, cloth, start, pins=pins, steps=3)
     assert np.isfinite(state.nodes).all()
 
 
@@ -169,11 +169,11 @@ def test_fixed_nodes_go_where_they_are_held(sheet, cloth):
     flat, faces = sheet(6, 6, 0.1, 0.1)
     topology = Topology.from_mesh(faces, flat[faces])
     nodes = np.column_stack([flat[:, 0], np.zeros(36), -flat[:, 1]])
-    hold = Hold(np.arange(6), nodes[:6] + [0.0, 0.12, 0.0])
-    first = settle(topology, cloth, nodes, hold=hold, steps=1)
+    pins = Pins(np.arange(6), nodes[:6] + [0.0, 0.12, 0.0])
+    first = settle(topology, cloth, nodes, pins=pins, steps=1)
     assert np.abs(first.nodes[:6, 1] - 0.05).max() < 1e-12  # at most max_step at once
-    drape = equilibrium(topology, cloth, nodes, hold=hold)
-    assert np.array_equal(drape.nodes[:6], hold.points)
+    drape = equilibrium(topology, cloth, nodes, pins=pins)
+    assert np.array_equal(drape.nodes[:6], pins.points)
 
 
 def test_springs_hold_one_direction(sheet, cloth):
@@ -182,8 +182,8 @@ def test_springs_hold_one_direction(sheet, cloth):
     topology = Topology.from_mesh(faces, flat[faces])
     nodes = np.column_stack([flat[:, 0], flat[:, 1], np.zeros(36)])
     top = np.flatnonzero(flat[:, 1] > 0.099)
-    hold = Hold(top, nodes[top] + [0.5, 0.0, 0.0], 50.0, (0.0, 1.0, 0.0))
-    state = settle(topology, cloth, nodes, hold=hold, steps=10)
+    pins = Pins(top, nodes[top] + [0.5, 0.0, 0.0], 50.0, (0.0, 1.0, 0.0))
+    state = settle(topology, cloth, nodes, pins=pins, steps=10)
     weight = cloth.density * 0.01 * 9.81
     assert np.abs(state.nodes[top, 0] - nodes[top, 0]).max() < 1e-3
     sag = (nodes[top, 1] - state.nodes[top, 1]).mean()

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from garmentq.core.simulate import (
     FABRIC,
-    Hold,
     Implicit,
     Inertia,
     Linearised,
     Parameters,
+    Pins,
     Unrolled,
     make_solver,
 )
@@ -29,14 +29,14 @@ def loose(everything, crumpled):
     nodes = crumpled[1]
     limits = np.where(np.arange(len(nodes)) % 3 > 0, 0.01, 0.0)
     friction = replace(everything.friction, limits=limits)
-    hold = replace(everything.hold, points=nodes[[0, 3]] + 0.002)
-    return replace(everything, friction=friction, hold=hold, inertia=None), nodes
+    pins = replace(everything.pins, points=nodes[[0, 3]] + 0.002)
+    return replace(everything, friction=friction, pins=pins, inertia=None), nodes
 
 
 def test_form_is_the_kernels_matrix(loose):
     """A part of the PSD Hessian that the form leaves out, or writes down otherwise, breaks this."""
     energy, nodes = loose
-    energy = replace(energy, hold=None, inertia=Inertia(nodes + 0.001, 400.0))
+    energy = replace(energy, pins=None, inertia=Inertia(nodes + 0.001, 400.0))
     rng = np.random.default_rng(2)
     one, other = rng.normal(size=nodes.shape), rng.normal(size=nodes.shape)
     data = energy.topology.assemble(energy.hessian(nodes, exact=False)[2], np.zeros(len(nodes), dtype=bool))
@@ -53,7 +53,7 @@ def test_adjoint_against_central_differences(loose, held):
     """
     energy, nodes = loose
     if held == "fixed":
-        energy = replace(energy, hold=Hold(energy.hold.nodes, energy.hold.points))
+        energy = replace(energy, pins=Pins(energy.pins.nodes, energy.pins.points))
     topology = energy.topology
     rng = np.random.default_rng(3)
     fields = rng.normal(size=(3, *topology.rest.shape)) * 0.05
@@ -79,9 +79,9 @@ def test_adjoint_against_central_differences(loose, held):
     assert float((found.start * way).sum()) == pytest.approx((ends[0] - ends[1]) / 2, rel=1e-6)
     pull = 1e-8 * np.array([[1.0, 0.3, -0.5], [-0.2, 0.8, 0.4]])
     ends = [
-        loss(replace(energy, hold=replace(energy.hold, points=energy.hold.points + s * pull)), nodes) for s in (1, -1)
+        loss(replace(energy, pins=replace(energy.pins, points=energy.pins.points + s * pull)), nodes) for s in (1, -1)
     ]
-    assert float((found.hold * pull).sum()) == pytest.approx((ends[0] - ends[1]) / 2, rel=1e-6)
+    assert float((found.pins * pull).sum()) == pytest.approx((ends[0] - ends[1]) / 2, rel=1e-6)
 
 
 def test_gradient_at_rest_is_that_of_solved_steps(loose):

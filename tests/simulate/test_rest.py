@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.simulate import Energy, Hold, Inertia, NotAtRest, Topology, make_solver
+from garmentq.core.simulate import Energy, Inertia, NotAtRest, Pins, Topology, make_solver
 from garmentq.core.simulate.newton import relative_residual
 from garmentq.core.simulate.rest import find_rest
 
@@ -31,7 +31,7 @@ def strip(sheet, cloth):
     topology = Topology.from_mesh(faces, flat[faces])
     nodes = np.column_stack([flat[:, 0], np.zeros(len(flat)), flat[:, 1]])
     held = np.flatnonzero((flat[:, 0] < 1e-9) | (flat[:, 0] > 0.24 - 1e-9))
-    return Energy(topology, cloth, hold=Hold(held, nodes[held])), nodes
+    return Energy(topology, cloth, pins=Pins(held, nodes[held])), nodes
 
 
 def test_foreseen_stress_is_linear_in_the_step(crumpled, cloth):
@@ -55,7 +55,7 @@ def test_a_swing_takes_few_factors(strip):
     energy, flat = strip
     nodes = np.column_stack([flat[:, 1], -flat[:, 0], flat[:, 2]])
     top = np.flatnonzero(flat[:, 0] < 1e-9)
-    hanging = replace(energy, hold=Hold(top, nodes[top]))
+    hanging = replace(energy, pins=Pins(top, nodes[top]))
     start = find_rest(hanging, nodes, make_solver(energy.topology), 1e-6, 100)
     blown = replace(hanging, gravity=(10.0, -9.81, 0.0), inertia=Inertia(start, 400.0))
     solver = Counting(energy.topology)
@@ -69,7 +69,7 @@ def test_pressed_cloth_buckles(strip):
     """Stopping at the saddle breaks this: pressed by a tenth a strip balances flat, but for a thousandth of a mm."""
     energy, nodes = strip
     pressed = replace(
-        energy, gravity=(0.0, 0.0, 0.0), hold=replace(energy.hold, points=energy.hold.points * [0.9, 1, 1])
+        energy, gravity=(0.0, 0.0, 0.0), pins=replace(energy.pins, points=energy.pins.points * [0.9, 1, 1])
     )
     start = nodes * [0.9, 1.0, 1.0]
     start[:, 1] = 1e-6 * np.sin(np.pi * start[:, 0] / 0.216)
@@ -85,7 +85,7 @@ def test_pressed_cloth_buckles(strip):
 def test_gives_up_in_time(strip):
     """A limit that counts only some of the factors breaks this."""
     energy, nodes = strip
-    pressed = replace(energy, hold=replace(energy.hold, points=energy.hold.points * [0.9, 1, 1]))
+    pressed = replace(energy, pins=replace(energy.pins, points=energy.pins.points * [0.9, 1, 1]))
     solver = Counting(energy.topology)
     with pytest.raises(NotAtRest):
         find_rest(pressed, nodes * [0.9, 1.0, 1.0], solver, 0.0, 4)

@@ -7,17 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from garmentq.core.simulate import (
+    BendingFriction,
     Energy,
-    Hold,
+    Pins,
     SimulateSettings,
     Topology,
     equilibrium,
     get_fabric,
-    hold_folds,
     load_fabrics,
     soften,
 )
-from garmentq.core.simulate.hysteresis import measure_angles
+from garmentq.core.simulate.bending_friction import measure_angles
 from garmentq.core.simulate.locking import SAG
 
 
@@ -27,16 +27,16 @@ def strip(sheet):
     flat, faces = sheet(11, 3, 0.05, 0.01)
     nodes = np.column_stack([flat[:, 0], np.zeros(len(flat)), -flat[:, 1]])
     held = np.flatnonzero(flat[:, 0] < 0.0101)
-    return Topology.from_mesh(faces, flat[faces]), nodes, Hold(held, nodes[held])
+    return Topology.from_mesh(faces, flat[faces]), nodes, Pins(held, nodes[held])
 
 
 def droop(strip, cloth, moment: float) -> float:
     """Give by how much the free end sinks [m]."""
-    topology, nodes, hold = strip
+    topology, nodes, pins = strip
     limp = replace(cloth, k=1e-7)
-    folds = hold_folds(topology, nodes, moment) if moment else None
+    folds = BendingFriction.at(topology, nodes, moment) if moment else None
     fine = SimulateSettings(max_iterations=300)
-    drape = equilibrium(topology, limp, nodes, hold=hold, hysteresis=folds, settings=fine)
+    drape = equilibrium(topology, limp, nodes, pins=pins, bending_friction=folds, settings=fine)
     assert drape.converged
     return float(-drape.nodes[:, 1].min())
 
@@ -52,7 +52,8 @@ def test_a_moment_that_friction_holds_bends_nothing(strip, cloth):
 def test_folds_that_stay_cost_nothing(crumpled, cloth):
     """Breaks if angles are measured with another sign or edge than the kernel's: their own folds would push."""
     topology, nodes, _ = crumpled
-    bare, held = Energy(topology, cloth), Energy(topology, cloth, hysteresis=hold_folds(topology, nodes, 1.0))
+    bare = Energy(topology, cloth)
+    held = replace(bare, bending_friction=BendingFriction.at(topology, nodes, 1.0))
     assert held.value(nodes) == pytest.approx(bare.value(nodes), abs=1e-15)
     np.testing.assert_allclose(held.gradient(nodes)[1], bare.gradient(nodes)[1], atol=1e-12)
     moved = nodes + np.random.default_rng(3).normal(0, 1e-3, nodes.shape)

@@ -18,8 +18,8 @@ creep. On edges of 2 cm it is a fold of 1 m radius: nothing that can be seen."""
 
 
 @dataclass(frozen=True)
-class Hysteresis:
-    """Hold the folds that cloth came with.
+class BendingFriction:
+    """Model the yarns' friction in bending, which keeps the folds that cloth came with.
 
         E_h = M |e| (sqrt(d^2 + s^2) - s),    d = theta - theta_a
 
@@ -42,18 +42,20 @@ class Hysteresis:
     moments: np.ndarray
     slip: float = SLIP
 
+    @classmethod
+    def at(cls, topology: Topology, nodes: np.ndarray, moment: float = MOMENT) -> BendingFriction:
+        """Compute the friction, of a moment per length [N m/m], in the folds of nodes [m], shape [node_count, 3]."""
+        lengths = np.linalg.norm(topology.hinge_edges, axis=-1).mean(axis=0)
+        return cls(measure_angles(topology, nodes), moment * lengths)
 
-def hold_folds(topology: Topology, nodes: np.ndarray, moment: float = MOMENT) -> Hysteresis:
-    """Hold the folds of nodes [m], shape [node_count, 3], by a moment per length [N m/m]."""
-    lengths = np.linalg.norm(topology.hinge_edges, axis=-1).mean(axis=0)
-    return Hysteresis(measure_angles(topology, nodes), moment * lengths)
 
-
-def list_grip(topology: Topology, held: Hysteresis | None = None) -> tuple[np.ndarray, np.ndarray, float]:
-    """Give angles, moments and slip as `bending` takes them: moments of zero where there is no internal friction."""
-    if held is None:
+def friction_state(
+    topology: Topology, friction: BendingFriction | None = None
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return angles, moments and slip as `bending` takes them: moments of zero where there is no internal friction."""
+    if friction is None:
         return topology.hinge_rest, np.zeros(len(topology.hinges)), SLIP
-    return held.angles, held.moments, held.slip
+    return friction.angles, friction.moments, friction.slip
 
 
 def measure_angles(topology: Topology, nodes: np.ndarray) -> np.ndarray:

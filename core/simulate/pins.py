@@ -10,21 +10,21 @@ from ..errors import BadInput
 from ..pattern import Garment
 
 
-class HoldBad(BadInput):
-    """The nodes to hold are not on the cloth; name one of the garment's contours."""
+class PinsBad(BadInput):
+    """The pinned nodes are not on the cloth; name one of the garment's contours."""
 
-    code = "simulate.hold_bad"
+    code = "simulate.pins_bad"
 
 
 @dataclass(frozen=True)
-class Hold:
-    """Hold nodes at points: fixed where `stiffness` is None, else by springs (numerics 6).
+class Pins:
+    """Pin nodes to points: fixed where `stiffness` is None, else by springs.
 
     Attributes:
-        nodes: Held nodes, shape [held_count].
-        points: Where they are held [m], shape [held_count, 3].
+        nodes: Pinned nodes, shape [pin_count].
+        points: Where they are pinned [m], shape [pin_count, 3].
         stiffness: Spring stiffness of each node [N/m], or None to fix them.
-        directions: Weight of the spring along x, y and z; (0, 1, 0) holds the height only, as a waistband's friction.
+        directions: Weight of the spring along x, y and z; (0, 1, 0) pins the height only, as a waistband's friction.
     """
 
     nodes: np.ndarray
@@ -36,12 +36,12 @@ class Hold:
         """Check the shapes.
 
         Raises:
-            HoldBad: where nodes and points do not match, or a fixed node has free directions.
+            PinsBad: where nodes and points do not match, or a fixed node has free directions.
         """
         if np.shape(self.points) != (len(self.nodes), 3) or not np.isfinite(self.points).all():
-            raise HoldBad("a hold needs one finite point for each node.")
+            raise PinsBad("pins need one finite point for each node.")
         if self.stiffness is None and self.directions != (1.0, 1.0, 1.0):
-            raise HoldBad("a hold along some directions only needs a stiffness.")
+            raise PinsBad("pins along some directions only need a stiffness.")
 
     @classmethod
     def of_contour(
@@ -50,14 +50,14 @@ class Hold:
         name: str,
         stiffness: float | None = None,
         directions: tuple[float, float, float] = (1.0, 1.0, 1.0),
-    ) -> Hold:
-        """Hold a named contour of a garment where it stands.
+    ) -> Pins:
+        """Pin a named contour of a garment where it stands.
 
         Raises:
-            HoldBad: where the garment has no contour of that name.
+            PinsBad: where the garment has no contour of that name.
         """
         contour = garment.contour(name)
         if contour is None:
             known = ", ".join(c.name for c in garment.contours) or "none"
-            raise HoldBad(f"the garment has no contour '{name}'; it has: {known}.")
+            raise PinsBad(f"the garment has no contour '{name}'; it has: {known}.")
         return cls(contour.vertices, garment.nodes[contour.vertices], stiffness, directions)
