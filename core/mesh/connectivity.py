@@ -1,0 +1,175 @@
+"""How the triangles of a mesh join: half-edges, edges, twins, borders, hinges and connected pieces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
+
+@dataclass(frozen=True, eq=False)
+class HalfEdges:
+    """Number the directed edges of all faces: half-edge 3 f + k runs from corner k to corner (k + 1) % 3 of face f.
+
+    So half-edge h lies opposite the corner that half-edge `3 f + (k + 2) % 3` leaves. What follows from the faces alone
+    is computed when it is first asked for.
+
+    Attributes:
+        faces: Vertex indices, shape [face_count, 3].
+        vertex_count: Vertices of the mesh; some may be in no face.
+    """
+
+    faces: np.ndarray
+    vertex_count: int
+
+    @classmethod
+    def of(cls, faces: np.ndarray, vertex_count: int | None = None) -> HalfEdges:
+        """Number the half-edges of faces [face_count, 3]; without a count, the vertices end with the last one used."""
+        faces = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
+        return cls(faces, int(faces.max(initial=-1)) + 1 if vertex_count is None else int(vertex_count))
+
+    @cached_property
+    def tail(self) -> np.ndarray:
+        """Vertex at which each half-edge starts, shape [3 face_count]."""
+        return self.faces.ravel()
+
+    @cached_property
+    def head(self) -> np.ndarray:
+        """Vertex at which each half-edge ends, shape [3 face_count]."""
+        return np.roll(self.faces, -1, axis=1).ravel()
+
+    @cached_property
+    def opposite(self) -> np.ndarray:
+        """Vertex of the face that each half-edge does not touch, shape [3 face_count]."""
+        return np.roll(self.faces, -2, axis=1).ravel()
+
+    @cached_property
+    def following(self) -> np.ndarray:
+        """Next half-edge around the face of each, shape [3 face_count]."""
+        return np.arange(self.faces.size).reshape(-1, 3)[:, [1, 2, 0]].ravel()
+
+    @cached_property
+    def edge(self) -> np.ndarray:
+        """Undirected edge of each half-edge, shape [3 face_count]."""
+        return self._edges[1]
+
+    @cached_property
+    def edges(self) -> np.ndarray:
+        """Ends of each undirected edge, the lower vertex first, in lexicographic order, shape [edge_count, 2]."""
+        return self._edges[0]
+
+    @cached_property
+    def face_counts(self) -> np.ndarray:
+        """Faces at each undirected edge, shape [edge_count]: 1 on a border, 2 inside, more where sheets meet."""
+        return np.bincount(self.edge, minlength=len(self.edges))
+
+    @cached_property
+    def border(self) -> np.ndarray:
+        """Half-edges of edges that only one face has, ascending, shape [border_count]."""
+        return np.flatnonzero(self.face_counts[self.edge] == 1)
+
+    @cached_property
+    def border_vertices(self) -> np.ndarray:
+        """Mark the vertices at the ends of border edges, shape [vertex_count]."""
+        found = np.zeros(self.vertex_count, dtype=bool)
+        found[self.tail[self.border]] = found[self.head[self.border]] = True
+        return found
+
+    @cached_property
+    def pairs(self) -> np.ndarray:
+        """Two half-edges of each edge that exactly two faces have, the lower first, by edge, shape [pair_count, 2]."""
+        starts = np.cumsum(self.face_counts) - self.face_counts
+        first = starts[self.face_counts == 2]
+        return np.stack([self._by_edge[first], self._by_edge[first + 1]], axis=1)
+
+    @cached_property
+    def opposed(self) -> np.ndarray:
+        """Mark the `pairs` whose half-edges run opposite ways, as those of two faces that agree do, [pair_count]."""
+        return self.tail[self.pairs[:, 0]] == self.head[self.pairs[:, 1]]
+
+    @cached_property
+    def twin(self) -> np.ndarray:
+        """Half-edge of the face across, shape [3 face_count].
+
+        -1 on a border, at an edge of three or more faces, and where two faces disagree on the edge's direction.
+        """
+        twin = np.full(self.faces.size, -1)
+        first, second = self.pairs[self.opposed].T
+        twin[first], twin[second] = second, first
+        return twin
+
+    @cached_property
+    def hinges(self) -> np.ndarray:
+        """Pairs of half-edges about which two faces turn against each other, by edge, shape [hinge_count, 2].
+
+        An edge of n faces gives n - 1 hinges, one for each two that follow each other, so that a seam of three sheets
+        still bends. Two faces over the same three vertices have no angle, and no hinge.
+        """
+        same = self.edge[self._by_edge][1:] == self.edge[self._by_edge][:-1]
+        found = np.stack([self._by_edge[:-1][same], self._by_edge[1:][same]], axis=1)
+        return found[self.opposite[found[:, 0]] != self.opposite[found[:, 1]]]
+
+    @cached_property
+    def hinge_vertices(self) -> np.ndarray:
+        """Start and end of each hinge as its first face has them, and the corners across, shape [hinge_count, 4]."""
+        first, second = self.hinges.T
+        ends = (self.tail[first], self.head[first], self.opposite[first], self.opposite[second])
+        return np.ascontiguousarray(np.stack(ends, axis=1))
+
+    @cached_property
+    def face_pieces(self) -> tuple[int, np.ndarray]:
+        """Number of connected sheets, and the sheet of each face, shape [face_count]; joined across `pairs`."""
+        return find_components(len(self.faces), self.pairs[:, 0] // 3, self.pairs[:, 1] // 3)
+
+    @cached_property
+    def vertex_pieces(self) -> tuple[int, np.ndarray]:
+        """Number of connected sets of vertices, and the set of each, shape [vertex_count]; a loose one is a set."""
+        return find_components(self.vertex_count, self.tail, self.head)
+
+    @cached_property
+    def adjacency(self) -> csr_matrix:
+        """Matrix with 1 where an edge joins two vertices, symmetric, shape [vertex_count, vertex_count]."""
+        return adjacency_matrix(self.edges, self.vertex_count)
+
+    @cached_property
+    def _edges(self) -> tuple[np.ndarray, np.ndarray]:
+        low, high = np.minimum(self.tail, self.head), np.maximum(self.tail, self.head)
+        base = max(self.vertex_count, 1)
+        keys, edge = np.unique(low * base + high, return_inverse=True)
+        return np.stack([keys // base, keys % base], axis=1), edge.reshape(-1)
+
+    @cached_property
+    def _by_edge(self) -> np.ndarray:
+        """Half-edges ordered by edge, then by their own number."""
+        return np.argsort(self.edge, kind="stable")
+
+
+def find_components(count: int, first: np.ndarray, second: np.ndarray) -> tuple[int, np.ndarray]:
+    """Label nodes by the connected component that links make.
+
+    Args:
+        count: Nodes.
+        first, second: The ends of each link, shape [link_count].
+
+    Returns:
+        Number of components, and the component of each node, numbered by their first nodes, shape [count].
+    """
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    links = coo_matrix((np.ones(len(first), bool), (first, second)), shape=(count, count))
+    number, labels = connected_components(links, directed=False)
+    return int(number), labels
+
+
+def adjacency_matrix(edges: np.ndarray, count: int) -> csr_matrix:
+    """Return the symmetric matrix with 1 for each undirected edge [edge_count, 2], shape [count, count]."""
+    from scipy.sparse import csr_matrix
+
+    both = np.concatenate([edges, edges[:, ::-1]])
+    return csr_matrix((np.ones(len(both)), (both[:, 0], both[:, 1])), shape=(count, count))
