@@ -16,8 +16,8 @@ from garmentq.core.body import Body
 from garmentq.core.deform import DeformSettings, deform
 from garmentq.core.deform.operators import gradient_operator, vertex_normals
 from garmentq.core.deform.poisson import PoissonSystem
-from garmentq.core.deform.surface import Surface
-from garmentq.core.measure import measure_distance, self_intersections
+from garmentq.core.measure import measure_distance
+from garmentq.core.mesh import TriangleSurface, self_intersections
 from garmentq.core.pattern import Edge, EdgeRef, Garment, Panel, Pattern, Seam, mesh_pattern
 from garmentq.core.segment import Contour, Target
 
@@ -85,11 +85,11 @@ def main() -> None:
         garment, target = make_tube(edge_length), make_target(0.9 * edge_length)
         gradient, areas = gradient_operator(garment.rest, garment.faces, len(garment.nodes))
         system, rows = PoissonSystem(gradient, areas), np.asarray(gradient @ garment.nodes)
-        surface = Surface(target.vertices, target.faces)
+        surface = TriangleSurface(target.vertices, target.faces)
         parts = [
             cpu_ms(lambda g=gradient, a=areas: PoissonSystem(g, a)),
             cpu_ms(lambda s=system, r=rows: s.positions(r)),
-            cpu_ms(lambda t=target: Surface(t.vertices, t.faces)),
+            cpu_ms(lambda t=target: TriangleSurface(t.vertices, t.faces)),
             cpu_ms(lambda s=surface, n=garment.nodes: s.closest(n)),
             cpu_ms(lambda n=garment.nodes, f=garment.faces: self_intersections(n, f)),
         ]

@@ -179,8 +179,8 @@ class _Stage:
             measure_distance,
             measure_seams,
             read_true_mesh,
-            self_intersections,
         )
+        from ..core.mesh import self_intersections
 
         truth = read_true_mesh(self.pack)
         normals = (vertex_normals(nodes, garment.faces), vertex_normals(*truth))

@@ -48,8 +48,8 @@ HINGE_SLACK = 0.1
 
 
 @dataclass(frozen=True)
-class Surface:
-    """Hold points of a surface with outward unit normals.
+class OrientedPoints:
+    """Points of a surface with outward unit normals.
 
     Attributes:
         points: Positions [m], shape [n, 3].
@@ -108,7 +108,7 @@ is then a fraction of what the next, nearer stage corrects, or in the last one 0
 class Fitter:
     """Fit a template, seen at a subset of its vertices, to a surface."""
 
-    def __init__(self, template: Template, subset: np.ndarray, surface: Surface) -> None:
+    def __init__(self, template: Template, subset: np.ndarray, surface: OrientedPoints) -> None:
         """Take the template, indices of the vertices used, and the surface's points."""
         self.template = template
         self.vertices = template.vertices[subset]

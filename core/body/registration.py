@@ -9,8 +9,9 @@ import numpy as np
 
 from ..errors import BadInput
 from ..hooks import SILENT, Hooks
+from ..mesh import TriangleSurface
 from .body import JOINTS, Body
-from .fit import Fitter, Stage, State, Surface, vectors_of
+from .fit import Fitter, OrientedPoints, Stage, State, vectors_of
 from .skinning import skin
 from .template import Template, articulate, load_template, rotations_of, transforms_of
 
@@ -163,7 +164,7 @@ def _find(
     surface = _sample(vertices, faces, settings.surface_count, rng, cloth)
     first = slice(settings.coarse_count)
     hidden = None if surface.cloth is None else surface.cloth[first]
-    few = Surface(surface.points[first], surface.normals[first], hidden)
+    few = OrientedPoints(surface.points[first], surface.normals[first], hidden)
     subset = _spread_subset(template, settings.fine_count, rng)
     coarse = Fitter(template, subset[: settings.coarse_count], few)
     starts = _starts(template, surface, _area(vertices, faces), subset)
@@ -214,7 +215,7 @@ def _continue(fitter: Fitter, stages: tuple[Stage, ...], entry: Start, scale: fl
     return fitter.residual(state, scale, scale), entry[1], state
 
 
-def _starts(template: Template, surface: Surface, area: float, subset: np.ndarray) -> list[State]:
+def _starts(template: Template, surface: OrientedPoints, area: float, subset: np.ndarray) -> list[State]:
     """Give every start: each pose at each heading, as large as the mesh's area says, centred on the mesh."""
     centre = surface.points.mean(axis=0)
     # The area says the size in every pose; a wrinkled or noisy mesh has too much of it, hence the bounds.
@@ -248,7 +249,7 @@ def _spread_subset(template: Template, count: int, rng: np.random.Generator) -> 
 
 def _sample(
     vertices: np.ndarray, faces: np.ndarray, count: int, rng: np.random.Generator, cloth: np.ndarray | None = None
-) -> Surface:
+) -> OrientedPoints:
     """Draw points uniformly by area, with their faces' normals; a face with a corner on cloth is cloth."""
     corners = vertices[faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -257,7 +258,7 @@ def _sample(
     u, v = np.sqrt(rng.random((count, 1))), rng.random((count, 1))
     a, b, c = (corners[face, k] for k in range(3))
     hidden = None if cloth is None else cloth[faces[face]].any(axis=1)
-    return Surface((1 - u) * a + u * (1 - v) * b + u * v * c, normal[face] / area[face, None], hidden)
+    return OrientedPoints((1 - u) * a + u * (1 - v) * b + u * v * c, normal[face] / area[face, None], hidden)
 
 
 def _area(vertices: np.ndarray, faces: np.ndarray) -> float:
@@ -276,28 +277,21 @@ def _misfit(model: np.ndarray, model_faces: np.ndarray, vertices: np.ndarray, fa
 
 def _distance(vertices: np.ndarray, faces: np.ndarray, others: np.ndarray, other_faces: np.ndarray) -> float:
     """Give the RMS distance [m] from one surface to another."""
-    import igl
-
     points = _sample(vertices, faces, 4000, np.random.default_rng(0)).points
-    squared = igl.point_mesh_squared_distance(points, others, np.ascontiguousarray(other_faces))[0]
-    return float(np.sqrt(squared.mean()))
+    distance = TriangleSurface(others, other_faces).closest(points).distance
+    return float(np.sqrt((distance**2).mean()))
 
 
 def _body(template: Template, state: State, vertices: np.ndarray, faces: np.ndarray, source: str, rms: float) -> Body:
     """Put the given mesh and the fitted model together; weights come from the model's closest points."""
-    import igl
-
     rest, joints = template.shaped(state.shape)
     floor = np.array([0.0, rest[:, 1].min(), 0.0])
     rest, joints = rest - floor, joints - floor
     world, posed = articulate(state.rotations, joints, state.translation + floor)
     transforms = transforms_of(world, posed, joints)
     model = skin(rest, template.weights, transforms)
-    _, face, closest = igl.point_mesh_squared_distance(vertices, model, template.faces)
-    corner = template.faces[face]
-    share = igl.barycentric_coordinates(closest, *(np.ascontiguousarray(model[corner[:, k]]) for k in range(3)))
-    share = np.clip(share, 0.0, 1.0)
-    weights = np.einsum("nk,nkj->nj", share, template.weights[corner])
+    found = TriangleSurface(model, template.faces).closest(vertices)
+    weights = np.einsum("nk,nkj->nj", found.barycentric, template.weights[template.faces[found.face]])
     front = world[0] @ np.array([0.0, 0.0, 1.0])
     yaw = np.arctan2(front[0], front[2])
     return Body(

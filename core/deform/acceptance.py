@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..measure import self_intersections
+from ..mesh import self_intersections
 from .operators import face_vectors, half_edges, incidence, unit
 from .target_repair import PreparedTarget
 
@@ -50,7 +50,7 @@ def accept_polish(
 def flipped(nodes: np.ndarray, faces: np.ndarray, target: PreparedTarget) -> np.ndarray:
     """Tell which faces point against the target at the point closest to their centre, shape [face_count]."""
     found = target.surface.closest(nodes[faces].mean(axis=1))
-    cosine = (unit(face_vectors(nodes, faces)) * found.of(target.normals, target.surface.faces)).sum(1)
+    cosine = (unit(face_vectors(nodes, faces)) * found.interpolate(target.normals, target.surface.faces)).sum(1)
     return np.zeros(len(faces), dtype=bool) if target.unsigned else cosine < 0
 
 

@@ -6,7 +6,8 @@ import numpy as np
 
 from ..body import Body, BodySurface
 from ..hooks import SILENT, Hooks
-from ..measure import penetration_depth, self_intersections
+from ..measure import penetration_depth
+from ..mesh import self_intersections
 from ..pattern import Garment
 from ..segment import Target
 from .acceptance import accept_polish, crossing, flipped

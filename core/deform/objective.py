@@ -10,11 +10,11 @@ from scipy.spatial import cKDTree
 from torch.nn.functional import normalize
 
 from ..body import BodySurface
+from ..mesh import Closest, TriangleSurface
 from .contour_match import ContourMatch, CurveRows
 from .operators import hinges, vertex_areas
 from .rest_metric import RestMetric
 from .settings import DeformSettings
-from .surface import Surface, SurfacePoints
 from .target_repair import PreparedTarget
 
 BODY_REACH = 0.02
@@ -42,8 +42,8 @@ class Matches:
         body: Nodes near the body, directions out of it, and heights [m] of its tangent planes along them.
     """
 
-    to_target: SurfacePoints
-    to_source: SurfacePoints
+    to_target: Closest
+    to_source: Closest
     source_share: np.ndarray
     contours: CurveRows | None
     body: tuple[np.ndarray, np.ndarray, np.ndarray] | None
@@ -91,7 +91,7 @@ class Objective:
             to_source = _nearest_vertices(target.surface.vertices, nodes, self._array_faces)
             return Matches(to_target, to_source, self._share, self._curves.rows(nodes), self._near)
         to_target = target.surface.closest(nodes)
-        to_source = Surface(nodes, self._array_faces).closest(self._goal.numpy())
+        to_source = TriangleSurface(nodes, self._array_faces).closest(self._goal.numpy())
         share = np.where(target.on_rim(to_target), 0.0, self._share)
         return Matches(to_target, to_source, share, self._curves.rows(nodes), self._near)
 
@@ -115,10 +115,11 @@ class Objective:
     def _data(self, x: torch.Tensor, normal: torch.Tensor, matches: Matches) -> dict[str, torch.Tensor]:
         """Distances both ways (eq. 3.8 or to the surface) and the cosine distance of normals (eq. 4.3)."""
         faces = self._target.surface.faces
-        foot = torch.from_numpy(matches.to_target.of(self._target.surface.vertices, faces))
-        foot_normal = normalize(torch.from_numpy(matches.to_target.of(self._target.normals, faces)), dim=1, eps=1e-12)
+        foot = torch.from_numpy(matches.to_target.foot)
+        foot_normal = torch.from_numpy(matches.to_target.interpolate(self._target.normals, faces))
+        foot_normal = normalize(foot_normal, dim=1, eps=1e-12)
         index = self._faces[torch.from_numpy(matches.to_source.face)]
-        weights = torch.from_numpy(matches.to_source.weights)[..., None]
+        weights = torch.from_numpy(matches.to_source.barycentric)[..., None]
         vertex_normal = torch.zeros_like(x).index_add(0, self._faces.reshape(-1), normal.repeat_interleave(3, 0))
         vertex_normal = normalize(vertex_normal, dim=1, eps=1e-12)
         cover = (x[index] * weights).sum(1)
@@ -189,11 +190,11 @@ def thin_out(vertices: np.ndarray, shares: np.ndarray, width: float) -> tuple[np
     return first, np.bincount(cell.reshape(-1), weights=shares)
 
 
-def _nearest_vertices(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> SurfacePoints:
+def _nearest_vertices(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> Closest:
     """Express each point's nearest vertex as a point of one of its faces."""
-    _, nearest = cKDTree(vertices).query(points)
+    distance, nearest = cKDTree(vertices).query(points)
     face_of = np.zeros(len(vertices), dtype=np.int64)
     face_of[faces] = np.arange(len(faces))[:, None]
     face = face_of[nearest]
-    weights = (faces[face] == nearest[:, None]).astype(np.float64)
-    return SurfacePoints(face, weights)
+    corner = (faces[face] == nearest[:, None]).astype(np.float64)
+    return Closest(vertices[nearest], face, corner, distance)

@@ -8,12 +8,12 @@ from scipy.sparse.linalg import splu
 
 from ..body import BodySurface
 from ..hooks import Hooks
+from ..mesh import TriangleSurface
 from .contour_match import ContourMatch
 from .jacobian_stage import rows_to_jacobians
 from .operators import unit, vertex_areas, vertex_normals
 from .rest_metric import RestMetric
 from .settings import DeformSettings
-from .surface import Surface
 from .target_repair import PreparedTarget
 
 RIGIDITY = (1e-3, 2e-4)
@@ -126,8 +126,8 @@ def _ahead(
 ) -> tuple[sp.csr_matrix, np.ndarray]:
     """Rows that pull nodes to the target."""
     found = target.surface.closest(x)
-    foot = found.of(target.surface.vertices, target.surface.faces)
-    normal = unit(found.of(target.normals, target.surface.faces))
+    foot = found.foot
+    normal = unit(found.interpolate(target.normals, target.surface.faces))
     weight = mass * _gate((normals * normal).sum(1), target.unsigned) * ~target.on_rim(found)
     onto = x + normal * ((foot - x) * normal).sum(1)[:, None]
     return sp.diags(weight * (PLANE + POINT)).tocsr(), weight[:, None] * (PLANE * onto + POINT * foot)
@@ -137,8 +137,8 @@ def _back(
     x: np.ndarray, normals: np.ndarray, faces: np.ndarray, area: np.ndarray, target: PreparedTarget
 ) -> tuple[sp.csr_matrix, np.ndarray]:
     """Rows that pull the garment to the target's vertices."""
-    found = Surface(x, faces).closest(target.surface.vertices)
-    picks = _picks(faces[found.face], found.weights, len(x))
+    found = TriangleSurface(x, faces).closest(target.surface.vertices)
+    picks = found.interpolation(faces, len(x))
     cover, normal = picks @ x, target.normals
     weight = area * _gate((unit(picks @ normals) * normal).sum(1), target.unsigned)
     goal = target.surface.vertices

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..mesh import Closest, TriangleSurface
 from ..segment import Contour, Target, flatten_spikes, smooth_noise
 from .operators import border_edges, half_edges, twins, unit, vertex_areas, vertex_normals
-from .surface import Surface, SurfacePoints
 
 UNSIGNED_SHARE = 0.25
 """Share of normals against the source after the vote above which signs mean nothing. Wrong folds give about 0.05."""
@@ -30,7 +30,7 @@ class PreparedTarget:
         rim_vertices: Whether a vertex lies on such a border, shape [vertex_count].
     """
 
-    surface: Surface
+    surface: TriangleSurface
     normals: np.ndarray
     shares: np.ndarray
     unsigned: bool
@@ -40,11 +40,11 @@ class PreparedTarget:
     rim_edges: np.ndarray
     rim_vertices: np.ndarray
 
-    def on_rim(self, points: SurfacePoints) -> np.ndarray:
+    def on_rim(self, points: Closest) -> np.ndarray:
         """Tell which closest points lie on a rim: there the source covers a hole or reaches beyond a cut."""
-        near = points.weights < 1e-6
+        near = points.barycentric < 1e-6
         on_edge = (near & self.rim_edges[points.face]).any(axis=1)
-        corner = self.surface.faces[points.face, np.argmax(points.weights, axis=1)]
+        corner = self.surface.faces[points.face, np.argmax(points.barycentric, axis=1)]
         return on_edge | ((near.sum(axis=1) == 2) & self.rim_vertices[corner])
 
 
@@ -71,7 +71,7 @@ def prepare_target(
     against = (normals * given).sum(1) < 0
     if noise == 0.0:  # a noisy surface's own normals say nothing about the smoothed one's
         normals[against & ~spikes] *= -1
-    surface = Surface(vertices, target.faces)
+    surface = TriangleSurface(vertices, target.faces)
     turned, unsigned = False, False
     if repair:
         turned, unsigned = vote_orientation(surface, normals, nodes, faces)
@@ -92,10 +92,12 @@ def prepare_target(
     )
 
 
-def vote_orientation(surface: Surface, normals: np.ndarray, nodes: np.ndarray, faces: np.ndarray) -> tuple[bool, bool]:
+def vote_orientation(
+    surface: TriangleSurface, normals: np.ndarray, nodes: np.ndarray, faces: np.ndarray
+) -> tuple[bool, bool]:
     """Decide whether the target's normals are reversed as a whole, and whether their signs mean anything."""
     own = vertex_normals(nodes, faces)
-    cosine = (own * unit(surface.closest(nodes).of(normals, surface.faces))).sum(axis=1)
+    cosine = (own * unit(surface.closest(nodes).interpolate(normals, surface.faces))).sum(axis=1)
     reversed_ = bool(cosine.mean() < 0)
     share = float(((-cosine if reversed_ else cosine) < 0).mean())
     # signs may also disagree between neighbours: then they average out at the closest points

@@ -12,7 +12,7 @@ from scipy.sparse.linalg import splu
 from scipy.spatial.transform import Rotation
 
 from ..body import PARENTS, Body, BodySurface, skin, unskin, weights_at
-from ..measure import self_intersections
+from ..mesh import self_intersections
 from ..simulate import push_out
 from .flow import flow_out
 from .follow import FollowSettings, Lookup, Threads, follow, undo_crossings

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..measure import self_intersections
+from ..mesh import self_intersections
 from .follow import Lookup, Threads, undo_crossings
 
 STEP = 2e-3

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from ..measure import self_intersections
+from ..mesh import self_intersections
 from ..pattern import Garment
 from .layers import HalfSpaces, find_layers
 

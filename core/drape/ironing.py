@@ -6,7 +6,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from ..measure import self_intersections
+from ..mesh import self_intersections
 from .follow import FollowSettings, Lookup, Threads, follow
 
 ROUNDS = 6

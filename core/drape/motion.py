@@ -9,6 +9,7 @@ import numpy as np
 
 from ..body import Body
 from ..hooks import SILENT, Hooks
+from ..mesh import TriangleSurface
 from ..pattern import Garment, mesh_pattern
 from ..segment import Target
 from ..simulate import Drape, Fabric, SteadyRotation
@@ -147,8 +148,6 @@ def describe_motion(rotation: SteadyRotation) -> str:
 
 def miss(garment: Garment, target: Target) -> float:
     """Give the root mean square distance [m] between two surfaces by their vertices, the worse of both ways."""
-    import igl
-
     ways = ((garment.nodes, target.vertices, target.faces), (target.vertices, garment.nodes, garment.faces))
-    squares = [igl.point_mesh_squared_distance(points, nodes, faces)[0].mean() for points, nodes, faces in ways]
+    squares = [(TriangleSurface(nodes, faces).closest(points).distance ** 2).mean() for points, nodes, faces in ways]
     return float(np.sqrt(max(squares)))

@@ -34,7 +34,7 @@ CAVITY = 14.0
 
 
 @dataclass(frozen=True)
-class Surface:
+class ColouredMesh:
     """Hold a mesh with its colours.
 
     Attributes:
@@ -76,7 +76,7 @@ def aim(points: np.ndarray, rotation: np.ndarray, width: int, height: int, margi
     return Camera(rotation, 0.5 * (low + high), float(scale), width, height)
 
 
-def draw(surfaces: Sequence[Surface], camera: Camera) -> np.ndarray:
+def draw(surfaces: Sequence[ColouredMesh], camera: Camera) -> np.ndarray:
     """Draw surfaces together, shaded from both sides.
 
     Args:
@@ -108,7 +108,7 @@ def png_base64(pixels: np.ndarray) -> str:
     return base64.b64encode(buffer.getvalue()).decode("ascii")
 
 
-def _paint(surface: Surface, camera: Camera, depth: np.ndarray, colour: np.ndarray, normal: np.ndarray) -> None:
+def _paint(surface: ColouredMesh, camera: Camera, depth: np.ndarray, colour: np.ndarray, normal: np.ndarray) -> None:
     """Draw one surface's colour and normal into the buffers wherever it is nearest."""
     if len(surface.faces) == 0:
         return

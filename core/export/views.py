@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..measure import closest_points
+from ..mesh import TriangleSurface
 from ..recovery import Recovery
-from .picture import Surface, aim, draw, png_base64
+from .picture import ColouredMesh, aim, draw, png_base64
 
 WIDTH = 480
 """Width of a picture [pixel]: three fit side by side on a page and stay sharp in print."""
@@ -59,16 +59,16 @@ def render_views(recovery: Recovery) -> tuple[tuple[View, ...], float]:
         The rows, and the end of the error map's colour bar [mm].
     """
     scan, body, faces = recovery.scan, recovery.body, recovery.garment.faces
-    distance, _ = closest_points(recovery.detail, scan.vertices, scan.faces)
+    distance = TriangleSurface(scan.vertices, scan.faces).closest(recovery.detail).distance
     millimetres = 1e3 * distance
     end = float(np.ceil(max(LEAST_RANGE_MM, float(np.quantile(millimetres, 0.99)))))
-    person = Surface(body.vertices, body.faces, SKIN)
-    scanned = Surface(scan.vertices, scan.faces, SCANNED if scan.colours is None else scan.colours)
-    result = Surface(recovery.detail, faces, CLOTH)
-    error = Surface(recovery.detail, faces, colour_of(np.minimum(millimetres / end, 1.0)))
+    person = ColouredMesh(body.vertices, body.faces, SKIN)
+    scanned = ColouredMesh(scan.vertices, scan.faces, SCANNED if scan.colours is None else scan.colours)
+    result = ColouredMesh(recovery.detail, faces, CLOTH)
+    error = ColouredMesh(recovery.detail, faces, colour_of(np.minimum(millimetres / end, 1.0)))
     shown = [scanned, result, error]
     if recovery.simulation is not None:
-        shown.append(Surface(recovery.simulation, faces, DRAPED))
+        shown.append(ColouredMesh(recovery.simulation, faces, DRAPED))
     both = np.concatenate([recovery.target.vertices, recovery.detail])
     low, high = both.min(axis=0), both.max(axis=0)
     aspect = (high[1] - low[1]) / max(float(np.hypot(high[0] - low[0], high[2] - low[2])), 1e-6)

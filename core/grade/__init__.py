@@ -16,7 +16,7 @@ from .flattening import (
 from .grading import GradeSettings, Grading, grade_pattern, move_pattern, step_without_folds
 from .isometry import Isometry, IsometrySettings
 from .proportion import Proportions, find_proportions
-from .registration import RegistrationSettings, Surface, register_coarsely
+from .registration import RegistrationSettings, register_coarsely
 from .sliding import SlideSettings, slide_seams, solve_isometry
 from .strain import believed_strain, hidden_folds
 
@@ -30,7 +30,6 @@ __all__ = [
     "Proportions",
     "RegistrationSettings",
     "SlideSettings",
-    "Surface",
     "TemplateMissing",
     "believed_strain",
     "choose_template",

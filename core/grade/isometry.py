@@ -9,12 +9,13 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..body import Body
+from ..mesh import ClosedCurve, TriangleSurface
 from ..pattern import Garment, Pattern, find_symmetry, map_controls
 from ..segment import Target, name_contours
 from .flattening import narrow_panels, seam_rows, solve_sewn, uv_gradient
 from .grading import GradeSettings, move_pattern, step_without_folds
 from .proportion import Proportions, find_proportions
-from .registration import Surface
+from .registration import match_surface
 
 if TYPE_CHECKING:
     from ..simulate import Solver, Topology
@@ -77,8 +78,7 @@ class Isometry:
 
     Attributes:
         goal: The target.
-        borders: Nodes of each open contour, and the target's contour or, where it is not trusted, their own place [m],
-            shape [k, 3].
+        borders: Nodes of each open contour, and the target's contour or, where it is not trusted, their own place [m].
         strain: U, shape [face_count, 2, 2].
         free: Control points (x0, y0, ...) by effective ones, shape [2 point_count, effective_count].
         proportions: Rules to keep.
@@ -89,8 +89,8 @@ class Isometry:
         settings: How.
     """
 
-    goal: Surface
-    borders: tuple[tuple[np.ndarray, np.ndarray], ...]
+    goal: TriangleSurface
+    borders: tuple[tuple[np.ndarray, ClosedCurve], ...]
     strain: np.ndarray
     free: np.ndarray
     proportions: Proportions
@@ -129,13 +129,13 @@ class Isometry:
             loop = garment.nodes[contour.vertices]
             if other is not None and other.trusted:
                 loop = target.vertices[other.vertices]
-            borders.append((contour.vertices, loop))
+            borders.append((contour.vertices, ClosedCurve(loop)))
         free = find_symmetry(like).matrix.toarray()
         # any triangle will do: only which nodes share a face counts, and flat faces may be slivers
         some = np.broadcast_to(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), (len(garment.faces), 3, 2))
         topology = Topology.from_mesh(garment.faces, some, len(garment.nodes))
         return cls(
-            goal=Surface(target.vertices, target.faces),
+            goal=TriangleSurface(target.vertices, target.faces),
             borders=tuple(borders),
             strain=strain,
             free=free,
@@ -194,21 +194,23 @@ class Isometry:
         """Give what holds the nodes on the target: each one's block, [n, 3, 3], and right side, shape [n, 3]."""
         chosen, nodes, count = self.settings, garment.nodes, len(garment.nodes)
         mass = np.bincount(garment.faces.ravel(), np.repeat(area / 3.0, 3), minlength=count)
-        face, foot, seen = self.goal.closest(nodes, Surface(nodes, garment.faces).normals, chosen.facing)
+        own = TriangleSurface(nodes, garment.faces).vertex_normals
+        found, seen = match_surface(self.goal, nodes, own, chosen.facing)
         for line, _ in self.borders:
             seen[line] = False
-        normal = self.goal.face_normals[face]
+        normal = self.goal.face_normals[found.face]
         blocks = (np.where(seen, mass, 0.0) / chosen.surface**2)[:, None, None] * normal[:, :, None] * normal[:, None]
-        pulled = np.einsum("vij,vj->vi", blocks, foot)
+        pulled = np.einsum("vij,vj->vi", blocks, found.foot)
         still = mass / chosen.reach**2
         blocks += still[:, None, None] * np.eye(3)
         pulled += still[:, None] * nodes
         for line, loop in self.borders:
-            place, tangent = _closest_on_loop(nodes[line], loop)
+            near = loop.closest(nodes[line])
+            tangent = loop.tangents[near.segment]
             across = np.eye(3) - (1.0 - chosen.along) * tangent[:, :, None] * tangent[:, None]
             across *= (mass[line] / chosen.border**2)[:, None, None]
             blocks[line] += across
-            pulled[line] += np.einsum("vij,vj->vi", across, place)
+            pulled[line] += np.einsum("vij,vj->vi", across, near.foot)
         return blocks, pulled
 
     def _solve_pattern(self, pattern: Pattern, matrix: np.ndarray, right: np.ndarray, area: float) -> np.ndarray:
@@ -245,13 +247,3 @@ def _uv_of_nodes(garment: Garment) -> sp.csr_matrix:
     count = len(garment.uv)
     ones = (np.ones(count), (np.arange(count), garment.uv_node))
     return sp.csr_matrix(ones, shape=(count, len(garment.nodes)))
-
-
-def _closest_on_loop(points: np.ndarray, loop: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Give the closest points on a closed polyline [m] and its unit tangents there, shape [n, 3] each."""
-    side = np.roll(loop, -1, axis=0) - loop
-    length = np.maximum((side * side).sum(1), 1e-18)
-    share = np.clip(((points[:, None] - loop) * side).sum(2) / length, 0.0, 1.0)
-    feet = loop + share[..., None] * side
-    nearest = ((points[:, None] - feet) ** 2).sum(2).argmin(1)
-    return feet[np.arange(len(points)), nearest], (side / np.sqrt(length)[:, None])[nearest]

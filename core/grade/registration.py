@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import igl
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from ..hooks import SILENT, Hooks
+from ..mesh import ClosedCurve, Closest, TriangleSurface
 from ..pattern import Garment
 from ..segment import Target
 from .parts import find_parts
@@ -64,24 +64,24 @@ def register_coarsely(
     start = garment.nodes
     stiffness, mass = bending_operators(garment, settings.across_seams)
     pins, pinned = _pin_contours(garment, target, settings)
-    goal = Surface(target.vertices, target.faces)
+    goal = TriangleSurface(target.vertices, target.faces)
     picked = np.linspace(0, len(goal.vertices) - 1, min(settings.samples, len(goal.vertices))).astype(np.int64)
     # The picked points stand for the whole target, weighted so that it has the garment's area.
-    share = goal.areas[picked] * (mass.sum() / goal.areas[picked].sum())
+    share = goal.vertex_areas[picked] * (mass.sum() / goal.vertex_areas[picked].sum())
     # A hundredth of the first pull to stay in place: the system keeps full rank where nothing is matched at all.
     fixed = stiffness + sp.diags(pins + 0.01 * mass / settings.reach_first**4)
     moved = start.copy()
     for step, reach in enumerate(np.geomspace(settings.reach_first, settings.reach_last, settings.steps)):
         hooks.progress("grade", 0.8 * step / settings.steps, "registering")
-        here = Surface(moved, garment.faces)
-        face, foot, seen = goal.closest(moved, here.normals, settings.facing)
-        out = goal.face_normals[face]
+        here = TriangleSurface(moved, garment.faces)
+        found, seen = match_surface(goal, moved, here.vertex_normals, settings.facing)
+        out = goal.face_normals[found.face]
         weight = np.where(seen & (pins == 0), mass, 0.0) / reach**4
         # What sees nothing beyond a border that nothing holds stays about where it is, or it would be thrown far out.
         still = np.where(seen | (pins > 0), 0.0, mass) / reach**4
-        lead = moved - start + out * (out * (foot - moved)).sum(1)[:, None]
-        face, foot, seen = here.closest(goal.vertices[picked], goal.normals[picked], settings.facing)
-        on_faces = here.interpolation(face, foot)
+        lead = moved - start + out * (out * (found.foot - moved)).sum(1)[:, None]
+        found, seen = match_surface(here, goal.vertices[picked], goal.vertex_normals[picked], settings.facing)
+        on_faces = found.interpolation(here.faces, len(moved))
         pull = np.where(seen, share, 0.0) / reach**4
         system = fixed + sp.diags(weight + still) + on_faces.T @ sp.diags(pull) @ on_faces
         right = weight[:, None] * lead + still[:, None] * (moved - start) + pins[:, None] * pinned
@@ -104,49 +104,16 @@ def _pin_contours(garment: Garment, target: Target, settings: RegistrationSettin
     return pins, pinned
 
 
-class Surface:
-    """Answer closest-point queries on a mesh as it stands.
+def match_surface(
+    surface: TriangleSurface, points: np.ndarray, normals: np.ndarray, facing: float
+) -> tuple[Closest, np.ndarray]:
+    """Find closest points, and whether each counts: not at an open edge, and its face's normal alike.
 
-    Attributes:
-        vertices, faces: The mesh.
-        face_normals, normals: Unit normals of faces and vertices.
-        areas: A third of the areas around each vertex [m2].
+    At an open edge a closest point means that the surface ends, not that it is near.
     """
-
-    def __init__(self, vertices: np.ndarray, faces: np.ndarray) -> None:
-        self.vertices = np.ascontiguousarray(vertices, dtype=np.float64)
-        self.faces = np.ascontiguousarray(faces, dtype=np.int64)
-        corners = self.vertices[self.faces]
-        cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        double = np.linalg.norm(cross, axis=1)
-        self.face_normals = cross / np.maximum(double, 1e-12)[:, None]
-        self.areas = np.bincount(self.faces.ravel(), np.repeat(double / 6, 3), minlength=len(vertices))
-        normals = np.zeros_like(self.vertices)
-        np.add.at(normals, self.faces.ravel(), np.repeat(cross, 3, axis=0))
-        self.normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-        self._rim = np.isin(self.faces, open_edges(self.faces)).sum(axis=1) > 1
-        self._tree = igl.AABB()
-        self._tree.init(self.vertices, self.faces)
-
-    def closest(
-        self, points: np.ndarray, normals: np.ndarray, facing: float
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Find each point's closest face and point, and whether it counts: not at an open edge, and facing alike.
-
-        At an open edge a closest point means that the surface ends, not that it is near.
-        """
-        _, face, foot = self._tree.squared_distance(self.vertices, self.faces, np.ascontiguousarray(points))
-        face = np.asarray(face).reshape(-1)
-        alike = (self.face_normals[face] * normals).sum(1) > facing
-        return face, np.asarray(foot), alike & ~self._rim[face]
-
-    def interpolation(self, face: np.ndarray, foot: np.ndarray) -> sp.csr_matrix:
-        """Give the barycentric matrix of points on faces, shape [point_count, vertex_count]."""
-        a, b, c = (self.vertices[self.faces[face, k]] for k in range(3))
-        weights = igl.barycentric_coordinates(foot, a, b, c)
-        rows = np.repeat(np.arange(len(face)), 3)
-        shape = (len(face), len(self.vertices))
-        return sp.csr_matrix((np.nan_to_num(weights).ravel(), (rows, self.faces[face].ravel())), shape)
+    found = surface.closest(points)
+    alike = (surface.face_normals[found.face] * normals).sum(1) > facing
+    return found, alike & ~surface.border_faces[found.face]
 
 
 def match_loop(source: np.ndarray, target: np.ndarray, samples: int = 128) -> tuple[np.ndarray, np.ndarray]:
@@ -158,13 +125,14 @@ def match_loop(source: np.ndarray, target: np.ndarray, samples: int = 128) -> tu
     Returns:
         Points on the target [m], shape [source_count, 3], and the length [m] that each source point stands for.
     """
-    share, lengths = _shares(source)
+    own, other = ClosedCurve(source), ClosedCurve(target)
     grid = np.arange(samples) / samples
-    a, b = _at(source, grid), _at(target, grid)
+    a, b = own.at_shares(grid), other.at_shares(grid)
     a, b = a - a.mean(0), b - b.mean(0)
     costs = [((a - np.roll(b, -shift, axis=0)) ** 2).sum() for shift in range(samples)]
     start = int(np.argmin(costs)) / samples
-    return _at(target, share + start), (lengths + np.roll(lengths, 1)) / 2
+    place = other.at_shares(own.arc[:-1] / own.arc[-1] + start)
+    return place, (own.lengths + np.roll(own.lengths, 1)) / 2
 
 
 def bending_operators(garment: Garment, across: float = 1.0) -> tuple[sp.csr_matrix, np.ndarray]:
@@ -209,17 +177,3 @@ def open_edges(faces: np.ndarray) -> np.ndarray:
     edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     edges, counts = np.unique(edges, axis=0, return_counts=True)
     return np.asarray(edges[counts == 1])
-
-
-def _shares(loop: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Give each point's share 0..1 of a closed curve's length, and the length of the piece after it [m]."""
-    lengths = np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1)
-    return np.concatenate([[0.0], np.cumsum(lengths)[:-1]]) / lengths.sum(), lengths
-
-
-def _at(loop: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Give points [m] at shares of a closed curve's length, any real share."""
-    known, _ = _shares(loop)
-    closed = np.concatenate([loop, loop[:1]])
-    known = np.concatenate([known, [1.0]])
-    return np.stack([np.interp(share % 1.0, known, closed[:, k]) for k in range(3)], axis=1)

@@ -5,7 +5,6 @@ from .contours import carry_contours
 from .damage import DAMAGES, Damage
 from .fit import measure_distance, measure_fit
 from .gates import PRODUCTS, judge, overall, product_of
-from .intersections import self_intersections
 from .knowledge import measure_knowledge
 from .matching import PanelPair, is_same_cut, match_panels
 from .packs import Pack, read_packs, read_true_mesh, read_true_pattern
@@ -16,7 +15,7 @@ from .patterns import (
     measure_seams,
     unmatched_panels,
 )
-from .surface import closest_points, penetration_depth
+from .surface import penetration_depth
 from .true_pattern import TruePanel, TruePattern, TrueSeam
 from .truth import measure_fabric, measure_recovery
 from .turning import turning_distance
@@ -33,7 +32,6 @@ __all__ = [
     "TrueSeam",
     "carry_contours",
     "chamfer_and_normals",
-    "closest_points",
     "is_same_cut",
     "judge",
     "match_panels",
@@ -51,7 +49,6 @@ __all__ = [
     "read_packs",
     "read_true_mesh",
     "read_true_pattern",
-    "self_intersections",
     "turning_distance",
     "unmatched_panels",
 ]

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..body import face_normals
-from .surface import project_points, sample_surface
+from ..mesh import TriangleSurface
 
 SAMPLES_PER_SITE = 40
 """Surface samples per mesh vertex when a triangulation is imitated: the floor then comes out some 10 % above that of a
@@ -77,18 +76,18 @@ def _spread(
     vertices: np.ndarray, faces: np.ndarray, count: int, generator: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
     """Spread points evenly over a surface by Lloyd's sweeps; give them and their normals."""
-    samples, face = sample_surface(vertices, faces, SAMPLES_PER_SITE * count, generator)
+    surface = TriangleSurface(vertices, faces)
+    samples, face = surface.sample(SAMPLES_PER_SITE * count, generator)
     sites = samples[generator.permutation(len(samples))[:count]]
     for _ in range(LLOYD_ITERATIONS):
         _, owner = cKDTree(sites).query(samples)
         size = np.bincount(owner, minlength=count)
         mean = np.stack([np.bincount(owner, samples[:, k], count) for k in range(3)], axis=1)
         sites = np.where(size[:, None] > 0, mean / np.maximum(size, 1)[:, None], sites)
-    sites = project_points(sites, vertices, faces)
-    normals, _ = face_normals(vertices, faces)
+    sites = surface.closest(sites).foot
     _, corners = cKDTree(sites).query(samples, k=min(3, count))
     corner = np.asarray(corners).reshape(-1)
-    share = np.repeat(normals[face], len(corner) // len(samples), axis=0)
+    share = np.repeat(surface.face_normals[face], len(corner) // len(samples), axis=0)
     total = np.stack([np.bincount(corner, share[:, k], count) for k in range(3)], axis=1)
     length = np.linalg.norm(total, axis=1, keepdims=True)
     return sites, np.divide(total, length, out=np.zeros_like(total), where=length > 0.0)

@@ -6,17 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..body import Body, face_normals, vertex_normals
+from ..body import Body, vertex_normals
+from ..mesh import TriangleSurface, self_intersections
 from ..pattern import Garment
 from ..segment import Contour
 from .chamfer import chamfer_and_normals, meshing_floor, orientation
 from .contours import contour_rms
-from .intersections import self_intersections
 from .surface import (
-    closest_points,
     face_angles,
     penetration_depth,
-    sample_surface,
     stretches,
 )
 
@@ -88,12 +86,9 @@ def measure_distance(
     s2t is from ours to the truth, t2s from the truth to ours: a missing sleeve shows only in t2s.
     """
     generator = np.random.default_rng(seed)
-    ours, _ = sample_surface(vertices, faces, samples, generator)
-    theirs, _ = sample_surface(truth_vertices, truth_faces, samples, generator)
-    distances = {
-        "s2t": closest_points(ours, truth_vertices, truth_faces)[0],
-        "t2s": closest_points(theirs, vertices, faces)[0],
-    }
+    ours, theirs = TriangleSurface(vertices, faces), TriangleSurface(truth_vertices, truth_faces)
+    samples_of = [surface.sample(samples, generator)[0] for surface in (ours, theirs)]
+    distances = {"s2t": theirs.closest(samples_of[0]).distance, "t2s": ours.closest(samples_of[1]).distance}
     found: dict[str, float | None] = {}
     for way, distance in distances.items():
         found[f"surface_rms_mm.{way}"] = MM * float(np.sqrt(np.mean(distance**2)))
@@ -138,10 +133,9 @@ def count_flipped(vertices: np.ndarray, faces: np.ndarray, truth_vertices: np.nd
 
     Which way the truth as a whole is wound is settled by vote first.
     """
-    normals, _ = face_normals(vertices, faces)
-    truth_normals, _ = face_normals(truth_vertices, truth_faces)
-    _, closest = closest_points(vertices[faces].mean(axis=1), truth_vertices, truth_faces)
-    cosines = np.einsum("ij,ij->i", normals, truth_normals[closest])
+    ours, truth = TriangleSurface(vertices, faces), TriangleSurface(truth_vertices, truth_faces)
+    closest = truth.closest(vertices[faces].mean(axis=1)).face
+    cosines = np.einsum("ij,ij->i", ours.face_normals, truth.face_normals[closest])
     return int(np.sum(orientation(cosines) * cosines < 0.0))
 
 

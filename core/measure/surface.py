@@ -1,56 +1,11 @@
-"""Ask a triangle mesh about its surface: normals, samples, closest points, depth inside a body."""
+"""Angles and stretches of a mesh's faces, and its depth inside a body."""
 
 from __future__ import annotations
 
 import igl
 import numpy as np
 
-from ..body import Solid, face_normals
-
-
-def sample_surface(
-    vertices: np.ndarray, faces: np.ndarray, count: int, generator: np.random.Generator
-) -> tuple[np.ndarray, np.ndarray]:
-    """Draw points uniformly by area.
-
-    Args:
-        vertices: Positions [m], shape [vertex_count, 3].
-        faces: Vertex indices, shape [face_count, 3].
-        count: Number of points.
-        generator: The source of chance; the same state gives the same points.
-
-    Returns:
-        The points [m], shape [count, 3], and the face of each, shape [count].
-    """
-    _, areas = face_normals(vertices, faces)
-    cumulative = np.cumsum(areas)
-    # One random number per equal slice of the area: as uniform as independent draws, with less scatter.
-    slices = (np.arange(count) + generator.random(count)) / count * cumulative[-1]
-    face = np.minimum(np.searchsorted(cumulative, slices, side="right"), len(faces) - 1)
-    root = np.sqrt(generator.random(count))[:, None]
-    along = generator.random(count)[:, None]
-    a, b, c = (vertices[faces[face, k]] for k in range(3))
-    return (1.0 - root) * a + root * (1.0 - along) * b + root * along * c, face
-
-
-def closest_points(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Find the exact distance [m] of each point to a surface, shape [point_count], and the closest face of each."""
-    squared, face, _ = igl.point_mesh_squared_distance(
-        np.ascontiguousarray(points, dtype=np.float64),
-        np.ascontiguousarray(vertices, dtype=np.float64),
-        np.ascontiguousarray(faces, dtype=np.int64),
-    )
-    return np.sqrt(np.maximum(squared, 0.0)), face
-
-
-def project_points(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Move each point to the closest point of a surface [m], shape [point_count, 3]."""
-    _, _, closest = igl.point_mesh_squared_distance(
-        np.ascontiguousarray(points, dtype=np.float64),
-        np.ascontiguousarray(vertices, dtype=np.float64),
-        np.ascontiguousarray(faces, dtype=np.int64),
-    )
-    return np.asarray(closest)
+from ..body import Solid
 
 
 def penetration_depth(

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ..mesh import TriangleSurface
 from ..recovery import Recovery
 from ..simulate import Fabric
 from .contours import carry_contours
@@ -13,7 +14,7 @@ from .fit import MM, SURFACE_SAMPLES, measure_fit
 from .matching import is_same_cut
 from .packs import Pack, read_true_mesh, read_true_pattern
 from .patterns import PATTERN_METRICS, measure_pattern, measure_seams, unmatched_panels
-from .surface import closest_points, penetration_depth, sample_surface
+from .surface import penetration_depth
 
 FIT_FAMILIES = ("graded", "sim", "redrape", "surface_rms_mm", "surface_p95_mm", "contour_rms_mm", "gather_ratio_error")
 """First words of metrics whose names depend on the truth: a recovery's own values never stay beside ours."""
@@ -83,8 +84,8 @@ def measure_fabric(fabric: Fabric, truth: Mapping[str, float]) -> dict[str, floa
 def _measure_body(recovery: Recovery, pack: Pack) -> dict[str, float | None]:
     """Hold the detail mesh and the estimated body against the person that is below the cloth in truth."""
     vertices, faces = read_true_mesh(pack, pack.truth_body)
-    points, _ = sample_surface(vertices, faces, BODY_SAMPLES, np.random.default_rng(0))
-    distance, _ = closest_points(points, recovery.body.vertices, recovery.body.faces)
+    points, _ = TriangleSurface(vertices, faces).sample(BODY_SAMPLES, np.random.default_rng(0))
+    distance = TriangleSurface(recovery.body.vertices, recovery.body.faces).closest(points).distance
     return {
         "truth_body_penetration_mm": MM * penetration_depth(recovery.detail, recovery.garment.faces, vertices, faces),
         "truth_body_rms_mm": MM * float(np.sqrt(np.mean(distance**2))),

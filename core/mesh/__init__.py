@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import importlib
+from typing import TYPE_CHECKING, Any
+
 from .connectivity import HalfEdges, adjacency_matrix, find_components
+from .curves import ClosedCurve, CurvePoints, polyline_length, resample_polyline
 from .geometry import (
     area_vectors,
     bending_matrix,
@@ -24,11 +28,28 @@ from .geometry import (
     vertex_areas,
     vertex_normals,
 )
+from .rigid import RigidMotion, fit_rigid
+from .surface import Closest, TriangleSurface, barycentric_coordinates
+
+if TYPE_CHECKING:
+    from .intersections import intersecting_pairs, self_intersections
+
+_LAZY = {
+    "intersecting_pairs": "intersections",
+    "self_intersections": "intersections",
+}
+# Modules with compiled kernels: imported on first use, so that the room itself stays light.
 
 __all__ = [
+    "ClosedCurve",
+    "Closest",
+    "CurvePoints",
     "HalfEdges",
+    "RigidMotion",
+    "TriangleSurface",
     "adjacency_matrix",
     "area_vectors",
+    "barycentric_coordinates",
     "bending_matrix",
     "corner_angles",
     "cotangent_laplacian",
@@ -37,15 +58,27 @@ __all__ = [
     "face_areas",
     "face_normals",
     "find_components",
+    "fit_rigid",
     "gradient_operator",
+    "intersecting_pairs",
     "lump",
     "mean_curvature",
     "polar_rotations",
+    "polyline_length",
     "principal_stretches",
+    "resample_polyline",
     "right_stretch",
+    "self_intersections",
     "shape_gradients",
     "signed_areas",
     "unit",
     "vertex_areas",
     "vertex_normals",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a name's module when the name is first asked for."""
+    if name in _LAZY:
+        return getattr(importlib.import_module(f".{_LAZY[name]}", __name__), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

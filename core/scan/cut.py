@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from . import refusal
-from .repair import Surface, boundary_edges, clean_cut, half_edges
+from .repair import RepairedMesh, boundary_edges, clean_cut, half_edges
 from .scan import Scan
 
 SOFTNESS = 0.008
@@ -30,7 +30,7 @@ def cut_garment(scan: Scan, cloth: np.ndarray) -> Scan:
     """
     field = soften(scan.vertices, scan.faces, cloth)
     vertices, faces, ends, share = _cut_level(scan.vertices, scan.faces, field)
-    surface = Surface(vertices, faces, np.arange(len(vertices)))
+    surface = RepairedMesh(vertices, faces, np.arange(len(vertices)))
     surface = clean_cut(surface) if len(faces) else surface
     if len(surface.faces) == 0:
         raise refusal.LabelUnknown(f"the labels leave no surface of {scan.name}; check --keep.")

@@ -20,7 +20,7 @@ VOTERS = 20000
 
 
 @dataclass(frozen=True)
-class Surface:
+class RepairedMesh:
     """Hold a triangle mesh on its way through the repair.
 
     Attributes:
@@ -40,14 +40,14 @@ class Surface:
         return self.repairs if count == 0 else (*self.repairs, singular if count == 1 else plural.format(count))
 
 
-def repair_surface(vertices: np.ndarray, faces: np.ndarray) -> Surface:
+def repair_surface(vertices: np.ndarray, faces: np.ndarray) -> RepairedMesh:
     """Give a manifold, consistently and outward oriented surface without dust.
 
     Merges duplicate vertices; removes degenerate, doubled and non-manifold faces; orients each piece consistently and
     outward; splits vertices at which separate fans meet; drops stray pieces and unused vertices. A clean mesh comes
     back with the same vertices in the same order and no sentence.
     """
-    surface = Surface(vertices, faces, np.arange(len(vertices)))
+    surface = RepairedMesh(vertices, faces, np.arange(len(vertices)))
     for step in (_merge_duplicates, _drop_degenerate, _drop_crowded, _orient_pieces, _split_fans, _drop_strays):
         surface = step(surface)
         if len(surface.faces) == 0:
@@ -55,12 +55,12 @@ def repair_surface(vertices: np.ndarray, faces: np.ndarray) -> Surface:
     return _turn_outward(_drop_unused(surface))
 
 
-def clean_cut(surface: Surface) -> Surface:
+def clean_cut(surface: RepairedMesh) -> RepairedMesh:
     """Tidy what a cut through a repaired surface leaves: fans that meet in a vertex are split, islands dropped."""
     return _drop_unused(_drop_strays(_split_fans(surface)))
 
 
-def _merge_duplicates(surface: Surface) -> Surface:
+def _merge_duplicates(surface: RepairedMesh) -> RepairedMesh:
     vertices = surface.vertices
     step = MERGE * float(np.linalg.norm(np.ptp(vertices, axis=0))) or 1.0
     keys = np.round((vertices - vertices.min(axis=0)) / step).astype(np.int64)
@@ -73,10 +73,10 @@ def _merge_duplicates(surface: Surface) -> Surface:
     kept = first[order]
     merged = len(vertices) - len(kept)
     notes = surface.note(merged, "Merged 1 duplicate vertex.", "Merged {} duplicate vertices.")
-    return Surface(vertices[kept], rank[np.ravel(inverse)][surface.faces], surface.origin[kept], notes)
+    return RepairedMesh(vertices[kept], rank[np.ravel(inverse)][surface.faces], surface.origin[kept], notes)
 
 
-def _drop_degenerate(surface: Surface) -> Surface:
+def _drop_degenerate(surface: RepairedMesh) -> RepairedMesh:
     faces = surface.faces
     distinct = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
     _, first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
@@ -152,7 +152,7 @@ def label_pieces(count: int, first: np.ndarray, second: np.ndarray) -> tuple[int
     return int(number), labels
 
 
-def _drop_crowded(surface: Surface) -> Surface:
+def _drop_crowded(surface: RepairedMesh) -> RepairedMesh:
     """Keep the two faces of the largest sheet at each edge that three or more faces share."""
     faces = surface.faces
     _, edge = half_edges(faces)
@@ -174,7 +174,7 @@ def _drop_crowded(surface: Surface) -> Surface:
     return replace(surface, faces=faces[~dropped], repairs=notes)
 
 
-def _orient_pieces(surface: Surface) -> Surface:
+def _orient_pieces(surface: RepairedMesh) -> RepairedMesh:
     """Make the faces of each piece agree, and turn the minority (by area).
 
     On the double cover each face is there twice, as it is and turned; a link joins the versions of two faces that
@@ -200,7 +200,7 @@ def _orient_pieces(surface: Surface) -> Surface:
     return replace(surface, faces=np.where(turned[:, None], faces[:, ::-1], faces), repairs=notes)
 
 
-def _split_fans(surface: Surface) -> Surface:
+def _split_fans(surface: RepairedMesh) -> RepairedMesh:
     """Give each fan of faces around a vertex a vertex of its own.
 
     A corner of a face and the corner of the next face around the vertex are one where both faces share an edge and
@@ -230,7 +230,7 @@ def _split_fans(surface: Surface) -> Surface:
     copies = kept[again]
     cut = int((~opposite).sum())
     notes = surface.note(len(copies), "Split 1 non-manifold vertex.", "Split {} non-manifold vertices.")
-    surface = Surface(
+    surface = RepairedMesh(
         np.concatenate([surface.vertices, surface.vertices[copies]]),
         place[rank][label].reshape(-1, 3),
         np.concatenate([surface.origin, surface.origin[copies]]),
@@ -239,7 +239,7 @@ def _split_fans(surface: Surface) -> Surface:
     return replace(surface, repairs=surface.note(cut, "Cut 1 one-sided edge.", "Cut {} one-sided edges."))
 
 
-def _drop_strays(surface: Surface) -> Surface:
+def _drop_strays(surface: RepairedMesh) -> RepairedMesh:
     first, second, _ = _twins(surface.faces)
     number, piece = label_pieces(len(surface.faces), first // 3, second // 3)
     if number == 1:
@@ -250,13 +250,13 @@ def _drop_strays(surface: Surface) -> Surface:
     return replace(surface, faces=surface.faces[kept[piece]], repairs=notes)
 
 
-def _drop_unused(surface: Surface) -> Surface:
+def _drop_unused(surface: RepairedMesh) -> RepairedMesh:
     used = np.unique(surface.faces)
     if len(used) == len(surface.vertices):
         return surface
     index = np.zeros(len(surface.vertices), np.int64)
     index[used] = np.arange(len(used))
-    return Surface(surface.vertices[used], index[surface.faces], surface.origin[used], surface.repairs)
+    return RepairedMesh(surface.vertices[used], index[surface.faces], surface.origin[used], surface.repairs)
 
 
 def boundary_edges(faces: np.ndarray) -> np.ndarray:
@@ -298,7 +298,7 @@ def enclosed_volume(vertices: np.ndarray, faces: np.ndarray) -> float:
     return volume / 6.0
 
 
-def _turn_outward(surface: Surface) -> Surface:
+def _turn_outward(surface: RepairedMesh) -> RepairedMesh:
     """Turn each piece that encloses a negative volume once its openings are closed."""
     first, second, _ = _twins(surface.faces)
     number, piece = label_pieces(len(surface.faces), first // 3, second // 3)

@@ -6,7 +6,7 @@ import pytest
 import trimesh
 from everyday_body import everyday_body
 from garmentq.core.body import JOINTS, Body, NotHuman, builtin_body, register_body, rest_body, skin, vertex_normals
-from garmentq.core.body.fit import Fitter, Stage, State, Surface
+from garmentq.core.body.fit import Fitter, OrientedPoints, Stage, State
 from garmentq.core.body.registration import RegistrationSettings
 from garmentq.core.body.template import load_template, rotations_of
 from garmentq.core.errors import Cancelled
@@ -72,7 +72,7 @@ def test_derivatives_by_pose_and_shape_agree_with_differences() -> None:
     """A wrong column in the Jacobian sends a limb or the shape astray in every fit."""
     rng = np.random.default_rng(0)
     subset = np.arange(0, len(TEMPLATE.vertices), 250)
-    fitter = Fitter(TEMPLATE, subset, Surface(np.zeros((1, 3)), np.array([[0.0, 1.0, 0.0]])))
+    fitter = Fitter(TEMPLATE, subset, OrientedPoints(np.zeros((1, 3)), np.array([[0.0, 1.0, 0.0]])))
     state = State(rng.normal(0, 1, 6), rotations_of(rng.normal(0, 0.4, (24, 3))), rng.normal(0, 1, 3))
     _, _, moved, world, posed = fitter._place(state)
     turn, shape = fitter._turn_slopes(moved, world, posed), fitter._shape_slopes(6, world)
@@ -98,7 +98,7 @@ def test_a_fit_from_the_true_state_stays_there() -> None:
     state = State(body.parameters["shape"], np.tile(np.eye(3), (24, 1, 1)), np.zeros(3))
     rest, _ = TEMPLATE.shaped(state.shape)
     normals = vertex_normals(rest, TEMPLATE.faces)
-    fitter = Fitter(TEMPLATE, subset, Surface(rest, normals))
+    fitter = Fitter(TEMPLATE, subset, OrientedPoints(rest, normals))
     after = fitter.fit(state, Stage(3, 0.01, 0.03, True, 60))
     rest_after, _ = TEMPLATE.shaped(after.shape)
     assert np.abs(rest_after - rest).max() < 0.003

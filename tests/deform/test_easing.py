@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from garmentq.core.deform.easing import HIGHEST, LOWEST, ease_stretch, iron_crossings
 from garmentq.core.deform.operators import gradient_operator
-from garmentq.core.measure import self_intersections
+from garmentq.core.mesh import self_intersections
 
 
 @pytest.fixture(scope="module")

@@ -8,17 +8,16 @@ import igl
 import numpy as np
 import pytest
 from garmentq.core.deform.contour_match import sample_curve
-from garmentq.core.deform.surface import Surface, closest_on_curve
 from garmentq.core.deform.target_repair import flatten_spikes, match_contours, prepare_target
-from garmentq.core.measure import self_intersections
+from garmentq.core.mesh import ClosedCurve, TriangleSurface, self_intersections
 
 
 def test_closest_points_are_those_of_libigl_in_float64(scene):
     """Breaks if barycentric coordinates and the foot point disagree."""
     _, target, _ = scene
     points = np.random.default_rng(0).normal(size=(200, 3)) * 0.1 + [0.1, 0.95, 0.1]
-    surface = Surface(target.vertices, target.faces)
-    foot = surface.closest(points).of(surface.vertices, surface.faces)
+    surface = TriangleSurface(target.vertices, target.faces)
+    foot = surface.closest(points).interpolate(surface.vertices, surface.faces)
     squared, _, _ = igl.point_mesh_squared_distance(points, target.vertices, target.faces)
     assert np.allclose(np.linalg.norm(foot - points, axis=1), np.sqrt(squared), atol=1e-12)
 
@@ -26,11 +25,12 @@ def test_closest_points_are_those_of_libigl_in_float64(scene):
 def test_curve_samples_are_even_and_closest_points_exact():
     """Breaks if the last edge of a closed curve is lost, or the parameter runs backwards."""
     square = np.array([[0, 0, 0], [0.3, 0, 0], [0.3, 0.1, 0], [0, 0.1, 0]], dtype=float)
-    _, _, samples = sample_curve(square)
+    curve = ClosedCurve(square)
+    samples = sample_curve(curve).foot
     gap = np.linalg.norm(np.roll(samples, -1, axis=0) - samples, axis=1)
     assert np.median(gap) == pytest.approx(0.8 / len(samples)) and gap.max() < 1.001 * 0.8 / len(samples)
-    segment, along = closest_on_curve(np.array([[-0.05, 0.025, 0.2]]), square, np.roll(square, -1, axis=0))
-    assert segment[0] == 3 and along[0] == pytest.approx(0.75)
+    found = curve.closest(np.array([[-0.05, 0.025, 0.2]]))
+    assert found.segment[0] == 3 and found.along[0] == pytest.approx(0.75)
 
 
 def test_spikes_are_flattened_and_sound_vertices_stay(scene):

@@ -8,7 +8,7 @@ from garmentq.core.body import builtin_body
 from garmentq.core.drape import follow, lay_threads, measure_wearer, size_template
 from garmentq.core.drape.layers import find_layers
 from garmentq.core.drape.shell import THICKNESS, Shell
-from garmentq.core.measure import self_intersections
+from garmentq.core.mesh import self_intersections
 from garmentq.core.pattern import BodyMeasures, Edge, Garment, Panel, Pattern, load_template, mesh_pattern, panel_area
 from scipy.spatial import cKDTree
 

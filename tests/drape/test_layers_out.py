@@ -9,7 +9,7 @@ from garmentq.core.drape.follow import FollowSettings, Threads, undo_crossings
 from garmentq.core.drape.ironing import iron_crossings
 from garmentq.core.drape.layers import find_layers
 from garmentq.core.drape.stance import spread_legs
-from garmentq.core.measure import self_intersections
+from garmentq.core.mesh import self_intersections
 
 
 def lattice(count: int, step: float) -> tuple[np.ndarray, np.ndarray]:

@@ -20,7 +20,7 @@ from garmentq.core.drape import (
 )
 from garmentq.core.drape.follow import follow
 from garmentq.core.drape.stage import look_up
-from garmentq.core.measure import self_intersections
+from garmentq.core.mesh import self_intersections
 from garmentq.core.pattern import Garment, list_templates, load_template, mesh_pattern
 from garmentq.core.simulate import push_out
 

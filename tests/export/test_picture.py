@@ -8,7 +8,7 @@ import io
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.export.picture import Surface, aim, draw, png_base64
+from garmentq.core.export.picture import ColouredMesh, aim, draw, png_base64
 from garmentq.core.export.views import STOPS, colour_of
 from PIL import Image
 
@@ -16,10 +16,10 @@ FRONT = np.eye(3)
 RED, BLUE = np.array([0.9, 0.1, 0.1]), np.array([0.1, 0.1, 0.9])
 
 
-def ball(centre: tuple[float, float, float], colour: np.ndarray, radius: float = 0.2) -> Surface:
+def ball(centre: tuple[float, float, float], colour: np.ndarray, radius: float = 0.2) -> ColouredMesh:
     """Give a ball."""
     mesh = trimesh.creation.icosphere(subdivisions=4, radius=radius)
-    return Surface(np.array(mesh.vertices) + centre, np.array(mesh.faces, dtype=np.int64), colour)
+    return ColouredMesh(np.array(mesh.vertices) + centre, np.array(mesh.faces, dtype=np.int64), colour)
 
 
 def test_a_ball_covers_its_disk() -> None:
@@ -50,7 +50,7 @@ def test_cloth_is_lit_from_both_sides_and_up_is_up() -> None:
     one = ball((0.0, 0.0, 0.0), np.array([0.5, 0.5, 0.5]))
     camera = aim(one.vertices, FRONT, 80, 80)
     picture = draw([one], camera)
-    turned = draw([Surface(one.vertices, one.faces[:, ::-1], one.colours)], camera)
+    turned = draw([ColouredMesh(one.vertices, one.faces[:, ::-1], one.colours)], camera)
     assert np.abs(picture.astype(int) - turned.astype(int)).max() <= 1
     assert picture[20, 30, :3].mean() > picture[60, 50, :3].mean() + 40  # the key light stands above, at the left
 

@@ -12,8 +12,8 @@ from garmentq.core.errors import Cancelled
 from garmentq.core.fit import Descent, DescentProblem, InverseSettings, descend, find_held, fit_inverse, move_pattern
 from garmentq.core.fit.adam import Adam
 from garmentq.core.fit.losses.range import STIFFNESSES
-from garmentq.core.grade import Surface
 from garmentq.core.hooks import Arrays, Hooks
+from garmentq.core.mesh import TriangleSurface
 from garmentq.core.pattern import Garment, Pattern, find_symmetry, load_template, mesh_pattern, seam_mismatch
 from garmentq.core.segment import Target, name_contours
 from garmentq.core.segment.loop import find_loops
@@ -216,11 +216,8 @@ def test_the_whole_method_on_a_body() -> None:
     found = fit_inverse(worn, target, template, fabric, wearer, vertex_count=300, settings=settings)
     assert found.simulation.shape == found.graded.shape == found.garment.nodes.shape
     assert {contour.name for contour in found.garment.contours} == {"waist", "hem"}
-    surface = Surface(target.vertices, target.faces)
-    away = [
-        np.linalg.norm(surface.closest(nodes, np.zeros_like(nodes), -2.0)[1] - nodes, axis=1)
-        for nodes in (found.graded, found.simulation)
-    ]
+    surface = TriangleSurface(target.vertices, target.faces)
+    away = [surface.closest(nodes).distance for nodes in (found.graded, found.simulation)]
     # The whole of the misfit, for a fold or two of the target's may be missed.
     assert np.square(away[1]).mean() < 0.4 * np.square(away[0]).mean()
     assert found.descent.losses.min() < 0.2 * found.descent.losses[0]

@@ -12,7 +12,8 @@ from garmentq.core.measure import carry_contours, measure_distance, measure_fit,
 from garmentq.core.measure.chamfer import chamfer_and_normals, meshing_floor
 from garmentq.core.measure.contours import contour_rms, loop_rms
 from garmentq.core.measure.fit import count_flipped
-from garmentq.core.measure.surface import face_angles, sample_surface, stretches
+from garmentq.core.measure.surface import face_angles, stretches
+from garmentq.core.mesh import TriangleSurface
 from garmentq.core.segment import Contour, find_loops
 
 
@@ -65,8 +66,9 @@ def test_samples_are_uniform_by_area_and_seeded() -> None:
     """Fails if small triangles got as many samples as large ones, or the seed did not fix them."""
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [3, 0, 0], [6, 0, 0], [3, 3, 0]], dtype=float)
     faces = np.array([[0, 1, 2], [3, 4, 5]])
-    points, face = sample_surface(vertices, faces, 20000, np.random.default_rng(3))
-    again, _ = sample_surface(vertices, faces, 20000, np.random.default_rng(3))
+    surface = TriangleSurface(vertices, faces)
+    points, face = surface.sample(20000, np.random.default_rng(3))
+    again, _ = surface.sample(20000, np.random.default_rng(3))
     assert np.array_equal(points, again)
     assert np.mean(face == 1) == pytest.approx(0.9, abs=0.001)
     assert points[face == 1].mean(axis=0) == pytest.approx(vertices[3:].mean(axis=0), abs=0.02)

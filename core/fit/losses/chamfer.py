@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...grade import Surface
+from ...mesh import TriangleSurface
 from ...pattern import Garment
 
 FOLD = 0.025
@@ -39,7 +39,7 @@ class ChamferLoss:
         shares: a, shape [node_count].
     """
 
-    goal: Surface
+    goal: TriangleSurface
     weights: np.ndarray
     goal_shares: np.ndarray
     faces: np.ndarray
@@ -48,8 +48,8 @@ class ChamferLoss:
     @classmethod
     def of(cls, garment: Garment, vertices: np.ndarray, faces: np.ndarray, curvature: float = 1.0) -> ChamferLoss:
         """Prepare for a garment's mesh and a target's surface; `curvature` is c, 0 for the plain distance."""
-        goal = Surface(vertices, faces)
-        share = goal.areas / goal.areas.sum()
+        goal = TriangleSurface(vertices, faces)
+        share = goal.vertex_areas / goal.vertex_areas.sum()
         weights = 1.0 + curvature * np.minimum(FOLD * mean_curvature(goal.vertices, goal.faces), STEEPEST)
         weights = weights / float(share @ weights)
         return cls(goal, weights, share, garment.faces, flat_shares(garment))
@@ -60,19 +60,18 @@ class ChamferLoss:
         The closest points move with the nodes, but the distance is stationary in them (envelope theorem): the gradient
         is exact wherever the closest points are unique.
         """
-        face, foot, _ = self.goal.closest(nodes, np.zeros_like(nodes), -2.0)
-        away = nodes - foot
-        corners = self.goal.faces[face]
-        reach = ((self.goal.vertices[corners] - foot[:, None]) ** 2).sum(2)
-        weight = self.shares * self.weights[corners[np.arange(len(face)), reach.argmin(1)]]
+        found = self.goal.closest(nodes)
+        away = nodes - found.foot
+        corners = self.goal.faces[found.face]
+        reach = ((self.goal.vertices[corners] - found.foot[:, None]) ** 2).sum(2)
+        weight = self.shares * self.weights[corners[np.arange(len(nodes)), reach.argmin(1)]]
         value = float(weight @ (away**2).sum(1))
         gradient = 2.0 * weight[:, None] * away
-        ours = Surface(nodes, self.faces)
-        face, foot, _ = ours.closest(self.goal.vertices, np.zeros_like(self.goal.vertices), -2.0)
-        missing = foot - self.goal.vertices
+        found = TriangleSurface(nodes, self.faces).closest(self.goal.vertices)
+        missing = found.foot - self.goal.vertices
         weight = self.goal_shares * self.weights
         value += float(weight @ (missing**2).sum(1))
-        gradient += ours.interpolation(face, foot).T @ (2.0 * weight[:, None] * missing)
+        gradient += found.interpolation(self.faces, len(nodes)).T @ (2.0 * weight[:, None] * missing)
         return value, gradient
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...grade import Surface
+from ...mesh import TriangleSurface
 from ...pattern import Garment
 from .chamfer import flat_shares
 
@@ -26,17 +26,18 @@ class PlaneLoss:
         shares: a, shape [node_count].
     """
 
-    goal: Surface
+    goal: TriangleSurface
     shares: np.ndarray
 
     @classmethod
     def of(cls, garment: Garment, vertices: np.ndarray, faces: np.ndarray) -> PlaneLoss:
         """Prepare for a garment's mesh and a target's surface."""
-        return cls(Surface(vertices, faces), flat_shares(garment))
+        return cls(TriangleSurface(vertices, faces), flat_shares(garment))
 
     def evaluate(self, nodes: np.ndarray) -> tuple[float, np.ndarray]:
         """Give L [m2] and dL/dx [m], shape [node_count, 3]; exact where the nearest face stays the same."""
-        face, foot, inside = self.goal.closest(nodes, np.zeros_like(nodes), -2.0)
-        normal = self.goal.face_normals[face]
-        height = np.where(inside, (normal * (nodes - foot)).sum(1), 0.0)
+        found = self.goal.closest(nodes)
+        normal = self.goal.face_normals[found.face]
+        inside = ~self.goal.border_faces[found.face]
+        height = np.where(inside, (normal * (nodes - found.foot)).sum(1), 0.0)
         return float(self.shares @ height**2), (2.0 * self.shares * height)[:, None] * normal

@@ -1,0 +1,108 @@
+"""Closed curves and open polylines of any dimension: length, points at equal arc length, closest points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class CurvePoints:
+    """Points (1 - t) x_i + t x_(i+1) of a closed curve.
+
+    Attributes:
+        segment: i, from corner i to the next, shape [n].
+        along: t, 0 to 1, shape [n].
+        foot: The points [m], shape [n, d].
+    """
+
+    segment: np.ndarray
+    along: np.ndarray
+    foot: np.ndarray
+
+
+@dataclass(frozen=True)
+class ClosedCurve:
+    """A closed polygon; its last corner joins its first.
+
+    Attributes:
+        points: Corners in order, the first not repeated [m], shape [corner_count, d].
+    """
+
+    points: np.ndarray
+
+    @cached_property
+    def lengths(self) -> np.ndarray:
+        """Length of the segment from each corner to the next [m], shape [corner_count]."""
+        return np.asarray(np.linalg.norm(self.ends - self.points, axis=1))
+
+    @cached_property
+    def length(self) -> float:
+        """Length of the whole curve [m]."""
+        return float(self.lengths.sum())
+
+    @cached_property
+    def arc(self) -> np.ndarray:
+        """Arc length up to each corner and back to the first [m], from 0, shape [corner_count + 1]."""
+        return np.concatenate([[0.0], np.cumsum(self.lengths)])
+
+    @cached_property
+    def ends(self) -> np.ndarray:
+        """The corner after each [m], shape [corner_count, d]."""
+        return np.roll(self.points, -1, axis=0)
+
+    @cached_property
+    def tangents(self) -> np.ndarray:
+        """Unit vector along each segment, 0 for one without length, shape [corner_count, d]."""
+        side = self.ends - self.points
+        return np.asarray(side / np.maximum(self.lengths, 1e-9)[:, None])
+
+    def resample(self, count: int) -> np.ndarray:
+        """Return `count` points at equal arc length, from the first corner [m], shape [count, d]."""
+        return self._at(np.arange(count) * (self.arc[-1] / count), self.arc)
+
+    def at_shares(self, share: np.ndarray) -> np.ndarray:
+        """Return the points at shares of the arc length, whole turns left out [m], shape [n, d]."""
+        return self._at(share % 1.0, self.arc / self.arc[-1])
+
+    def locate(self, at: np.ndarray) -> CurvePoints:
+        """Find the segments and the points at arc lengths from 0 to `length` [m], shape [n]."""
+        segment = np.minimum(np.searchsorted(self.arc[1:], at), len(self.points) - 1)
+        along = 1 - (self.arc[segment + 1] - at) / np.maximum(self.lengths[segment], 1e-12)
+        return self._points(segment, np.clip(along, 0.0, 1.0))
+
+    def closest(self, points: np.ndarray) -> CurvePoints:
+        """Find the closest point of the curve to each point [m], shape [n, d]; exact."""
+        from .segments import closest_segments
+
+        start, end = (np.ascontiguousarray(corners, dtype=np.float64) for corners in (self.points, self.ends))
+        return self._points(*closest_segments(np.ascontiguousarray(points, dtype=np.float64), start, end))
+
+    def distance(self, points: np.ndarray) -> np.ndarray:
+        """Measure how far points are from the curve [m], shape [n]."""
+        return np.asarray(np.linalg.norm(points - self.closest(points).foot, axis=1))
+
+    def _points(self, segment: np.ndarray, along: np.ndarray) -> CurvePoints:
+        foot = self.points[segment] * (1 - along)[:, None] + self.ends[segment] * along[:, None]
+        return CurvePoints(segment, along, foot)
+
+    def _at(self, wanted: np.ndarray, known: np.ndarray) -> np.ndarray:
+        return interpolate_polyline(wanted, known, np.concatenate([self.points, self.points[:1]]))
+
+
+def polyline_length(line: np.ndarray) -> float:
+    """Measure the length of an open polyline [m], shape [n, d]."""
+    return float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
+
+
+def resample_polyline(line: np.ndarray, count: int) -> np.ndarray:
+    """Return `count` points at equal arc length along an open polyline, both ends included [m], shape [count, d]."""
+    arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    return interpolate_polyline(np.linspace(0.0, arc[-1], count), arc, line)
+
+
+def interpolate_polyline(wanted: np.ndarray, known: np.ndarray, line: np.ndarray) -> np.ndarray:
+    """Interpolate corners, shape [n, d], that stand at ascending parameters `known`, linearly at `wanted`."""
+    return np.stack([np.interp(wanted, known, line[:, k]) for k in range(line.shape[1])], axis=1)

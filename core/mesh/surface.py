@@ -1,0 +1,149 @@
+"""A triangle surface: closest points, normals, areas and samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .connectivity import HalfEdges
+from .geometry import area_vectors, face_areas, lump, unit, vertex_normals
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
+
+
+@dataclass(frozen=True)
+class Closest:
+    """Points of a triangle surface, each the closest one to a query point.
+
+    Attributes:
+        foot: The points [m], shape [n, 3].
+        face: Face of each, shape [n].
+        barycentric: Coordinates in the face, 0 to 1, sum to 1, shape [n, 3].
+        distance: Distance from the query point, not signed [m], shape [n].
+    """
+
+    foot: np.ndarray
+    face: np.ndarray
+    barycentric: np.ndarray
+    distance: np.ndarray
+
+    def interpolate(self, values: np.ndarray, faces: np.ndarray) -> np.ndarray:
+        """Interpolate vertex values, shape [vertex_count, k], linearly at the points, shape [n, k]."""
+        return np.einsum("nk,nkd->nd", self.barycentric, values[faces[self.face]])
+
+    def interpolation(self, faces: np.ndarray, count: int) -> sp.csr_matrix:
+        """Return the matrix of `interpolate` for `count` vertices, shape [n, count]."""
+        import scipy.sparse as sp
+
+        rows = np.repeat(np.arange(len(self.face)), 3)
+        shape = (len(self.face), count)
+        return sp.csr_matrix((self.barycentric.ravel(), (rows, faces[self.face].ravel())), shape)
+
+
+class TriangleSurface:
+    """A triangle mesh that answers queries; search tree, normals and areas are computed when first asked for.
+
+    Attributes:
+        vertices: Positions [m], contiguous float64, shape [vertex_count, 3].
+        faces: Vertex indices, contiguous int64, shape [face_count, 3].
+    """
+
+    def __init__(self, vertices: np.ndarray, faces: np.ndarray) -> None:
+        self.vertices = np.ascontiguousarray(vertices, dtype=np.float64)
+        self.faces = np.ascontiguousarray(faces, dtype=np.int64)
+
+    @cached_property
+    def half_edges(self) -> HalfEdges:
+        """How the faces join."""
+        return HalfEdges.of(self.faces, len(self.vertices))
+
+    @cached_property
+    def face_normals(self) -> np.ndarray:
+        """Unit face normals, 0 for a face without area, shape [face_count, 3]."""
+        return unit(area_vectors(self.vertices, self.faces))
+
+    @cached_property
+    def face_areas(self) -> np.ndarray:
+        """Face areas [m2], shape [face_count]."""
+        return face_areas(self.vertices, self.faces)
+
+    @cached_property
+    def vertex_normals(self) -> np.ndarray:
+        """Unit area-weighted vertex normals, shape [vertex_count, 3]."""
+        return vertex_normals(self.vertices, self.faces)
+
+    @cached_property
+    def vertex_areas(self) -> np.ndarray:
+        """A third of the area of the faces around each vertex [m2], shape [vertex_count]."""
+        return lump(self.face_areas, self.faces, len(self.vertices))
+
+    @cached_property
+    def border_faces(self) -> np.ndarray:
+        """True for faces with two corners or more on the border, shape [face_count]."""
+        return np.asarray(self.half_edges.border_vertices[self.faces].sum(axis=1) > 1)
+
+    def closest(self, points: np.ndarray) -> Closest:
+        """Find the closest point of the surface to each point [m], shape [n, 3]; exact, by libigl's AABB tree."""
+        points = np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 3)
+        if not len(points):
+            return Closest(np.zeros((0, 3)), np.zeros(0, dtype=np.int64), np.zeros((0, 3)), np.zeros(0))
+        squared, face, foot = self._tree.squared_distance(self.vertices, self.faces, points)
+        foot, face = np.asarray(foot).reshape(-1, 3), np.asarray(face).reshape(-1)
+        distance = np.sqrt(np.maximum(np.asarray(squared).reshape(-1), 0.0))
+        return Closest(foot, face, barycentric_coordinates(foot, self.vertices[self.faces[face]]), distance)
+
+    def sample(self, count: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+        """Draw points uniformly by area.
+
+        One random number for each equal slice of the area: as uniform as independent draws, with less scatter.
+
+        Args:
+            count: Number of points.
+            rng: The same state of it draws the same points.
+
+        Returns:
+            The points [m], shape [count, 3], and the face of each, shape [count].
+        """
+        cumulative = np.cumsum(self.face_areas)
+        slices = (np.arange(count) + rng.random(count)) / count * cumulative[-1]
+        face = np.minimum(np.searchsorted(cumulative, slices, side="right"), len(self.faces) - 1)
+        root = np.sqrt(rng.random(count))[:, None]
+        along = rng.random(count)[:, None]
+        a, b, c = (self.vertices[self.faces[face, k]] for k in range(3))
+        return (1.0 - root) * a + root * (1.0 - along) * b + root * along * c, face
+
+    @cached_property
+    def _tree(self) -> Any:
+        import igl
+
+        tree = igl.AABB()
+        tree.init(self.vertices, self.faces)
+        return tree
+
+
+def barycentric_coordinates(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Compute barycentric coordinates, clipped to the triangle, of points in its plane.
+
+    Equation: p = a + u (b - a) + v (c - a), solved by the 2 x 2 normal equations; coordinates (1 - u - v, u, v).
+
+    Args:
+        points: Positions [m], shape [n, 3].
+        corners: The triangle of each point [m], shape [n, 3, 3].
+
+    Returns:
+        Shape [n, 3]; the first corner's for a triangle without area.
+    """
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    offset = points - corners[:, 0]
+    a, b, c = (first * first).sum(1), (first * second).sum(1), (second * second).sum(1)
+    p, q = (first * offset).sum(1), (second * offset).sum(1)
+    determinant = np.maximum(a * c - b * b, 1e-30)
+    u = np.clip((c * p - b * q) / determinant, 0.0, 1.0)
+    v = np.clip((a * q - b * p) / determinant, 0.0, 1.0)
+    over = np.maximum(u + v, 1.0)
+    u, v = u / over, v / over
+    return np.stack([1 - u - v, u, v], axis=1)
