@@ -15,6 +15,7 @@ from typing import IO
 import numpy as np
 
 from ..errors import BadInput
+from ..npy import read_array
 from .body import PARENTS, Body
 from .skinning import skin
 from .template import articulate, rotations_of, transforms_of
@@ -100,28 +101,23 @@ def _read(path: Path) -> dict[str, np.ndarray]:
             for name in (*NEEDED, *(name for name in GIVEN if name in names)):
                 with archive.open(f"{name}.npy") as entry:
                     found[name] = _read_array(entry, name, path.name)
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+    except SmplBad:
+        raise
+    except Exception as error:  # zipfile, zlib, lzma and numpy's header reader fail in any way on a hostile file
         raise SmplBad(f"{path.name} cannot be read: {str(error)[:100]}. {SmplBad().message}") from error
     return _check(found, path.name)
 
 
 def _read_array(file: IO[bytes], name: str, of: str) -> np.ndarray:
     """Read one array of numbers after its header; objects and more values than a body has are refused."""
-    version = np.lib.format.read_magic(file)
-    if version not in ((1, 0), (2, 0)):
-        raise SmplBad(f"{of}: {name} is of an unknown version of the format. {SmplBad().message}")
-    header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-    shape, is_fortran, kind = header(file)
-    count = int(np.prod(shape, dtype=object))
-    if kind.hasobject or kind.kind not in "iuf":
-        raise SmplBad(f"{of}: {name} holds {kind}, not numbers (a sparse J_regressor must be saved dense).")
-    if count > LARGEST * 3 * 400:
-        raise SmplBad(f"{of}: {name} has the shape {shape}, too large for a body.")
-    content = file.read(count * kind.itemsize)
-    if len(content) != count * kind.itemsize:
-        raise SmplBad(f"{of}: {name} is shorter than its header says; save the file again.")
-    values = np.frombuffer(content, dtype=kind).reshape(shape, order="F" if is_fortran else "C")
-    return np.ascontiguousarray(values, dtype=np.float64)
+
+    def judge(shape: tuple[int, ...], kind: np.dtype) -> None:
+        if kind.hasobject or kind.kind not in "iuf":
+            raise SmplBad(f"{of}: {name} holds {kind}, not numbers (a sparse J_regressor must be saved dense).")
+        if int(np.prod(shape, dtype=object)) > LARGEST * 3 * 400:
+            raise SmplBad(f"{of}: {name} has the shape {shape}, too large for a body.")
+
+    return np.ascontiguousarray(read_array(file, judge), dtype=np.float64)
 
 
 def _check(found: dict[str, np.ndarray], name: str) -> dict[str, np.ndarray]:

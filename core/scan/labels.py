@@ -9,6 +9,7 @@ from typing import IO, Any
 
 import numpy as np
 
+from ..npy import read_array
 from . import refusal
 from .limits import Limits
 from .parse import LABELS
@@ -43,11 +44,11 @@ def read_labels(path: Path, key: str | None = None, limits: Limits | None = None
         return _check(reader(path, key, limits), path.name)
     except refusal.LabelsUnreadable:
         raise
-    except (ValueError, TypeError, KeyError, EOFError, OSError, OverflowError, RecursionError, MemoryError) as error:
-        words = (str(error) or type(error).__name__).splitlines()[0][:120]
-        raise refusal.LabelsUnreadable(f"{path.name} cannot be read as labels: {words}; save them again.") from error
     except zipfile.BadZipFile as error:
         raise refusal.LabelsUnreadable(f"{path.name} is no .npz archive; save the labels again.") from error
+    except Exception as error:  # zipfile, zlib, lzma and numpy's header reader fail in any way on a hostile file
+        words = (str(error) or type(error).__name__).splitlines()[0][:120]
+        raise refusal.LabelsUnreadable(f"{path.name} cannot be read as labels: {words}; save them again.") from error
 
 
 def _read_npz(path: Path, key: str | None, limits: Limits) -> np.ndarray:
@@ -63,21 +64,16 @@ def _read_npy(path: Path, key: str | None, limits: Limits) -> np.ndarray:
 
 
 def _read_array(file: IO[bytes], limits: Limits, name: str) -> np.ndarray:
-    """Read one array, after its header: a hostile one declares more than there is, or objects."""
-    version = np.lib.format.read_magic(file)
-    if version not in ((1, 0), (2, 0)):
-        raise refusal.LabelsUnreadable(f"{name} is of an unknown version of the format; save the labels again.")
-    read_header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-    shape, _, kind = read_header(file)
-    if kind.hasobject or kind.kind not in "iubU" or kind.itemsize > 4 * WORD:
-        raise refusal.LabelsUnreadable(f"{name} holds {kind}; labels are integers or short words, never objects.")
-    if len([side for side in shape if side != 1]) > 1 or not 0 < int(np.prod(shape, dtype=object)) <= limits.count:
-        raise refusal.LabelsUnreadable(f"{name} has the shape {shape}; give one label per vertex of the scan.")
-    count = int(np.prod(shape))
-    content = file.read(count * kind.itemsize)
-    if len(content) != count * kind.itemsize:
-        raise refusal.LabelsUnreadable(f"{name} is shorter than its header says; save the labels again.")
-    return np.frombuffer(content, dtype=kind)
+    def judge(shape: tuple[int, ...], kind: np.dtype) -> None:
+        count = int(np.prod(shape, dtype=object))
+        if kind.hasobject or kind.kind not in "iubU" or kind.itemsize > 4 * WORD:
+            raise refusal.LabelsUnreadable(f"{name} holds {kind}; labels are integers or short words, never objects.")
+        if len([side for side in shape if side != 1]) > 1 or not 0 < count <= limits.count:
+            raise refusal.LabelsUnreadable(f"{name} has the shape {shape}; give one label per vertex of the scan.")
+        if count * kind.itemsize > limits.file_bytes:
+            raise refusal.LabelsUnreadable(f"{name} holds more than {limits.file_bytes >> 20} MiB; number the labels.")
+
+    return read_array(file, judge).ravel()
 
 
 def _read_json(path: Path, key: str | None, limits: Limits) -> np.ndarray:

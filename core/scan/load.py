@@ -3,29 +3,19 @@
 from __future__ import annotations
 
 import hashlib
-import json
-import os
-import subprocess
-import sys
-import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from ..body import is_smpl, load_smpl, vertex_normals
-from ..errors import BadInput
 from . import refusal
 from .header import Declared, check_header
 from .limits import Limits
+from .parse import parse_file
 from .scan import Scan
 from .units import AXES, check_choice, check_size, find_units, find_up, possible_units, to_metres
 
-_REFUSED = 3
-"""Exit status of the parser for a file that it refuses (`parse.REFUSED`)."""
-_CODES = {
-    kind.code: kind for kind in vars(refusal).values() if isinstance(kind, type) and issubclass(kind, BadInput)
-}  # fmt: skip
 NEAR = 0.5
 """A worn garment stays within this distance of the body [m]; a flared hem hangs at most so far from the legs."""
 DEEP = 0.03
@@ -183,7 +173,7 @@ def _read(path: Path, limits: Limits) -> _Mesh:
     declared = check_header(path, limits)
     with path.open("rb") as file:
         sha256 = hashlib.file_digest(file, "sha256").hexdigest()
-    arrays = _parse(path, declared.format, limits)
+    arrays = parse_file(path, declared.format, limits)
     vertices, faces = arrays["vertices"], arrays["faces"]
     _check_arrays(path.name, vertices, faces, declared, limits)
     from .repair import repair_surface
@@ -204,39 +194,6 @@ def _read(path: Path, limits: Limits) -> _Mesh:
         origin=surface.origin,
         count=len(vertices),
     )
-
-
-def _parse(path: Path, form: str, limits: Limits) -> dict[str, np.ndarray]:
-    """Parse a file in a process of its own, and read back plain arrays."""
-    bounds = [str(limits.memory_bytes), str(limits.cpu_seconds), str(limits.output_bytes)]
-    one_thread = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-    with tempfile.TemporaryDirectory(prefix="garmentq-parse-") as folder:
-        target = Path(folder) / "arrays.npz"
-        command = [sys.executable, "-m", "garmentq.core.scan.parse", str(path.resolve()), form, str(target), *bounds]
-        try:
-            done = subprocess.run(
-                command,
-                stdin=subprocess.DEVNULL,
-                capture_output=True,
-                timeout=limits.wall_seconds,
-                env={**os.environ, **one_thread},
-                check=False,
-            )
-        except subprocess.TimeoutExpired as error:
-            raise refusal.LimitsExceeded(
-                f"{path.name}: reading took more than {limits.wall_seconds:g} s; decimate the mesh first."
-            ) from error
-        if done.returncode == _REFUSED:
-            answer = json.loads(done.stdout)
-            kind = _CODES.get(answer["code"], refusal.Unreadable)
-            raise kind(f"{path.name} cannot be read: {answer['message']}; export the mesh again.")
-        if done.returncode != 0:
-            raise refusal.LimitsExceeded(
-                f"{path.name}: the reader was stopped (status {done.returncode}) by its limits of "
-                f"{limits.memory_bytes >> 20} MiB and {limits.cpu_seconds} s; decimate the mesh first."
-            )
-        with np.load(target, allow_pickle=False) as archive:
-            return {name: archive[name] for name in archive.files}
 
 
 def _check_arrays(name: str, vertices: np.ndarray, faces: np.ndarray, declared: Declared, limits: Limits) -> None:

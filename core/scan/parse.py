@@ -1,59 +1,63 @@
-"""The program that parses one untrusted file in its own process: `python -m garmentq.core.scan.parse IN FORMAT OUT`.
-
-It sets its own limits before it opens the file, writes arrays without pickle, and answers by its exit status: 0, or
-`REFUSED` with one JSON object {"code", "message"} on its standard output.
-"""
+"""Parse one untrusted file into plain arrays; where the process is not limited already, in one that is."""
 
 from __future__ import annotations
 
-import json
-import resource
-import sys
+import tempfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-REFUSED = 3
+from ..errors import BadInput
+from ..limited import call_limited, is_memory_short
+from . import refusal
+from .limits import Limits
+
 LABELS = ("label", "labels", "is_garment", "segment", "segment_id", "class")
 """Names under which scanners and labelling tools keep an integer per vertex in a PLY, in any case."""
 SCALAR = "scalar_"
 """What CloudCompare puts before the name of a scalar field, which it writes as floats."""
 
 
-class Broken(Exception):
-    """The content is wrong in a way that has a code of its own."""
+def parse_file(path: Path, form: str, limits: Limits) -> dict[str, np.ndarray]:
+    """Parse a file under its limits.
 
-    def __init__(self, code: str, message: str) -> None:
-        super().__init__(message)
-        self.code = code
+    Args:
+        path: The file.
+        form: One of `header.FORMATS`.
+        limits: What parsing may cost.
+
+    Raises:
+        BadInput: where the content cannot be read, or costs too much.
+    """
+    if limits.is_confined:
+        return _parse_or_refuse(path, form)
+    with tempfile.TemporaryDirectory(prefix="garmentq-parse-") as folder:
+        target = Path(folder) / "arrays.npz"
+        names = {"source": str(path.resolve()), "form": form, "target": str(target)}
+        call_limited(f"{__name__}:write_arrays", names, limits)
+        with np.load(target, allow_pickle=False) as archive:
+            return {name: archive[name] for name in archive.files}
 
 
-def main(arguments: list[str]) -> int:
-    """Parse one file under the limits given as memory, CPU seconds and output bytes; give the exit status."""
-    source, form, target, memory, seconds, output = arguments
-    resource.setrlimit(resource.RLIMIT_AS, (int(memory), int(memory)))
-    resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 1))
-    resource.setrlimit(resource.RLIMIT_FSIZE, (int(output), int(output)))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+def write_arrays(source: str, form: str, target: str) -> dict[str, Any]:
+    """Parse a file and write its arrays without pickle; runs in a limited process."""
+    np.savez(target, **_parse_or_refuse(Path(source), form))  # type: ignore[arg-type]
+    return {}
+
+
+def _parse_or_refuse(path: Path, form: str) -> dict[str, np.ndarray]:
+    """Parse a file; a parser fails in any way on a hostile one, and the user gets one line of it."""
     try:
-        arrays = parse(Path(source), form)
-        np.savez(target, **arrays)  # type: ignore[arg-type]
-    except (MemoryError, ImportError):
-        # A library that cannot be mapped into what is left of the address space fails as an import.
-        return _answer("scan.limits", "it needs more memory than allowed")
-    except Broken as error:
-        return _answer(error.code, str(error))
+        return parse(path, form)
+    except BadInput as error:
+        error.message = f"{path.name} cannot be read: {error.message}; export the mesh again."
+        raise
     except Exception as error:
-        # A parser fails in any way on a hostile file; the user gets one line of it.
+        if is_memory_short(error):
+            raise MemoryError from error
         first = (str(error) or type(error).__name__).strip().split("\n", 1)[0]
-        return _answer("scan.unreadable", first[:160])
-    return 0
-
-
-def _answer(code: str, message: str) -> int:
-    sys.stdout.write(json.dumps({"code": code, "message": message}))
-    return REFUSED
+        raise refusal.Unreadable(f"{path.name} cannot be read: {first[:160]}; export the mesh again.") from error
 
 
 def parse(path: Path, form: str) -> dict[str, np.ndarray]:
@@ -123,7 +127,7 @@ def _parse_glb(path: Path) -> dict[str, np.ndarray]:
         scene = trimesh.load_scene(file, file_type="glb", skip_materials=True, process=False)
     parts = [part for part in scene.dump() if isinstance(part, trimesh.Trimesh) and len(part.faces)]
     if not parts:
-        raise Broken("scan.no_faces", "it holds no triangles")
+        raise refusal.NoFaces("it holds no triangles")
     offsets = np.cumsum([0, *(len(part.vertices) for part in parts)])
     arrays = {
         "vertices": np.concatenate([np.asarray(part.vertices, np.float64) for part in parts]),
@@ -151,19 +155,15 @@ def _parse_obj(path: Path) -> dict[str, np.ndarray]:
                 corners = [int(word.split("/", 1)[0]) for word in line.split("#", 1)[0].split()[1:]]
                 corners = [index - 1 if index > 0 else len(rows) + index if index < 0 else -1 for index in corners]
                 if len(corners) < 3:
-                    raise Broken("scan.indices", "a face has fewer than three corners")
+                    raise refusal.IndicesBroken("a face has fewer than three corners")
                 if min(corners) < 0:
-                    raise Broken("scan.indices", f"face '{line.strip()[:60]}' refers to a vertex that does not exist")
+                    raise refusal.IndicesBroken(f"face '{line.strip()[:60]}' refers to a vertex that does not exist")
                 faces += [(corners[0], corners[i], corners[i + 1]) for i in range(1, len(corners) - 1)]
     width = min((len(row) for row in rows), default=3)
     if width < 3:
-        raise Broken("scan.unreadable", "a vertex has fewer than three coordinates")
+        raise refusal.Unreadable("a vertex has fewer than three coordinates")
     table = np.array([row[: 6 if width == 6 else 3] for row in rows], np.float64).reshape(len(rows), -1)
     arrays = {"vertices": table[:, :3].copy(), "faces": np.array(faces, np.int64).reshape(-1, 3)}
     if table.shape[1] == 6:
         arrays["colours"] = _as_bytes(table[:, 3:6])
     return arrays
-
-
-if __name__ == "__main__":
-    raise SystemExit(main(sys.argv[1:]))

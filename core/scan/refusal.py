@@ -71,12 +71,6 @@ class Unreadable(BadInput):
     code = "scan.unreadable"
 
 
-class LimitsExceeded(BadInput):
-    """Reading the file took more memory or time than allowed; decimate the mesh first."""
-
-    code = "scan.limits"
-
-
 class NoFaces(BadInput):
     """The file holds no triangles; reconstruct a surface from its points (Poisson reconstruction) and give that."""
 

@@ -198,15 +198,21 @@ def test_checks_after_parsing_refuse(tmp_path, case):
 
 
 @pytest.mark.parametrize(
-    "limits", [Limits(memory_bytes=48 * 1024**2), Limits(wall_seconds=0.01)], ids=["memory", "wall clock"]
+    ("limits", "code"),
+    [
+        (Limits(memory_bytes=48 * 1024**2), "input.too_large"),
+        (Limits(output_bytes=100), "input.too_large"),
+        (Limits(wall_seconds=0.01), "input.took_too_long"),
+    ],
+    ids=["memory", "written", "wall clock"],
 )
-def test_parser_is_stopped_at_its_limits(tmp_path, limits):
+def test_parser_is_stopped_at_its_limits(tmp_path, limits, code):
     """A parser that needs too much must end in a refusal, not take the machine with it."""
     path = tmp_path / "a.ply"
     path.write_bytes(ascii_ply(V, F))
     with pytest.raises(BadInput) as caught:
         load_scan(path, limits=limits)
-    assert caught.value.code == "scan.limits"
+    assert caught.value.code == code
 
 
 def test_file_size_is_capped(tmp_path):

@@ -1,0 +1,292 @@
+"""Call one function in a process of its own that may use little: how files from outside are read.
+
+The child sees no variable of our environment (no key, no address of a database), runs under limits of memory, CPU time,
+written bytes and open files, without network where the system permits that, and is killed at a deadline. What comes
+back is one JSON object of limited size; larger things are written to a file that the arguments name.
+"""
+
+from __future__ import annotations
+
+import errno
+import importlib
+import json
+import logging
+import os
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import traceback
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, fields
+from typing import Any, TypeVar
+
+from .errors import BadInput, Cancelled, GarmentqError, NotFound
+
+log = logging.getLogger(__name__)
+
+POLL_SECONDS = 0.1
+"""How often the caller is asked whether the child is still wanted [s]."""
+
+OVER = 70
+"""Exit status of a child that ended itself for want of memory."""
+
+ORPHAN_SECONDS = 5
+"""How long a child outlives a deadline at which nobody killed it, since its parent was killed [s]."""
+
+_BOOT = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from {} import answer; answer()"
+_NETWORK, _USER = 0x40000000, 0x10000000
+"""Linux' CLONE_NEWNET and CLONE_NEWUSER."""
+_DIE_WITH_PARENT = 1
+"""Linux' PR_SET_PDEATHSIG."""
+
+
+class InputTooLarge(BadInput):
+    """Reading the file needs more memory or room than it may have; decimate the mesh first."""
+
+    code = "input.too_large"
+
+
+class InputTookTooLong(BadInput):
+    """Reading the file took longer than it may; decimate the mesh, or export it again."""
+
+    code = "input.took_too_long"
+
+
+class ReaderCrashed(BadInput):
+    """The reader broke off at this file; export it again from another program, and report it if that does not help."""
+
+    code = "input.reader_crashed"
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Bound what a limited process may use.
+
+    Attributes:
+        memory_bytes: Address space [bytes]; 4 GiB holds the largest mesh that is read, several times over.
+        cpu_seconds: CPU time [s]; an 80K-vertex scan takes about 2.
+        output_bytes: Largest file it may write [bytes].
+        wall_seconds: Time after which it is killed [s], for one that sleeps instead of computing.
+        answer_bytes: Largest answer [bytes].
+        files: Files it may hold open.
+    """
+
+    memory_bytes: int = 4 * 1024**3
+    cpu_seconds: int = 120
+    output_bytes: int = 2 * 1024**3
+    wall_seconds: float = 240.0
+    answer_bytes: int = 1024**2
+    files: int = 64
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a limited process found.
+
+    Attributes:
+        result: The function's value.
+        cpu_seconds: CPU time of the process, its start included [s].
+        peak_mb: Its largest resident memory [MB].
+    """
+
+    result: dict[str, Any]
+    cpu_seconds: float
+    peak_mb: float
+
+
+def call_limited(
+    function: str,
+    arguments: Mapping[str, Any],
+    bounds: Bounds | None = None,
+    is_stopped: Callable[[], bool] = lambda: False,
+) -> Answer:
+    """Call a function of JSON values in a fresh limited process.
+
+    Args:
+        function: `package.module:name`; it returns a JSON object.
+        arguments: Keyword arguments, JSON values.
+        bounds: What the process may use.
+        is_stopped: Asked now and then; True kills the process.
+
+    Raises:
+        GarmentqError: that the function raised, with its code and message; `BadInput` stays what it is.
+        InputTooLarge, InputTookTooLong, ReaderCrashed: where it met a limit or died.
+        Cancelled: where `is_stopped` said so.
+    """
+    bounds = bounds or Bounds()
+    own = {field.name: getattr(bounds, field.name) for field in fields(Bounds)}
+    paths = json.dumps([path for path in sys.path if os.path.isabs(path)])
+    command = [sys.executable, "-I", "-c", _BOOT.format(__name__), paths]
+    with tempfile.TemporaryDirectory(prefix="garmentq-limited-") as home, tempfile.TemporaryFile() as question:
+        question.write(json.dumps({"function": function, "arguments": arguments, "bounds": own}).encode())
+        question.seek(0)
+        with tempfile.TemporaryFile() as answers, tempfile.TemporaryFile() as said:
+            process = subprocess.Popen(
+                command, stdin=question, stdout=answers, stderr=said, cwd=home, env=_environment(home),
+                start_new_session=True,
+            )  # fmt: skip
+            try:
+                status = _wait(process, bounds.wall_seconds, is_stopped)
+            finally:
+                if process.poll() is None:
+                    with suppress(ProcessLookupError):
+                        os.killpg(process.pid, signal.SIGKILL)
+                    process.wait()
+            answers.seek(0)
+            content = answers.read(bounds.answer_bytes + 1)
+            said.seek(max(0, said.seek(0, os.SEEK_END) - 4000))
+            return _understand(status, content, said.read().decode(errors="replace"), bounds)
+
+
+def _environment(home: str) -> dict[str, str]:
+    """Return the whole environment of a limited process."""
+    threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+    return {"PATH": os.defpath, "LANG": "C.UTF-8", "HOME": home, "TMPDIR": home, **threads}
+
+
+def _wait(process: subprocess.Popen[bytes], seconds: float, is_stopped: Callable[[], bool]) -> int:
+    deadline = time.monotonic() + seconds
+    while True:
+        left = deadline - time.monotonic()
+        if left <= 0:
+            raise InputTookTooLong(f"reading took more than {seconds:g} s; decimate the mesh, or export it again.")
+        try:
+            return process.wait(min(POLL_SECONDS, left))
+        except subprocess.TimeoutExpired:
+            if is_stopped():
+                raise Cancelled() from None
+
+
+def _understand(status: int, content: bytes, said: str, bounds: Bounds) -> Answer:
+    """Return what a process answered, or raise what it reported or died of; nothing that it wrote is believed."""
+    if status in (OVER, -signal.SIGKILL):
+        needed = f"{bounds.memory_bytes >> 20} MiB of memory or {bounds.output_bytes >> 20} MiB written"
+        raise InputTooLarge(f"reading needs more than {needed}; decimate the mesh.")
+    if status == -signal.SIGXCPU:
+        raise InputTookTooLong(f"reading took more than {bounds.cpu_seconds} s of CPU time; decimate the mesh.")
+    try:
+        if status != 0 or len(content) > bounds.answer_bytes:
+            raise ValueError("no answer")
+        found = json.loads(content)
+        if "error" in found:
+            kind, code, message = (str(found["error"][name]) for name in ("kind", "code", "message"))
+        else:
+            result = found["result"]
+            if not isinstance(result, dict):
+                raise ValueError("no object")
+            return Answer(result, float(found["cpu_seconds"]), float(found["peak_mb"]))
+    except (ValueError, TypeError, KeyError, RecursionError):
+        log.error("a limited process ended with status %d:\n%s", status, said)
+        raise ReaderCrashed() from None
+    if code == ReaderCrashed.code:
+        log.error("a limited process failed:\n%s", said)
+    raise _make_error(kind, code, message)
+
+
+_KINDS: dict[str, type[GarmentqError]] = {"bad_input": BadInput, "not_found": NotFound, "fault": GarmentqError}
+
+
+def _make_error(kind: str, code: str, message: str) -> GarmentqError:
+    """Return an error of the class that has the code, where it is loaded here; of its base class elsewhere."""
+    base = _KINDS.get(kind, GarmentqError)
+    chosen = next((each for each in _subclasses(base) if each.code == code), base)
+    error = chosen.__new__(chosen)
+    GarmentqError.__init__(error, message)
+    error.code = code
+    return error
+
+
+T = TypeVar("T", bound=GarmentqError)
+
+
+def _subclasses(kind: type[T]) -> Iterator[type[T]]:
+    for each in kind.__subclasses__():
+        yield each
+        yield from _subclasses(each)
+
+
+def answer() -> None:
+    """Answer the one call that standard input holds: what runs in the limited process."""
+    with os.fdopen(os.dup(1), "w", encoding="utf-8") as out:
+        os.dup2(2, 1)  # what a library prints is no answer
+        question = json.load(sys.stdin)
+        bounds = Bounds(**question["bounds"])
+        _withdraw(bounds)
+        module, _, name = question["function"].partition(":")
+        try:
+            found = {"result": getattr(importlib.import_module(module), name)(**question["arguments"])}
+        except GarmentqError as error:
+            kind = next(kind for kind, base in _KINDS.items() if isinstance(error, base))
+            found = {"error": {"kind": kind, "code": error.code, "message": error.message}}
+        except Exception as error:
+            if is_memory_short(error):
+                os._exit(OVER)
+            traceback.print_exc()
+            found = {"error": {"kind": "bad_input", "code": ReaderCrashed.code, "message": ReaderCrashed().message}}
+        usage = resource.getrusage(resource.RUSAGE_SELF)
+        spent = {"cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_mb": _peak_bytes() / 1e6}
+        json.dump({**found, **spent}, out)
+
+
+def is_memory_short(error: BaseException) -> bool:
+    """Return whether an error is one of memory or room: a library that cannot be mapped fails as an import."""
+    words = str(error).lower()
+    return (
+        isinstance(error, MemoryError)
+        or (isinstance(error, ImportError) and ("allocate memory" in words or "map segment" in words))
+        or (isinstance(error, OSError) and error.errno in (errno.EFBIG, errno.ENOMEM))
+    )
+
+
+def _withdraw(bounds: Bounds) -> None:
+    """Give up what the process does not need, before it looks at any file."""
+    if sys.platform == "linux":
+        import ctypes
+
+        system = ctypes.CDLL(None)
+        system.prctl(_DIE_WITH_PARENT, signal.SIGKILL)
+        _ = system.unshare(_NETWORK) == 0 or system.unshare(_NETWORK | _USER) == 0  # not permitted everywhere
+    signal.alarm(int(bounds.wall_seconds) + ORPHAN_SECONDS)
+    limits = {
+        resource.RLIMIT_FSIZE: bounds.output_bytes,
+        resource.RLIMIT_NOFILE: bounds.files,
+        resource.RLIMIT_CORE: 0,
+    }
+    for name, value in limits.items():
+        _set_limit(name, value)
+    resource.setrlimit(resource.RLIMIT_CPU, (bounds.cpu_seconds, bounds.cpu_seconds + 1))  # the first is told apart
+    limit_memory(bounds.memory_bytes)
+
+
+def _set_limit(name: int, value: int) -> None:
+    hard = resource.getrlimit(name)[1]
+    value = value if hard == resource.RLIM_INFINITY else min(value, hard)
+    resource.setrlimit(name, (value, value))
+
+
+def limit_memory(size: int, by_system: bool = sys.platform != "darwin") -> None:
+    """Limit this process to an address space of `size` bytes, or to as much resident memory where that is not kept.
+
+    macOS takes the limits and does not keep them: there a thread measures and ends the process.
+    """
+    if by_system:
+        for name in (resource.RLIMIT_AS, resource.RLIMIT_DATA):
+            _set_limit(name, size)
+        return
+
+    def measure() -> None:
+        while _peak_bytes() <= size:
+            time.sleep(0.02)
+        os._exit(OVER)
+
+    threading.Thread(target=measure, daemon=True).start()
+
+
+def _peak_bytes() -> int:
+    """Return the largest resident memory so far [bytes]; Linux counts in KiB, macOS in bytes."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
