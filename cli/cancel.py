@@ -24,6 +24,7 @@ def command(jobs: tuple[str, ...], home: Path | None, as_json: bool) -> None:
     """
     from ..service.anywhere import cancel, find_job, open_database
     from ..service.settings import read_settings
+    from ..service.states import State
     from .terminal import note, print_json
 
     database = open_database(read_settings(home=home))
@@ -33,4 +34,4 @@ def command(jobs: tuple[str, ...], home: Path | None, as_json: bool) -> None:
         if as_json:
             print_json({"job": key, "state": state})
         else:
-            note(f"job {key} stops" if state == "running" else f"job {key} is {state}")
+            note(f"job {key} stops" if state == State.RUNNING else f"job {key} is {state}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..core.errors import BadInput, Cancelled, GarmentqError, NotFound
+from ..service.states import State
 
 OK = 0
 FAULT = 1
@@ -35,6 +36,6 @@ def error_status(error: GarmentqError) -> int:
 
 def job_status(state: str, bad_input: bool) -> int:
     """Give the exit status of an ended job."""
-    if state == "failed":
+    if state == State.FAILED:
         return BAD_INPUT if bad_input else FAILED
-    return {"succeeded": OK, "dead": DEAD, "cancelled": CANCELLED}[state]
+    return {State.SUCCEEDED: OK, State.DEAD: DEAD, State.CANCELLED: CANCELLED}[State(state)]

@@ -41,13 +41,13 @@ def command(
       garmentq inspect garment.ply --body body.ply
       garmentq inspect person.ply --labels labels.npz --keep 1
     """
+    from ..core.body import is_builtin
     from ..core.recovery import make_selection
     from ..core.segment import inspect_file
     from ..core.settings import RecoverySettings
-    from ..service.submission import BUILTIN
     from .terminal import print_json, print_table
 
-    wearer: Path | str | None = body if body is None or body.startswith(BUILTIN) else Path(body)
+    wearer: Path | str | None = body if body is None or is_builtin(body) else Path(body)
     chosen = RecoverySettings(
         keep=keep, cloth=cloth, labels_key=labels_key, keep_colour=keep_colour, colour_tolerance=colour_tolerance
     )

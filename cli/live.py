@@ -12,6 +12,7 @@ import click
 
 from ..service.anywhere import ENDED, Place, find_job, find_jobs_by_id, list_jobs, read_queue
 from ..service.models import JobRow
+from ..service.states import State
 from .follow import WaitTimedOut
 from .terminal import show, show_time
 
@@ -107,7 +108,7 @@ def draw_batch(rows: Sequence[JobRow]) -> RenderableType:
     total = sum(1.0 if row.state in ENDED else row.progress for row in rows)
     counts = Counter(row.state for row in rows)
     text = "  ".join(f"{state} {count}" for state, count in sorted(counts.items()))
-    running = [[row.id, row.name, row.stage, round(100 * row.progress)] for row in rows if row.state == "running"]
+    running = [[row.id, row.name, row.stage, round(100 * row.progress)] for row in rows if row.state == State.RUNNING]
     bar = ProgressBar(total=max(1, len(rows)), completed=total, width=60)
     return Group(bar, Text(text), _table(["job", "scan", "stage", "%"], running[:BATCH_ROWS]))
 

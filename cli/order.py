@@ -6,13 +6,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from ..core.body import is_builtin
 from ..core.settings import RecoverySettings
 from ..service.anywhere import Place
 from ..service.database import Database
 from ..service.ordering import FileUnreadable, check_order
 from ..service.settings import ServiceSettings
 from ..service.store import open_store
-from ..service.submission import BUILTIN, Order
+from ..service.submission import Order
 
 __all__ = ["FileUnreadable", "make_order", "split_garments", "typed_order"]
 
@@ -60,7 +61,7 @@ def typed_order(scan: Path, options: dict[str, Any]) -> tuple[Order, str | None]
         cloth=",".join(options.get("cloth", ())) or None,
     )
     body: Path | str | None = options["body"]
-    if isinstance(body, str) and not body.startswith(BUILTIN):
+    if body is not None and not is_builtin(body):
         body = Path(body)
     template = options["template"]
     file = Path(template) if template is not None and Path(template).is_file() else None

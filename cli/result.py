@@ -27,6 +27,7 @@ def command(context: click.Context, job: str, home: Path | None, verbose: bool, 
     """
     from ..service.anywhere import ENDED, ResultMissing, describe_job, find_job, list_files, open_database
     from ..service.settings import read_settings
+    from ..service.states import State
     from .summary import print_result
     from .terminal import print_error, print_json, print_table
 
@@ -39,7 +40,7 @@ def command(context: click.Context, job: str, home: Path | None, verbose: bool, 
     if as_json:
         kept = [{"name": file.name, "sha256": file.sha256, "size": file.size} for file in files]
         print_json({**found, "files": kept})
-    elif row.state == "succeeded":
+    elif row.state == State.SUCCEEDED:
         print_result(found, [], verbose)
         if verbose:
             print_table(["file", "bytes", "sha256"], [[file.name, file.size, file.sha256[:12]] for file in files])

@@ -24,6 +24,7 @@ def command(jobs: tuple[str, ...], home: Path | None, as_json: bool) -> None:
     """
     from ..service.anywhere import find_job, open_database, retry
     from ..service.settings import read_settings
+    from ..service.states import State
     from .terminal import note, print_json
 
     database = open_database(read_settings(home=home))
@@ -31,6 +32,6 @@ def command(jobs: tuple[str, ...], home: Path | None, as_json: bool) -> None:
         key = find_job(database, job).id
         retry(database, key)
         if as_json:
-            print_json({"job": key, "state": "queued"})
+            print_json({"job": key, "state": State.QUEUED})
         else:
             note(f"job {key} is queued")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..service.states import State
 from . import exits
 from .options import home_option, json_option, order_options, timeout_option, verbose_option, workers_option
 
@@ -67,7 +68,7 @@ def command(
         for name in () if is_remote() else ensure_services(settings, workers):
             note(f"started the {name}")
 
-    if any(submitted.state != "succeeded" for submitted in garments):
+    if any(submitted.state != State.SUCCEEDED for submitted in garments):
         keep_up()
     for submitted in garments:
         note(f"job {submitted.job}" + ("" if submitted.is_new else f" (known, {submitted.state})"))
@@ -125,7 +126,7 @@ def wait_and_show(
         return exits.DETACHED
     found = describe_job(database, row)
     files: list[Path] = []
-    if row.state == "succeeded":
+    if row.state == State.SUCCEEDED:
         folder = (out or settings.home / "results" / job).absolute()
         files = export_files(database, open_store(settings), job, folder)
     if as_json:
@@ -134,6 +135,6 @@ def wait_and_show(
         print_result(found, files, verbose)
     if row.error_code:
         print_error(row.error_code, row.error_message or "")
-    elif row.state == "cancelled":
+    elif row.state == State.CANCELLED:
         note(f"job {job} was cancelled")
     return exits.job_status(row.state, row.bad_input)

@@ -9,18 +9,16 @@ from typing import Any
 
 import click
 
+from ..service.states import QUEUES
 from . import exits
 from .options import home_option, json_option, order_options, timeout_option
-
-QUEUES = ("cpu", "gpu")
-"""As `service.submission` has them; named here so that the help needs no database."""
 
 
 @click.command("submit")
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 @order_options
 @click.option("--priority", type=click.IntRange(-100, 100), default=0, show_default=True, help="Larger goes first.")
-@click.option("--queue", type=click.Choice(QUEUES), default="cpu", show_default=True, help="Kind of worker.")
+@click.option("--queue", type=click.Choice(QUEUES), default=QUEUES[0], show_default=True, help="Kind of worker.")
 @click.option("--wait", is_flag=True, help="Wait until every job has ended.")
 @timeout_option
 @home_option

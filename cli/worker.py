@@ -30,7 +30,7 @@ def command(context: click.Context, workers: int | None, embedded: bool, queues:
     from ..service.database import open_database
     from ..service.reaper import is_idle
     from ..service.settings import read_settings
-    from ..service.submission import QUEUES
+    from ..service.states import QUEUES
     from ..workers.broker import start_broker, stop_broker
     from ..workers.embedded import hold_worker_lock
     from ..workers.threads import count_cores

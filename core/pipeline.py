@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from .body import Body, BodyMissing, builtin_body, is_smpl, load_smpl, register_body
+from .body import Body, BodyMissing, builtin_body, is_builtin, is_smpl, load_smpl, register_body
 from .checkpoints import keep_body, keep_drape, kept_body, kept_drape
 from .deform import Deformation, DeformSettings, deform
 from .drape import WearerGeometry, describe_motion, drape_as_scanned, drape_template, redrape
@@ -222,15 +222,10 @@ def read_files(request: Request) -> Pieces:
     return load_pieces(request.scan, given, units=settings.units, up=settings.up, selection=selection)
 
 
-def is_builtin(body: Path | str) -> bool:
-    """Tell a built-in body's specification from a file's path."""
-    return isinstance(body, str) and body.startswith("builtin:")
-
-
 def find_body(request: Request, pieces: Pieces, hooks: Hooks) -> Body:
     """Register the given mesh or the dressed person, read a body of SMPL's format, or make the built-in body."""
     wearer = pieces.wearer
-    if (request.body is not None and is_builtin(request.body)) or wearer is None:
+    if is_builtin(request.body) or wearer is None:
         return builtin_body(str(request.body))
     if request.body is not None and is_smpl(request.body):
         return load_smpl(Path(request.body))

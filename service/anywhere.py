@@ -16,9 +16,9 @@ from ..core.errors import BadInput
 from . import database as rooms
 from . import jobs, keys, query, reaper, results, submission, templates
 from .database import Database
-from .jobs import ENDED
 from .results import ResultMissing
 from .settings import ServiceSettings
+from .states import ENDED
 from .store import Store
 from .submission import Order, Submitted
 

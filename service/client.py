@@ -24,11 +24,12 @@ from urllib.parse import quote
 
 import httpx
 
+from ..core.body import is_builtin
 from ..core.errors import NotFound
 from .connection import TRIES, Connection, ServiceUnreachable
 from .jobs import JobUnknown
 from .store import ArtifactDamaged
-from .submission import BUILTIN, BodyUnreadable, Order, Submitted
+from .submission import BodyUnreadable, Order, Submitted
 
 __all__ = ["Client", "Event", "File", "Job", "Key", "ServiceUnreachable", "Worker"]
 
@@ -137,7 +138,7 @@ class Client:
             "queue": order.queue,
             "force": order.force,
         }
-        if isinstance(order.body, str) and order.body.startswith(BUILTIN):
+        if is_builtin(order.body):
             wanted["body"] = order.body
         elif order.body is not None:
             wanted["body"] = self.upload("bodies", Path(order.body))

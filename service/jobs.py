@@ -1,9 +1,4 @@
-"""The state of a job, and the only functions that change it.
-
-    queued -> running -> succeeded | failed | cancelled
-    running -> queued   (its lease ran out, or its worker was told to stop)
-    running -> dead     (its lease ran out once too often)
-    queued -> cancelled;  failed | dead | cancelled -> queued   (retry)
+"""The only functions that write a job's state; `states.py` has the states and the moves between them.
 
 A worker owns a job from `claim` until the fence of the row differs from the one it was given. Every write of a worker
 carries that fence, so a worker that lost its lease (a zombie) changes nothing. The clock is the database's.
@@ -11,23 +6,35 @@ carries that fence, so a worker that lost its lease (a zombie) changes nothing. 
 
 from __future__ import annotations
 
+import uuid
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
-from sqlalchemy import select, update
+from sqlalchemy import ColumnElement, Update, and_, select, update
 from sqlalchemy.orm import Session
 
+from .. import __version__
 from ..core.errors import BadInput, GarmentqError, NotFound
 from .database import Database, clock
 from .keys import check_quota
 from .models import EventRow, JobRow, OutboxRow
+from .states import ENDED, OPEN, QUEUES, TRANSITIONS, State
 
 IDS_AT_ONCE = 500
 """Values bound in one question; SQLite takes 32 766."""
 
-ENDED = ("succeeded", "failed", "dead", "cancelled")
-"""States that a job does not leave by itself."""
+LOST = "job.worker_lost"
+"""Code of a job whose workers died too often."""
+
+LOSS = "worker_lost"
+"""Event of a process that died under a job."""
+
+FRESH = {
+    "attempts": 0, "cancel": False, "finished": None, "stage": "", "progress": 0.0,
+    "bad_input": False, "error_code": None, "error_message": None,
+}  # fmt: skip
+"""What an ended job that is tried again begins with."""
 
 
 class JobUnknown(NotFound):
@@ -46,6 +53,18 @@ class FenceLost(GarmentqError):
     """Another worker has taken the job over; this one's result is dropped."""
 
     code = "job.fence_lost"
+
+
+class JobSucceeded(BadInput):
+    """The job succeeded, so there is nothing to try again; submit it with --force to compute it once more."""
+
+    code = "job.succeeded"
+
+
+class MoveForbidden(GarmentqError):
+    """A job cannot go from its state to the one asked for; this is a fault of garmentq, please report it."""
+
+    code = "job.move_forbidden"
 
 
 @dataclass(frozen=True)
@@ -87,6 +106,75 @@ def record(session: Session, job: str, kind: str, **data: Any) -> None:
     session.add(EventRow(job=job, at=clock(), kind=kind, data=data))
 
 
+@dataclass(frozen=True)
+class NewJob:
+    """Describe a job that is to be made.
+
+    Attributes:
+        dedup: Hash of what makes it the same job as another.
+        scan: Key of the file that the work goes back to.
+        name: What it is called.
+        request: What to do.
+        priority: Larger goes first.
+        queue: One of `QUEUES`.
+        payer: Id of the API key whose quota it counts for; empty: none.
+    """
+
+    dedup: str
+    scan: str
+    name: str
+    request: dict[str, Any]
+    priority: int = 0
+    queue: str = QUEUES[0]
+    payer: str = ""
+
+
+def create(session: Session, new: NewJob) -> str:
+    """Add a queued job, its first event and its outbox row, and return its id."""
+    job = uuid.uuid4().hex[:12]
+    values = {field.name: getattr(new, field.name) for field in fields(new)}
+    session.add(JobRow(id=job, version=__version__, state=State.QUEUED, touched=clock(), created=clock(), **values))
+    session.flush()
+    record(session, job, "queued")
+    session.add(OutboxRow(job=job, created=clock()))
+    return job
+
+
+def move(
+    session: Session, job: JobRow | Claim, to: State, event: str, note: dict[str, Any] | None = None, **values: Any
+) -> None:
+    """Write a job's new state with all that entering it changes, and the event that tells of it.
+
+    Args:
+        session: A transaction that writes.
+        job: The row, locked in this transaction; or the claim of the worker that runs the job.
+        to: The new state.
+        event: Kind of the event.
+        note: Data of the event.
+        values: Further columns of the row.
+
+    Raises:
+        MoveForbidden: where `TRANSITIONS` does not have the move.
+        FenceLost: where the claim does not hold any more.
+    """
+    source, key = (State.RUNNING, job.job) if isinstance(job, Claim) else (State(job.state), job.id)
+    if to not in TRANSITIONS[source]:
+        raise MoveForbidden(f"job {key} cannot go from {source} to {to}.")
+    values = {"state": to, "touched": clock(), "owner": None, "lease_until": None, **values}
+    if source in ENDED:
+        values |= FRESH
+    if to in ENDED:
+        values["finished"] = clock()
+    if isinstance(job, Claim):
+        write_fenced(session, job, **values)
+    else:
+        for name, value in values.items():
+            setattr(job, name, value)
+    record(session, key, event, **(note or {}))
+    if to == State.QUEUED:
+        session.add(OutboxRow(job=key, created=clock()))
+
+
 def claim(database: Database, job: str, owner: str, lease_seconds: float) -> Claim | None:
     """Take a queued job, or None where it is not to be had: one statement writes owner, lease, attempt and fence."""
     with database.write() as session:
@@ -102,7 +190,7 @@ def claim_next(database: Database, wakeup: str, owner: str, lease_seconds: float
     with database.write() as session:
         best = session.scalars(
             select(JobRow.id)
-            .where(JobRow.state == "queued", JobRow.cancel.is_(False), JobRow.queue == queue)
+            .where(JobRow.state == State.QUEUED, JobRow.cancel.is_(False), JobRow.queue == queue)
             .order_by(JobRow.priority.desc(), JobRow.created, JobRow.id)
             .limit(1)
             .with_for_update(skip_locked=True)
@@ -125,9 +213,7 @@ def renew(database: Database, claim: Claim, lease_seconds: float) -> Pulse:
 def look(database: Database, claim: Claim) -> Pulse:
     """Read the cancel flag without renewing the lease."""
     with database.read() as session:
-        cancel = session.execute(
-            select(JobRow.cancel).where(JobRow.id == claim.job, JobRow.fence == claim.fence, JobRow.state == "running")
-        ).scalar_one_or_none()
+        cancel = session.execute(select(JobRow.cancel).where(_held(claim))).scalar_one_or_none()
     return Pulse(cancel is not None, bool(cancel))
 
 
@@ -159,8 +245,7 @@ def succeed(session: Session, claim: Claim, result: dict[str, Any]) -> None:
     Raises:
         FenceLost: where the job belongs to someone else.
     """
-    write_fenced(session, claim, **_ended("succeeded"), progress=1.0, result=result)
-    record(session, claim.job, "succeeded")
+    move(session, claim, State.SUCCEEDED, "succeeded", progress=1.0, result=result)
 
 
 def fail(database: Database, claim: Claim, code: str, message: str, bad_input: bool) -> None:
@@ -171,8 +256,7 @@ def fail(database: Database, claim: Claim, code: str, message: str, bad_input: b
     """
     with database.write() as session:
         error = {"error_code": code, "error_message": message, "bad_input": bad_input}
-        write_fenced(session, claim, **_ended("failed"), **error)
-        record(session, claim.job, "failed", code=code, message=message)
+        move(session, claim, State.FAILED, "failed", {"code": code, "message": message}, **error)
 
 
 def end_cancelled(database: Database, claim: Claim) -> None:
@@ -182,8 +266,7 @@ def end_cancelled(database: Database, claim: Claim) -> None:
         FenceLost: where the job belongs to someone else.
     """
     with database.write() as session:
-        write_fenced(session, claim, **_ended("cancelled"))
-        record(session, claim.job, "cancelled")
+        move(session, claim, State.CANCELLED, "cancelled")
 
 
 def release(database: Database, claim: Claim) -> None:
@@ -193,9 +276,23 @@ def release(database: Database, claim: Claim) -> None:
         FenceLost: where the job belongs to someone else.
     """
     with database.write() as session:
-        write_fenced(session, claim, attempts=JobRow.attempts - 1, **_queued())
-        record(session, claim.job, "released")
-        session.add(OutboxRow(job=claim.job, created=clock()))
+        move(session, claim, State.QUEUED, "released", attempts=JobRow.attempts - 1)
+
+
+def expire(session: Session, row: JobRow, max_attempts: int) -> None:
+    """Take a job back whose lease ran out: to the queue, or to its end where it was cancelled or lost too often."""
+    note = {"owner": row.owner, "attempt": row.attempts}
+    if row.cancel:
+        move(session, row, State.CANCELLED, "cancelled")
+    elif row.attempts >= max_attempts:
+        message = (
+            f"the worker died in each of {row.attempts} attempts, last in stage "
+            f"'{row.stage or 'start'}'{_tell_loss(session, row)}; "
+            "see the worker's log, then `garmentq retry`."
+        )
+        move(session, row, State.DEAD, "dead", note, error_code=LOST, error_message=message)
+    else:
+        move(session, row, State.QUEUED, "lease_expired", note)
 
 
 def cancel(database: Database, job: str) -> str:
@@ -209,40 +306,31 @@ def cancel(database: Database, job: str) -> str:
     """
     with database.write() as session:
         row = _row(session, job)
-        if row.state == "queued":
-            for name, value in _ended("cancelled").items():
-                setattr(row, name, value)
-            record(session, job, "cancelled")
-        elif row.state == "running" and not row.cancel:
+        if row.state == State.QUEUED:
+            move(session, row, State.CANCELLED, "cancelled")
+        elif row.state == State.RUNNING and not row.cancel:
             row.cancel = True
             record(session, job, "cancel_requested")
         return row.state
 
 
 def retry(database: Database, job: str, key: str = "", quota: int = 0) -> None:
-    """Queue an ended job once more, with all its attempts; what it had checkpointed is used again.
+    """Queue a job that ended without success once more, with all its attempts; what it had checkpointed is used again.
 
     Raises:
         JobUnknown: where there is none of that id.
         JobNotEnded: where it is queued or running.
+        JobSucceeded: where it ended well.
         QueueFull: where the API key that asks has as many open jobs as it may.
     """
     with database.write() as session:
         row = _row(session, job)
-        if row.state not in ENDED:
+        if row.state == State.SUCCEEDED:
+            raise JobSucceeded()
+        if row.state in OPEN:
             raise JobNotEnded(f"job {job} is {row.state}; cancel it first, or wait.")
         check_quota(session, key, quota)
-        requeue(session, row, key)
-        record(session, job, "retried")
-
-
-def requeue(session: Session, row: JobRow, payer: str = "") -> None:
-    """Reset an ended job to queued, with an outbox row; it counts for the key that asks."""
-    row.payer = payer
-    fresh = {"attempts": 0, "cancel": False, "finished": None, "stage": "", "progress": 0.0, "bad_input": False}
-    for name, value in {**_queued(), **fresh, "error_code": None, "error_message": None}.items():
-        setattr(row, name, value)
-    session.add(OutboxRow(job=row.id, created=clock()))
+        move(session, row, State.QUEUED, "retried", payer=key)
 
 
 def find_job(database: Database, job: str) -> JobRow:
@@ -288,9 +376,9 @@ def read_events(database: Database, job: str, after: int = 0) -> list[EventRow]:
 def _claim(session: Session, job: str, owner: str, lease_seconds: float) -> Claim | None:
     row = session.execute(
         update(JobRow)
-        .where(JobRow.id == job, JobRow.state == "queued", JobRow.cancel.is_(False))
+        .where(JobRow.id == job, JobRow.state == State.QUEUED, JobRow.cancel.is_(False))
         .values(
-            state="running",
+            state=State.RUNNING,
             owner=owner,
             lease_until=clock() + lease_seconds,
             attempts=JobRow.attempts + 1,
@@ -314,13 +402,16 @@ def _row(session: Session, job: str) -> JobRow:
     return row
 
 
-def _fenced(claim: Claim) -> Any:
-    return update(JobRow).where(JobRow.id == claim.job, JobRow.fence == claim.fence, JobRow.state == "running")
+def _held(claim: Claim) -> ColumnElement[bool]:
+    return and_(JobRow.id == claim.job, JobRow.fence == claim.fence, JobRow.state == State.RUNNING)
 
 
-def _ended(state: str) -> dict[str, Any]:
-    return {"state": state, "finished": clock(), "touched": clock(), "owner": None, "lease_until": None}
+def _fenced(claim: Claim) -> Update:
+    return update(JobRow).where(_held(claim))
 
 
-def _queued() -> dict[str, Any]:
-    return {"state": "queued", "touched": clock(), "owner": None, "lease_until": None}
+def _tell_loss(session: Session, row: JobRow) -> str:
+    """Return what ended the last attempt, where it is known."""
+    wanted = (EventRow.job == row.id) & (EventRow.kind == LOSS)
+    last = session.scalars(select(EventRow).where(wanted).order_by(EventRow.id.desc()).limit(1)).one_or_none()
+    return f" ({last.data['reason']})" if last and last.data["attempt"] == row.attempts else ""

@@ -13,12 +13,10 @@ from sqlalchemy.orm import Session
 from ..core.errors import BadInput, GarmentqError, NotFound
 from .database import Database, clock
 from .models import ApiKeyRow, JobRow, OwnerRow
+from .states import OPEN
 
 SCOPES = ("read", "submit", "admin")
 """`read`: see own jobs and the libraries; `submit`: upload, queue, cancel; `admin`: all jobs, templates and keys."""
-
-OPEN = ("queued", "running")
-"""States of a job that counts against the quota."""
 
 TOKEN_BYTES = 32
 """Random bytes of a token: beyond any guessing, so that a plain hash of it is safe to keep."""

@@ -9,9 +9,7 @@ from sqlalchemy import func, select
 
 from .database import Database, clock
 from .models import EventRow, JobRow, OutboxRow, WorkerRow
-from .submission import QUEUES
-
-STATES = ("queued", "running", "succeeded", "failed", "dead", "cancelled")
+from .states import QUEUES, State
 
 LATEST = 1000
 """Ended jobs whose stage times are summed up: enough for a rate, and a bounded read however long the table is."""
@@ -27,25 +25,25 @@ def prometheus_text(database: Database) -> str:
         ages = dict(
             session.execute(
                 select(JobRow.queue, clock() - func.min(JobRow.created))
-                .where(JobRow.state == "queued")
+                .where(JobRow.state == State.QUEUED)
                 .group_by(JobRow.queue)
             ).all()
         )
         expired = session.scalar(
-            select(func.count()).select_from(JobRow).where(JobRow.state == "running", JobRow.lease_until < clock())
+            select(func.count()).select_from(JobRow).where(JobRow.state == State.RUNNING, JobRow.lease_until < clock())
         )
         kinds = dict(session.execute(select(EventRow.kind, func.count()).group_by(EventRow.kind)).all())
         workers = session.execute(select(func.count(), func.sum(WorkerRow.concurrency)).select_from(WorkerRow)).one()
         owed = session.scalar(select(func.count()).select_from(OutboxRow))
-        latest = select(JobRow.result).where(JobRow.state == "succeeded").order_by(JobRow.finished.desc()).limit(LATEST)
-        results = session.scalars(latest).all()
+        ended = select(JobRow.result).where(JobRow.state == State.SUCCEEDED).order_by(JobRow.finished.desc())
+        results = session.scalars(ended.limit(LATEST)).all()
     queues = sorted({*QUEUES, *(queue for _, queue in jobs)})
     parts = [
         _family(
             "jobs",
             "gauge",
             "Jobs by state and queue.",
-            [({"state": s, "queue": q}, jobs.get((s, q), 0)) for s in STATES for q in queues],
+            [({"state": s, "queue": q}, jobs.get((s, q), 0)) for s in State for q in queues],
         ),
         _family(
             "queue_age_seconds",

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from sqlalchemy import JSON, BigInteger, Double, ForeignKey, Index, Integer, MetaData, String, Text, text
+from sqlalchemy import JSON, BigInteger, Double, Enum, ForeignKey, Index, Integer, MetaData, String, Text, text
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
+
+from .states import State
 
 NAMING = {
     "ix": "ix_%(table_name)s_%(column_0_N_name)s",
@@ -23,7 +25,12 @@ class Base(DeclarativeBase):
     """Gather the tables."""
 
     metadata = MetaData(naming_convention=NAMING)
-    type_annotation_map = {float: Double(), dict[str, Any]: JSON(none_as_null=True), list[Any]: JSON(none_as_null=True)}  # noqa: RUF012
+    type_annotation_map = {  # noqa: RUF012
+        float: Double(),
+        dict[str, Any]: JSON(none_as_null=True),
+        list[Any]: JSON(none_as_null=True),
+        State: Enum(State, native_enum=False, length=16, values_callable=lambda states: [one.value for one in states]),
+    }
 
 
 class ScanRow(Base):
@@ -56,7 +63,7 @@ class JobRow(Base):
     priority: Mapped[int] = mapped_column(default=0)
     queue: Mapped[str] = mapped_column(String(16), default="cpu", server_default="cpu")
     payer: Mapped[str] = mapped_column(String(16), default="", server_default="")
-    state: Mapped[str] = mapped_column(String(16))
+    state: Mapped[State]
     cancel: Mapped[bool] = mapped_column(default=False)
     attempts: Mapped[int] = mapped_column(default=0)
     fence: Mapped[int] = mapped_column(default=0)

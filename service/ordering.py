@@ -6,12 +6,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..core.body import is_builtin
 from ..core.errors import BadInput
 from ..core.settings import RecoverySettings, SettingsBad
 from .database import Database
 from .settings import ServiceSettings
 from .store import Store
-from .submission import BUILTIN, BodyUnreadable, Order
+from .submission import BodyUnreadable, Order
 from .templates import find_template
 
 if TYPE_CHECKING:
@@ -92,7 +93,7 @@ def _check_body(body: Path | str | None) -> Path | str:
 
     if body is None:
         raise BodyMissing()
-    if isinstance(body, str) and body.startswith(BUILTIN):
+    if is_builtin(body):
         parse_spec(body)  # whoever can be described can be made; making takes 0.3 s
         return body
     path = Path(body)

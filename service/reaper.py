@@ -10,21 +10,15 @@ from collections.abc import Callable
 
 from sqlalchemy import delete, exists, insert, select, update
 from sqlalchemy.exc import IntegrityError
-from sqlalchemy.orm import Session
 
 from .database import Database, clock
-from .jobs import record
-from .models import EventRow, JobRow, LockRow, OutboxRow, WorkerRow
+from .jobs import LOSS, expire, record
+from .models import JobRow, LockRow, OutboxRow, WorkerRow
+from .states import OPEN, State
 
 BATCH = 50
 """Wake-ups published in one go: a hundred a second, and the loop that also hands jobs to the children rests for less
 than 0.1 s (with 200 the first jobs of a long queue waited up to 0.6 s)."""
-
-LOSS = "worker_lost"
-"""Event of a process that died under a job."""
-
-LOST = "job.worker_lost"
-"""Code of a job whose workers died too often."""
 
 
 def hold_duty(database: Database, name: str, owner: str, seconds: float) -> bool:
@@ -64,7 +58,7 @@ def reap(database: Database, max_attempts: int) -> int:
     with database.write() as session:
         expired = session.scalars(select(JobRow).where(_is_expired()).with_for_update(skip_locked=True)).all()
         for row in expired:
-            _take_back(session, row, max_attempts)
+            expire(session, row, max_attempts)
         return len(expired)
 
 
@@ -122,7 +116,7 @@ def report_loss(database: Database, mark: str, reason: str) -> None:
         reason: What ended it: the signal or the exit status.
     """
     with database.write() as session:
-        held = (JobRow.state == "running") & JobRow.owner.endswith(mark, autoescape=True)
+        held = (JobRow.state == State.RUNNING) & JobRow.owner.endswith(mark, autoescape=True)
         for row in session.scalars(select(JobRow).where(held).with_for_update()):
             row.lease_until = clock() - 1.0  # type: ignore[assignment]
             record(session, row.id, LOSS, attempt=row.attempts, reason=reason[:200])
@@ -159,43 +153,15 @@ def dispatch(database: Database, publish: Callable[[str, str], None]) -> int:
 
 def is_idle(database: Database, seconds: float) -> bool:
     """Tell whether nothing is queued or running, and nothing happened for some seconds."""
-    busy = JobRow.state.in_(("queued", "running")) | (JobRow.touched > clock() - seconds)
+    busy = JobRow.state.in_(OPEN) | (JobRow.touched > clock() - seconds)
     with database.read() as session:
         return not session.execute(select(exists().where(busy))).scalar()
 
 
-def _take_back(session: Session, row: JobRow, max_attempts: int) -> None:
-    owner, row.owner, row.lease_until = row.owner, None, None
-    row.touched = clock()  # type: ignore[assignment]
-    if row.cancel:
-        row.state, row.finished = "cancelled", clock()  # type: ignore[assignment]
-        record(session, row.id, "cancelled")
-    elif row.attempts >= max_attempts:
-        row.state, row.finished = "dead", clock()  # type: ignore[assignment]
-        row.error_code = LOST
-        row.error_message = (
-            f"the worker died in each of {row.attempts} attempts, last in stage "
-            f"'{row.stage or 'start'}'{_tell_loss(session, row)}; "
-            "see the worker's log, then `garmentq retry`."
-        )
-        record(session, row.id, "dead", owner=owner, attempt=row.attempts)
-    else:
-        row.state = "queued"
-        record(session, row.id, "lease_expired", owner=owner, attempt=row.attempts)
-        session.add(OutboxRow(job=row.id, created=clock()))
-
-
-def _tell_loss(session: Session, row: JobRow) -> str:
-    """Give what ended the last attempt, where it is known."""
-    wanted = (EventRow.job == row.id) & (EventRow.kind == LOSS)
-    last = session.scalars(select(EventRow).where(wanted).order_by(EventRow.id.desc()).limit(1)).one_or_none()
-    return f" ({last.data['reason']})" if last and last.data["attempt"] == row.attempts else ""
-
-
 def _is_expired():  # type: ignore[no-untyped-def]
-    return (JobRow.state == "running") & (JobRow.lease_until < clock())
+    return (JobRow.state == State.RUNNING) & (JobRow.lease_until < clock())
 
 
 def _is_forgotten(seconds: float):  # type: ignore[no-untyped-def]
     owed = exists().where(OutboxRow.job == JobRow.id)
-    return (JobRow.state == "queued") & (JobRow.touched < clock() - seconds) & ~owed
+    return (JobRow.state == State.QUEUED) & (JobRow.touched < clock() - seconds) & ~owed

@@ -13,20 +13,15 @@ from typing import Any
 from sqlalchemy import select
 
 from .. import __version__
+from ..core.body import is_builtin
 from ..core.errors import BadInput
 from ..core.settings import RecoverySettings
 from .database import Database, clock, serialise
-from .jobs import record, requeue
+from .jobs import NewJob, create, move
 from .keys import check_quota, own
-from .models import JobRow, OutboxRow, ScanRow
+from .models import JobRow, ScanRow
+from .states import QUEUES, UNSUCCESSFUL, State
 from .store import Store, Stored
-
-BUILTIN = "builtin:"
-"""How a body begins that is a text and no file."""
-
-
-QUEUES = ("cpu", "gpu")
-"""Kinds of workers; a worker serves one or both."""
 
 
 class BodyUnreadable(BadInput):
@@ -60,7 +55,7 @@ class Order:
     priority: int = 0
     force: bool = False
     labels: Path | None = None
-    queue: str = "cpu"
+    queue: str = QUEUES[0]
     nonce: str = ""
     key: str = ""
     quota: int = 0
@@ -78,7 +73,7 @@ class Submitted:
 
     job: str
     is_new: bool
-    state: str
+    state: State
 
 
 def submit(database: Database, store: Store, order: Order) -> Submitted:
@@ -99,37 +94,19 @@ def submit(database: Database, store: Store, order: Order) -> Submitted:
         row = session.scalars(select(JobRow).where(JobRow.dedup == dedup).with_for_update()).one_or_none()
         if row is not None:
             own(session, order.key, row.id)
-            if row.state in ("failed", "dead", "cancelled"):
+            if row.state in UNSUCCESSFUL:
                 check_quota(session, order.key, order.quota)
-                requeue(session, row, order.key)
-                record(session, row.id, "resubmitted")
+                move(session, row, State.QUEUED, "resubmitted", payer=order.key)
             return Submitted(row.id, False, row.state)
         check_quota(session, order.key, order.quota)
+        name = request["scan"]["name"]
         if session.get(ScanRow, scan.sha256) is None:
-            session.add(ScanRow(sha256=scan.sha256, name=request["scan"]["name"], size=scan.size, created=clock()))
+            session.add(ScanRow(sha256=scan.sha256, name=name, size=scan.size, created=clock()))
             session.flush()
-        job = uuid.uuid4().hex[:12]
-        session.add(
-            JobRow(
-                id=job,
-                dedup=dedup,
-                scan=scan.sha256,
-                name=Path(request["scan"]["name"]).stem,
-                request=request,
-                version=__version__,
-                priority=order.priority,
-                queue=order.queue,
-                payer=order.key,
-                state="queued",
-                touched=clock(),
-                created=clock(),
-            )
-        )
-        session.flush()
+        new = NewJob(dedup, scan.sha256, Path(name).stem, request, order.priority, order.queue, order.key)
+        job = create(session, new)
         own(session, order.key, job)
-        record(session, job, "queued")
-        session.add(OutboxRow(job=job, created=clock()))
-    return Submitted(job, True, "queued")
+    return Submitted(job, True, State.QUEUED)
 
 
 def clean_name(name: str) -> str:
@@ -153,7 +130,7 @@ def _describe(order: Order, scan: Stored, store: Store) -> dict[str, Any]:
     body: dict[str, str] | str | None
     if order.body is None:
         body = None
-    elif isinstance(order.body, str) and order.body.startswith(BUILTIN):
+    elif is_builtin(order.body):
         body = order.body
     else:
         body = _kept(Path(str(order.body)), store)

@@ -6,12 +6,13 @@ import uuid
 from typing import TYPE_CHECKING
 
 from ..service.settings import ServiceSettings
+from ..service.states import QUEUES
 from .broker import broker_url
 
 if TYPE_CHECKING:
     from celery import Celery
 
-CHANNELS = {"cpu": "garmentq", "gpu": "garmentq.gpu"}
+CHANNELS = {queue: "garmentq" if queue == QUEUES[0] else f"garmentq.{queue}" for queue in QUEUES}
 """The broker's list for each queue of jobs."""
 
 TASK = "garmentq.recover"
@@ -32,7 +33,7 @@ def make_app(settings: ServiceSettings) -> Celery:
 
     app = Celery("garmentq", broker=broker_url(settings), set_as_current=False)
     app.conf.update(
-        task_default_queue=CHANNELS["cpu"],
+        task_default_queue=CHANNELS[QUEUES[0]],
         task_serializer="json",
         accept_content=["json"],
         task_acks_late=False,
@@ -58,7 +59,7 @@ def make_app(settings: ServiceSettings) -> Celery:
     return app
 
 
-def publish(app: Celery, job: str, queue: str = "cpu") -> None:
+def publish(app: Celery, job: str, queue: str = QUEUES[0]) -> None:
     """Send one wake-up for a job; raises at once where the broker is away."""
     app.send_task(TASK, args=(job,), queue=CHANNELS[queue], task_id=uuid.uuid4().hex, retry=False, ignore_result=True)
 

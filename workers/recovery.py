@@ -27,6 +27,7 @@ from ..service.database import Database, DatabaseUnreachable
 from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, release, report
 from ..service.results import CHECKPOINT, PREVIOUS, load_checkpoint, save_checkpoint, store_recovery
 from ..service.settings import ServiceSettings
+from ..service.states import State
 from ..service.store import ArtifactDamaged, ArtifactMissing, Store, open_store
 from .threads import limit_threads
 from .watch import JobTooLong, Watch
@@ -126,7 +127,7 @@ def _work(settings: ServiceSettings, database: Database, held: Claim, watch: Wat
             if watch.reason in ("lost", "cancelled"):
                 return _stop(database, held, watch.reason, settings.max_seconds)
             persist(lambda: store_recovery(database, store, held, recovery, files), watch)
-        return "succeeded"
+        return State.SUCCEEDED
     except FenceLost:
         raise
     except BaseException as error:
@@ -135,7 +136,7 @@ def _work(settings: ServiceSettings, database: Database, held: Claim, watch: Wat
         if not isinstance(error, Exception) or isinstance(error, DatabaseUnreachable):
             raise
         persist(partial(_fail, database, held, error), watch)
-        return "failed"
+        return State.FAILED
 
 
 def _stop(database: Database, held: Claim, reason: str, seconds: float) -> str:
@@ -147,7 +148,7 @@ def _stop(database: Database, held: Claim, reason: str, seconds: float) -> str:
     elif reason == "too_long":
         message = f"the job took longer than {seconds:g} s; use fewer --vertices, or raise GARMENTQ_MAX_SECONDS."
         fail(database, held, JobTooLong.code, message, bad_input=False)
-        return "failed"
+        return State.FAILED
     return reason
 
 

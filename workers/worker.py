@@ -25,7 +25,7 @@ from ..service.database import Database, open_database
 from ..service.logs import set_up_logs
 from ..service.reaper import dispatch, drop_duty, end_life, hold_duty, is_idle, reap, remind, report_loss, show_life
 from ..service.settings import ServiceSettings
-from ..service.submission import QUEUES
+from ..service.states import QUEUES
 from .app import CHANNELS, TASK, count_messages, make_app, publish
 from .recovery import run_job
 from .threads import limit_threads

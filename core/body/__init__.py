@@ -6,6 +6,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from .body import JOINTS, PARENTS, Body
+from .spec import BUILTIN, is_builtin
 
 if TYPE_CHECKING:
     from .builtin import BodyMissing, BodySpecBad, builtin_body, describe_bodies, parse_spec
@@ -47,6 +48,7 @@ _LAZY = {
 # Modules with compiled kernels or heavy libraries: imported on first use, so that the room itself stays light.
 
 __all__ = [
+    "BUILTIN",
     "JOINTS",
     "PARENTS",
     "Body",
@@ -62,6 +64,7 @@ __all__ = [
     "builtin_body",
     "describe_bodies",
     "face_normals",
+    "is_builtin",
     "is_smpl",
     "load_smpl",
     "parse_spec",

@@ -10,6 +10,7 @@ import numpy as np
 from ..errors import BadInput
 from .body import JOINTS, Body
 from .skinning import skin
+from .spec import BUILTIN, is_builtin
 from .template import Template, articulate, load_template, rotations_of, transforms_of
 
 DENSITY = 985.0
@@ -77,7 +78,7 @@ def builtin_body(spec: str) -> Body:
         rest_weights=template.weights,
         heading=np.eye(3),
         parameters={"shape": shape, "pose": angles, "translation": np.zeros(3)},
-        source=f"builtin:{gender}",
+        source=f"{BUILTIN}{gender}",
     )
 
 
@@ -93,7 +94,7 @@ def describe_bodies() -> tuple[dict[str, Any], ...]:
         usual = DENSITY * _volume(vertices, template.faces)[0]
         low, high = (round(index * height**2) for index in MASS_INDICES)
         ranges = ((*HEIGHTS, height), (low, high, round(usual)))
-        bodies.append({"spec": f"builtin:{gender}", "ranges": ranges, "poses": POSES})
+        bodies.append({"spec": f"{BUILTIN}{gender}", "ranges": ranges, "poses": POSES})
     return tuple(bodies)
 
 
@@ -106,8 +107,8 @@ def parse_spec(spec: str) -> tuple[str, float, float | None, str]:
     """
     if not spec.strip():
         raise BodyMissing()
-    words = [word.strip() for word in spec.strip().removeprefix("builtin").removeprefix(":").split(",")]
-    if not spec.strip().startswith("builtin:") or words[0] not in ("female", "male"):
+    words = [word.strip() for word in spec.strip().removeprefix(BUILTIN).split(",")]
+    if not is_builtin(spec.strip()) or words[0] not in ("female", "male"):
         raise BodySpecBad(f"'{spec}' is not a built-in body. {BodySpecBad().message}")
     numbers: dict[str, float] = {}
     pose = "T"

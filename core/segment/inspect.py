@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..body import Body, is_smpl, load_smpl
+from ..body import Body, is_builtin, is_smpl, load_smpl
 from ..scan import Limits, Pieces, Scan, Selection, load_pieces
 from .garment import segment_garment
 from .loop import find_loops, smoothed_length
@@ -92,7 +92,7 @@ def inspect_file(
     Raises:
         BadInput: where a file cannot be used, or no contour is found on the given body.
     """
-    builtin = isinstance(body, str) and body.startswith("builtin:")
+    builtin = is_builtin(body)
     mesh = Path(body) if isinstance(body, (str, Path)) and not builtin else None
     pieces = load_pieces(Path(path), mesh, units=units, up=up, selection=selection, limits=limits)
     scan, wearer = pieces.garment, pieces.wearer
@@ -140,7 +140,7 @@ def _describe(scan: Scan, boundaries: list[float]) -> dict[str, Any]:
 def _find_body(body: Body | Path | str | None, pieces: Pieces) -> Body | None:
     if isinstance(body, Body):
         return body
-    if isinstance(body, str) and body.startswith("builtin:"):
+    if is_builtin(body):
         from ..body import builtin_body
 
         return builtin_body(body)

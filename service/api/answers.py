@@ -6,9 +6,8 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict
 
+from ..states import State
 from .schemas import Sha256
-
-State = Literal["queued", "running", "succeeded", "failed", "dead", "cancelled"]
 
 
 class _Answer(BaseModel):

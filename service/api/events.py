@@ -14,8 +14,9 @@ from starlette.concurrency import run_in_threadpool
 from starlette.types import Receive, Scope, Send
 
 from ...core.errors import GarmentqError
-from ..jobs import ENDED, find_job, read_events
+from ..jobs import find_job, read_events
 from ..models import EventRow
+from ..states import ENDED
 from .access import Reader, Rooms, RoomsOf, find_own
 from .answers import Events
 from .problems import show_answer

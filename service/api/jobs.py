@@ -13,12 +13,14 @@ from anyio import CapacityLimiter, to_thread
 from fastapi import APIRouter, Header, Query, Response
 from sqlalchemy import select
 
+from ...core.body import is_builtin
 from ...core.settings import RecoverySettings
 from ..jobs import cancel, find_job, retry
 from ..keys import Caller
 from ..models import JobRow, OwnerRow
 from ..ordering import check_order
 from ..results import describe_job
+from ..states import State
 from ..submission import Order, Submitted, submit
 from ..uploads import begin_once, end_once, find_upload
 from .access import Reader, Rooms, RoomsOf, Submitter, find_own
@@ -95,7 +97,7 @@ def retry_job(job: str, rooms: RoomsOf, caller: Submitter) -> Any:
     """Give an ended job all its attempts once more."""
     row = find_own(rooms, caller, job)
     retry(rooms.database, row.id, caller.key, caller.quota)
-    return {"job": row.id, "state": "queued"}
+    return {"job": row.id, "state": State.QUEUED}
 
 
 def show_job(rooms: Rooms, row: JobRow) -> dict[str, Any]:
@@ -139,8 +141,8 @@ def _unpack(rooms: Rooms, caller: Caller, wanted: JobIn, folder: Path) -> Order:
         return rooms.store.copy(sha256, folder / part / row.name)
 
     body: Path | str | None = wanted.body
-    if isinstance(body, str) and not body.startswith("builtin:"):
-        body = unpack("body", body)
+    if wanted.body is not None and not is_builtin(wanted.body):
+        body = unpack("body", wanted.body)
     return Order(
         scan=unpack("scan", wanted.scan),
         body=body,

@@ -26,6 +26,7 @@ STATUSES = {
     "key.uploads_open": 429,
     "key.day_bytes": 429,
     "job.not_ended": 409,
+    "job.succeeded": 409,
     "request.streams_full": 429,
     "store.full": 507,
 }

@@ -11,9 +11,9 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import FileResponse
 from starlette.types import Message, Receive, Scope, Send
 
-from ..jobs import ENDED
 from ..models import ArtifactRow, BodyRow
 from ..results import ResultMissing, list_files
+from ..states import ENDED
 from .access import Reader, Rooms, RoomsOf, find_own
 from .answers import Files, Result, Wearer
 from .jobs import EXAMPLE as JOB

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import fields
-from typing import Annotated, Any, get_type_hints
+from typing import Annotated, Any, Literal, get_type_hints
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, create_model
 
+from ...core.body import BUILTIN
 from ...core.settings import RecoverySettings
+from ..states import QUEUES
 
 Text = Annotated[str, StringConstraints(max_length=255, pattern=r"^[^\x00-\x1f\x7f]*$")]
 Sha256 = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
-BodySource = Annotated[str, StringConstraints(max_length=255, pattern=r"^([0-9a-f]{64}|builtin:[A-Za-z0-9_=.,-]*)$")]
+BodySource = Annotated[
+    str, StringConstraints(max_length=255, pattern=rf"^([0-9a-f]{{64}}|{BUILTIN}[A-Za-z0-9_=.,-]*)$")
+]
 TemplateName = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_.-]{0,63}$")]
 LARGEST_SEED = 2**31 - 1
 MOST_JOBS = 1000
@@ -56,7 +60,7 @@ class JobIn(BaseModel):
     template: TemplateName | None = Field(None, description="Name of a template, instead of a pattern.")
     settings: SettingsIn = Field(default_factory=SettingsIn)
     priority: int = Field(0, ge=-100, le=100)
-    queue: str = Field("cpu", pattern="^(cpu|gpu)$")
+    queue: Literal[QUEUES] = QUEUES[0]  # type: ignore[valid-type]
     force: bool = False
 
 

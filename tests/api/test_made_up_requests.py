@@ -59,9 +59,11 @@ def service(tmp_path_factory, blank_database):
     admin = next(row.id for row in list_keys(database) if row.name == "admin")
     other = next(row.id for row in list_keys(database) if row.name == "other")
     digest = keep_upload(database, store, admin, scan, scan.name).sha256
-    jobs = [submit(database, store, Order(scan, body)).job for body in ("builtin:female,height=1.7", "builtin:male")]
+    bodies = ["builtin:female,height=1.7", *(f"builtin:male,height=1.{tenth}" for tenth in range(5, 9))]
+    jobs = [submit(database, store, Order(scan, body)).job for body in bodies]
     finish(chosen, database, store, jobs[0], folder / "made")
-    cancel(database, jobs[1])
+    for job in jobs[1:]:
+        cancel(database, job)
     known = {"job": jobs, "sha256": [digest], "key": [other], "name": ["pattern.svg", "mine", "denim"]}
     app = make_app(chosen, UNBOUND)
     with asgi.get_client(app) as client:
