@@ -33,21 +33,37 @@ from .surface import Closest, TriangleSurface, barycentric_coordinates
 
 if TYPE_CHECKING:
     from .intersections import intersecting_pairs, self_intersections
+    from .linear import Factor, NotDefinite, Solver, SuperLU, analyse, factor_general, factor_symmetric
+    from .multifrontal import Cholesky
 
 _LAZY = {
+    "Cholesky": "multifrontal",
+    "Factor": "linear",
+    "NotDefinite": "linear",
+    "Solver": "linear",
+    "SuperLU": "linear",
+    "analyse": "linear",
+    "factor_general": "linear",
+    "factor_symmetric": "linear",
     "intersecting_pairs": "intersections",
     "self_intersections": "intersections",
 }
-# Modules with compiled kernels: imported on first use, so that the room itself stays light.
+# Modules with compiled kernels or sparse libraries: imported on first use, so that the room itself stays light.
 
 __all__ = [
+    "Cholesky",
     "ClosedCurve",
     "Closest",
     "CurvePoints",
+    "Factor",
     "HalfEdges",
+    "NotDefinite",
     "RigidMotion",
+    "Solver",
+    "SuperLU",
     "TriangleSurface",
     "adjacency_matrix",
+    "analyse",
     "area_vectors",
     "barycentric_coordinates",
     "bending_matrix",
@@ -57,6 +73,8 @@ __all__ = [
     "edge_curvature",
     "face_areas",
     "face_normals",
+    "factor_general",
+    "factor_symmetric",
     "find_components",
     "fit_rigid",
     "gradient_operator",

@@ -141,8 +141,7 @@ def factor(energy: Energy, blocks: np.ndarray, solver: Solver) -> Solver:
     data = energy.topology.assemble(blocks, energy.fixed)
     if solver.factor(data):
         return solver
-    general = SuperLU()
-    general.analyse(energy.topology)
+    general = SuperLU(energy.topology.indptr, energy.topology.indices)
     if not general.factor(data):
         raise NotAtRest("the cloth is free to move; hold it, or lay it on a body.")
     return general

@@ -1,4 +1,4 @@
-"""Linear solvers: right answers, definiteness, and an ordering that is a permutation."""
+"""The solvers of the cloth's systems: right answers, and definiteness."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import scipy.sparse as sparse
 from garmentq.core.simulate import Energy, Inertia, SuperLU, Topology, make_solver
-from garmentq.core.simulate.dissection import dissect
 
 
 @pytest.fixture(scope="module")
@@ -20,7 +19,7 @@ def system(sheet, cloth):
     return topology, data, matrix
 
 
-@pytest.mark.parametrize("make", [make_solver, lambda topology: _analysed(SuperLU(), topology)])
+@pytest.mark.parametrize("make", [make_solver, lambda topology: SuperLU(topology.indptr, topology.indices)])
 def test_solution_and_definiteness(system, make):
     """A misplaced entry of a front, or a definiteness that is only guessed, breaks this."""
     topology, data, matrix = system
@@ -41,11 +40,6 @@ def test_solution_and_definiteness(system, make):
     assert solver.factor(data) and solver.is_positive_definite()  # and it recovers
 
 
-def _analysed(solver, topology):
-    solver.analyse(topology)
-    return solver
-
-
 def test_two_pieces_of_cloth(sheet, cloth):
     """A mesh of several components (a belt beside a dress) must not end the dissection."""
     flat, faces = sheet(9, 9, 0.1, 0.1)
@@ -58,26 +52,3 @@ def test_two_pieces_of_cloth(sheet, cloth):
     solver = make_solver(topology)
     assert solver.factor(data)
     assert np.abs(matrix @ solver.solve(np.ones(matrix.shape[0])) - 1).max() < 1e-9
-
-
-def test_dissection_is_a_permutation_with_parents_later(system):
-    """A node lost, doubled or eliminated after what it feeds breaks this."""
-    topology, _, matrix = system
-    count = topology.node_count
-    graph = sparse.csr_matrix(np.ones(1)) if not count else (abs(matrix[::3, ::3]) + sparse.eye(count)).tocsr()
-    parts = dissect(graph.indptr.astype(np.int64), graph.indices.astype(np.int64))
-    assert np.array_equal(np.sort(np.concatenate([part.nodes for part in parts])), np.arange(count))
-    for index, part in enumerate(parts):
-        assert part.parent == -1 or part.parent > index
-        assert (part.boundary >= part.first + len(part.nodes)).all()
-
-
-def test_separators_are_short(sheet):
-    """Level sets around one node, whose fronts are 2.0 sides long and cost a fifth more arithmetic, break this."""
-    side = 32
-    flat, faces = sheet(side, side, 0.3, 0.3)
-    ends = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    graph = sparse.csr_matrix((np.ones(len(ends)), ends.T), shape=(len(flat), len(flat)))
-    graph = (graph + graph.T).tocsr()
-    parts = dissect(graph.indptr.astype(np.int64), graph.indices.astype(np.int64))
-    assert max(len(part.nodes) + len(part.boundary) for part in parts) < 1.8 * side

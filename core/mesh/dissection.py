@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 LEAF = 24
-"""Most nodes that are not cut any further: fronts of 72 rows, where dense algebra begins to pay."""
+"""Most nodes of three rows each that are not cut any further: fronts of 72 rows, where dense algebra begins to pay."""
 
 FAR = 6
 """Far nodes whose bisectors are tried as separators. Level sets around one node (George 1973) cost 13 to 24 % more
@@ -17,7 +17,7 @@ arithmetic in the factor, on sheets and on garments; 4 nodes up to 17 % more tha
 
 @dataclass(frozen=True)
 class Part:
-    """Hold one set of nodes that are eliminated together, and what their elimination touches.
+    """A set of nodes that are eliminated together, and what their elimination touches.
 
     Attributes:
         nodes: Their old numbers, in order, shape [own_count].
@@ -32,8 +32,8 @@ class Part:
     parent: int
 
 
-def dissect(indptr: np.ndarray, indices: np.ndarray) -> list[Part]:
-    """Cut a symmetric graph (rows of neighbours) into parts, children before parents."""
+def dissect(indptr: np.ndarray, indices: np.ndarray, leaf: int = LEAF) -> list[Part]:
+    """Cut a symmetric graph (rows of neighbours) into parts of at most `leaf` nodes, children before parents."""
     count = len(indptr) - 1
     groups: list[np.ndarray] = []
     parents: list[int] = []
@@ -46,7 +46,7 @@ def dissect(indptr: np.ndarray, indices: np.ndarray) -> list[Part]:
         nodes, above = stack.pop()
         token += 1
         mark[nodes] = token
-        pieces = _cut(indptr, indices, nodes, mark, token, level)
+        pieces = [nodes] if len(nodes) <= leaf else _cut(indptr, indices, nodes, mark, token, level)
         groups.append(pieces[0])
         parents.append(above)
         here = len(groups) - 1
@@ -61,9 +61,7 @@ def dissect(indptr: np.ndarray, indices: np.ndarray) -> list[Part]:
 def _cut(
     indptr: np.ndarray, indices: np.ndarray, nodes: np.ndarray, mark: np.ndarray, token: int, level: np.ndarray
 ) -> list[np.ndarray]:
-    """Give [separator, one side, other side]; [nodes] where they are few; [nothing, component, rest] where apart."""
-    if len(nodes) <= LEAF:
-        return [nodes]
+    """Find [separator, one side, other side]; [nodes] where no cut helps; [nothing, component, rest] where apart."""
     queue = np.zeros(len(nodes), dtype=np.int64)
     start = nodes[0]
     distances = np.zeros((FAR, len(nodes)), dtype=np.int64)
@@ -87,7 +85,7 @@ def _cut(
 
 @njit(cache=True)
 def _spread_levels(indptr, indices, start, mark, token, level, queue):  # type: ignore[no-untyped-def]
-    """Number nodes by their distance from `start` within the marked set; give how many were reached."""
+    """Number nodes by their distance from `start` within the marked set; return how many were reached."""
     level[start] = 0
     queue[0] = start
     head, tail = 0, 1
@@ -105,7 +103,7 @@ def _spread_levels(indptr, indices, start, mark, token, level, queue):  # type: 
 
 @njit(cache=True)
 def _cheapest_cut(indptr, indices, nodes, mark, token, place, distances):  # type: ignore[no-untyped-def]
-    """Give the pair of far nodes, the distance to one less that to the other, between whose levels a cut is cheapest.
+    """Find the pair of far nodes, the distance to one less that to the other, between whose levels a cut is cheapest.
 
     The separator of a level m are the nodes up to m with a neighbour above m; it costs its size by the product of those
     of the two sides (ratio cut, Wei and Cheng 1989). The pair is twice the same where no level leaves two sides.
@@ -137,7 +135,7 @@ def _cheapest_cut(indptr, indices, nodes, mark, token, place, distances):  # typ
 
 @njit(cache=True)
 def _touches(indptr, indices, nodes, mark, token, place, field):  # type: ignore[no-untyped-def]
-    """Tell which nodes of levels up to 0 have a neighbour above 0 in the marked set."""
+    """Find which nodes of levels up to 0 have a neighbour above 0 in the marked set."""
     found = np.zeros(len(nodes), dtype=np.bool_)
     for n in range(len(nodes)):
         if field[n] <= 0:

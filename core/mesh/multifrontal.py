@@ -1,49 +1,57 @@
-"""A sparse Cholesky factorisation of 3x3-block matrices by dense fronts (Duff and Reid 1983)."""
+"""A sparse Cholesky factorisation by dense fronts (Duff and Reid 1983)."""
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import scipy.sparse as sparse
 from numba import njit
 from scipy.linalg.blas import dsyrk, dtrsm
 from scipy.linalg.lapack import dpotrf
 
-from .dissection import dissect
-from .topology import Topology
+from .dissection import LEAF, dissect
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
+
+FULL = 3 * LEAF
+"""Rows of a front that is not cut any further."""
 
 
-class Multifrontal:
-    """Factor with dense fronts over a nested dissection: BLAS does the work, the pattern is analysed once.
+class Cholesky:
+    """Factor symmetric positive definite matrices that share a pattern, A = L L^T, by fronts over a nested dissection.
 
     Each part of the dissection is a front [F11 .; F21 F22]: own rows and boundary rows. F11 = L11 L11^T, L21 = F21
-    L11^-T, and F22 - L21 L21^T is added to the parent's front. A matrix that is not positive definite is refused.
+    L11^-T, and F22 - L21 L21^T is added to the parent's front. BLAS does the work, the pattern is analysed once. A
+    matrix that is not positive definite is refused.
     """
 
-    def __init__(self) -> None:
-        self._definite = False
+    def __init__(self, indptr: np.ndarray, indices: np.ndarray, block: int = 1) -> None:
+        """Order the nodes, lay out the fronts and map every entry of the matrix to its place in them.
 
-    def analyse(self, topology: Topology) -> None:
-        """Order the nodes, lay out the fronts and map every entry of the matrix to its place in them."""
-        count = topology.node_count
-        graph = sparse.csr_matrix(
-            (np.ones(len(topology.block_rows)), (topology.block_rows, topology.block_columns)), shape=(count, count)
-        )
-        graph = (graph + graph.T).tocsr()
-        self._parts = dissect(graph.indptr.astype(np.int64), graph.indices.astype(np.int64))
+        Args:
+            indptr: Start of each row in `indices`, shape [row_count + 1].
+            indices: Columns of each row, ascending; the full symmetric pattern with its diagonal, shape [entry_count].
+            block: Rows of a node: 3 where entries come in dense blocks of 3 x 3. The dissection cuts between nodes.
+        """
+        self._definite = False
+        graph = indptr[::block].astype(np.int64) // block**2
+        self._parts = dissect(graph, _neighbours(indptr, indices, block), max(1, FULL // block))
         order = np.concatenate([part.nodes for part in self._parts])
-        self._order = (3 * order[:, None] + np.arange(3)).ravel()
-        own = np.array([3 * len(part.nodes) for part in self._parts])
-        rest = np.array([3 * len(part.boundary) for part in self._parts])
+        self._order = (block * order[:, None] + np.arange(block)).ravel()
+        own = np.array([block * len(part.nodes) for part in self._parts])
+        rest = np.array([block * len(part.boundary) for part in self._parts])
         starts = np.concatenate([[0], np.cumsum(own * (own + rest))])
         self._fronts = [
-            (int(starts[p]), int(own[p]), int(rest[p]), 3 * part.first) for p, part in enumerate(self._parts)
+            (int(starts[p]), int(own[p]), int(rest[p]), block * part.first) for p, part in enumerate(self._parts)
         ]
         self._store = np.zeros(int(starts[-1]))
-        self._rows = [(3 * part.boundary[:, None] + np.arange(3)).ravel() for part in self._parts]
+        self._rows = [(block * part.boundary[:, None] + np.arange(block)).ravel() for part in self._parts]
         self._joined = np.concatenate(self._rows)
         places = np.cumsum(rest) - rest
         self._layout = np.column_stack([np.array(self._fronts), places])
-        self._map_entries(topology, own, starts)
+        self._pattern = (indptr, indices)
+        self._map_entries(indptr, indices)
         self._places = _plan([part.parent for part in self._parts], rest**2)
         self._passed = np.zeros(int((self._places + rest**2).max()))
         self._links = []
@@ -56,12 +64,12 @@ class Multifrontal:
             above = up[1] + np.searchsorted(self._rows[part.parent], rows)
             self._links.append(np.where(inside, rows - up[3], above))
 
-    def _map_entries(self, topology: Topology, own: np.ndarray, starts: np.ndarray) -> None:
+    def _map_entries(self, indptr: np.ndarray, indices: np.ndarray) -> None:
         """Find the place of each lower entry of the permuted matrix; F11 then F21, each by columns."""
-        new = np.zeros(3 * topology.node_count, dtype=np.int64)
+        new = np.zeros(len(self._order), dtype=np.int64)
         new[self._order] = np.arange(len(new))
-        row = new[np.repeat(np.arange(len(new)), np.diff(topology.indptr))]
-        column = new[topology.indices]
+        row = new[np.repeat(np.arange(len(new)), np.diff(indptr))]
+        column = new[indices]
         source = np.flatnonzero(row >= column)
         row, column = row[source], column[source]
         firsts = np.array([front[3] for front in self._fronts])
@@ -80,7 +88,7 @@ class Multifrontal:
         self._source, self._target = source, target
 
     def factor(self, data: np.ndarray) -> bool:
-        """Factor the matrix with these entries; False where it is not positive definite."""
+        """Factor the matrix with these entries, in the order of `indices`; False where it is not positive definite."""
         store = self._store
         store[:] = 0.0
         store[self._target] = data[self._source]
@@ -106,6 +114,14 @@ class Multifrontal:
         self._definite = True
         return True
 
+    def factor_matrix(self, matrix: csr_matrix) -> bool:
+        """Factor a matrix whose entries lie within the pattern; False where it is not positive definite."""
+        matrix.sum_duplicates()
+        data = np.zeros(len(self._pattern[1]))
+        if not _spread(matrix.indptr, matrix.indices, matrix.data, *self._pattern, data):
+            raise ValueError("the matrix has an entry outside the pattern that was analysed")
+        return self.factor(data)
+
     def solve(self, right: np.ndarray) -> np.ndarray:
         """Solve for one right side [n] or several [n, m] with the last factor."""
         if right.ndim == 2:
@@ -117,8 +133,14 @@ class Multifrontal:
         return result
 
     def is_positive_definite(self) -> bool:
-        """Tell whether the last matrix factored was positive definite."""
+        """Return whether the last matrix factored was positive definite."""
         return self._definite
+
+
+def _neighbours(indptr: np.ndarray, indices: np.ndarray, block: int) -> np.ndarray:
+    """Return the nodes beside each node, from the first of its `block` rows and the first of each block's columns."""
+    rows = np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))
+    return indices[(rows % block == 0) & (indices % block == 0)].astype(np.int64) // block
 
 
 def _plan(parents: list[int], sizes: np.ndarray) -> np.ndarray:
@@ -137,6 +159,20 @@ def _plan(parents: list[int], sizes: np.ndarray) -> np.ndarray:
         places[p] = end
         kept = sorted((q for q in [*kept, p] if parents[q] > p), key=lambda q: places[q])
     return places
+
+
+@njit(cache=True)
+def _spread(indptr, indices, values, pattern_indptr, pattern_indices, data):  # type: ignore[no-untyped-def]
+    """Copy entries to their places in a wider pattern (columns ascend in both); False where one has none."""
+    for row in range(len(indptr) - 1):
+        place, end = pattern_indptr[row], pattern_indptr[row + 1]
+        for at in range(indptr[row], indptr[row + 1]):
+            while place < end and pattern_indices[place] < indices[at]:
+                place += 1
+            if place == end or pattern_indices[place] != indices[at]:
+                return False
+            data[place] = values[at]
+    return True
 
 
 @njit(cache=True)

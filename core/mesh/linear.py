@@ -1,0 +1,113 @@
+"""The one place where sparse matrices are factored: Cholesky where they are positive definite, else LU."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+import scipy.sparse as sparse
+from scipy.sparse.linalg import splu
+
+if TYPE_CHECKING:
+    from .multifrontal import Cholesky
+
+
+class NotDefinite(np.linalg.LinAlgError):
+    """The matrix is not positive definite: something in the system is held by nothing, or pulled apart."""
+
+
+class Factor(Protocol):
+    """Solve systems with a matrix that has been factored."""
+
+    def solve(self, right: np.ndarray) -> np.ndarray:
+        """Solve for one right side [n] or several [n, m]."""
+
+    def is_positive_definite(self) -> bool:
+        """Return whether the matrix is positive definite."""
+
+
+class Solver(Factor, Protocol):
+    """Factor and solve one symmetric matrix after another, all with the same pattern."""
+
+    def factor(self, data: np.ndarray) -> bool:
+        """Factor the matrix with these entries, in the order of the pattern; False where it is singular."""
+
+
+class SuperLU:
+    """Factor with scipy's SuperLU: minimum degree of A^T + A, pivots on the diagonal; also indefinite matrices."""
+
+    def __init__(self, indptr: np.ndarray, indices: np.ndarray) -> None:
+        """Take the full symmetric pattern, columns ascending; SuperLU orders it anew in each factorisation."""
+        self._indptr, self._indices = indptr, indices
+        self._factor = None
+
+    def factor(self, data: np.ndarray) -> bool:
+        """Factor; see `Solver`."""
+        n = len(self._indptr) - 1
+        matrix = sparse.csc_matrix((data, self._indices, self._indptr), shape=(n, n))
+        try:
+            self._factor = splu(
+                matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+            )
+        except RuntimeError:  # exactly singular
+            self._factor = None
+        return self._factor is not None
+
+    def solve(self, right: np.ndarray) -> np.ndarray:
+        """Solve; see `Factor`."""
+        assert self._factor is not None
+        return np.asarray(self._factor.solve(right))
+
+    def is_positive_definite(self) -> bool:
+        """Judge by Sylvester's law: without row swaps U's diagonal is D of L D L^T, and its signs are the inertia."""
+        lu = self._factor
+        if lu is None or not np.array_equal(lu.perm_r, lu.perm_c):
+            return False
+        return bool((lu.U.diagonal() > 0).all())
+
+
+def analyse(pattern: sparse.spmatrix) -> Cholesky:
+    """Analyse a symmetric pattern for `factor_symmetric`, for matrices whose entries all lie within it."""
+    from .multifrontal import Cholesky
+
+    matrix = sparse.csr_matrix(pattern)
+    matrix.sum_duplicates()
+    return Cholesky(matrix.indptr, matrix.indices)
+
+
+def factor_symmetric(matrix: sparse.spmatrix, analysed: Cholesky | None = None) -> Factor:
+    """Factor a symmetric positive definite matrix.
+
+    A matrix that is alone with its pattern goes to SuperLU: the analysis for our own Cholesky takes 4 to 5 of its
+    factorisations. With the pattern analysed our own is 3 to 5 times quicker.
+
+    Args:
+        matrix: The matrix, both triangles.
+        analysed: What `analyse` found for a pattern that holds the matrix's; it keeps the factor until its next one.
+
+    Raises:
+        NotDefinite: where the matrix is not positive definite.
+    """
+    if analysed is not None:
+        definite = analysed.factor_matrix(sparse.csr_matrix(matrix))
+        found: Factor = analysed
+    else:
+        found = factor_general(matrix)
+        definite = found.is_positive_definite()
+    if not definite:
+        raise NotDefinite("a matrix that must be positive definite is not")
+    return found
+
+
+def factor_general(matrix: sparse.spmatrix) -> Factor:
+    """Factor a symmetric matrix that may be indefinite.
+
+    Raises:
+        NotDefinite: where the matrix is singular.
+    """
+    columns = sparse.csc_matrix(matrix)
+    columns.sort_indices()
+    found = SuperLU(columns.indptr, columns.indices)
+    if not found.factor(columns.data):
+        raise NotDefinite("the matrix is singular")
+    return found
