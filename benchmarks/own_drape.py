@@ -20,9 +20,10 @@ from typing import Any
 
 import numpy as np
 import trimesh
-from garmentq.core.body import builtin_body, vertex_normals
+from garmentq.core.body import builtin_body
 from garmentq.core.drape import WearerGeometry, drape_graded, drape_template
 from garmentq.core.measure import measure_panels, measure_recovery, read_packs, read_true_pattern
+from garmentq.core.mesh import vertex_normals
 from garmentq.core.pattern import (
     BodyMeasures,
     Pattern,

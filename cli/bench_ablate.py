@@ -173,14 +173,13 @@ class _Stage:
 
     def _measure(self, garment: Any, nodes: Any) -> dict[str, float | None]:
         """Measure nodes against the truth as it is in the file."""
-        from ..core.body import vertex_normals
         from ..core.measure import (
             chamfer_and_normals,
             measure_distance,
             measure_seams,
             read_true_mesh,
         )
-        from ..core.mesh import self_intersections
+        from ..core.mesh import self_intersections, vertex_normals
 
         truth = read_true_mesh(self.pack)
         normals = (vertex_normals(nodes, garment.faces), vertex_normals(*truth))

@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from .builtin import BodyMissing, BodySpecBad, builtin_body, describe_bodies, parse_spec
     from .distance import DistanceBad, DistanceGrid, sample_distance
     from .model import BodyModel
-    from .normals import face_normals, vertex_normals
     from .outside import BodySurface
     from .registration import NotHuman, register_body
     from .skinning import rest_body, skin, unskin, weights_at
@@ -32,7 +31,6 @@ _LAZY = {
     "Solid": "solid",
     "builtin_body": "builtin",
     "describe_bodies": "builtin",
-    "face_normals": "normals",
     "is_smpl": "smpl",
     "load_smpl": "smpl",
     "parse_spec": "builtin",
@@ -42,7 +40,6 @@ _LAZY = {
     "signed_distance": "surface",
     "skin": "skinning",
     "unskin": "skinning",
-    "vertex_normals": "normals",
     "weights_at": "skinning",
 }
 # Modules with compiled kernels or heavy libraries: imported on first use, so that the room itself stays light.
@@ -63,7 +60,6 @@ __all__ = [
     "Solid",
     "builtin_body",
     "describe_bodies",
-    "face_normals",
     "is_builtin",
     "is_smpl",
     "load_smpl",
@@ -74,7 +70,6 @@ __all__ = [
     "signed_distance",
     "skin",
     "unskin",
-    "vertex_normals",
     "weights_at",
 ]
 

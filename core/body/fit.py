@@ -8,8 +8,8 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 from scipy.spatial import cKDTree
 
+from ..mesh import vertex_normals
 from .body import JOINTS, PARENTS
-from .normals import vertex_normals
 from .template import Template, articulate, cross_matrices, rotations_of
 
 _BELOW = np.zeros((24, 24))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..mesh import face_normals
 from .body import Body
-from .normals import face_normals
 from .solid import Solid
 
 SPLITS = 2

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..body import Solid, vertex_normals
+from ..body import Solid
+from ..mesh import vertex_normals
 from .follow import FollowSettings, Lookup
 
 NEIGHBOURS = 12

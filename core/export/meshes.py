@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..body import vertex_normals
+from ..mesh import vertex_normals
 from ..pattern import Garment
 from .layout import lay_out
 

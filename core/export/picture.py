@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 from scipy.ndimage import gaussian_filter
 
-from ..body import vertex_normals
+from ..mesh import vertex_normals
 
 OVERSAMPLING = 2
 """Pixels drawn per pixel shown, each way: edges are smooth without a finer grid's cost."""

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..body import Body, vertex_normals
-from ..mesh import TriangleSurface, self_intersections
+from ..body import Body
+from ..mesh import TriangleSurface, self_intersections, vertex_normals
 from ..pattern import Garment
 from ..segment import Contour
 from .chamfer import chamfer_and_normals, meshing_floor, orientation

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..body import is_smpl, load_smpl, vertex_normals
+from ..body import is_smpl, load_smpl
+from ..mesh import vertex_normals
 from . import refusal
 from .header import Declared, check_header
 from .limits import Limits

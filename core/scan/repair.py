@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..body import face_normals
+from ..mesh import face_normals
 
 MERGE = 1e-7
 """Vertices closer than this share of the bounding box's diagonal are one: the resolution of float32, in which STL and

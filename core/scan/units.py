@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..body import face_normals
+from ..mesh import face_normals
 from .refusal import ChoiceBad, UnitsAmbiguous, UnitsUnknown, UpAmbiguous
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..body import Body, vertex_normals
+from ..body import Body
+from ..mesh import vertex_normals
 from .bite import bridge_bays, bridge_bites
 from .encirclement import Crossing, find_crossings
 from .loop import SMOOTHING, find_loops, smoothed_length

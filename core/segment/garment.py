@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..body import Body, face_normals, vertex_normals
+from ..body import Body
 from ..errors import BadInput
+from ..mesh import face_normals, vertex_normals
 from ..scan import Scan, label_pieces
 from .category import choose_category
 from .contours import name_contours

@@ -7,7 +7,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 from scipy.optimize import minimize_scalar
 
-from ..body import vertex_normals
+from ..mesh import vertex_normals
 
 NOISY = 4e-3
 """Noise of the scan [m per coordinate] from which it is smoothed first. Below, the garment's own edges average it out

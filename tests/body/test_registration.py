@@ -5,12 +5,13 @@ import numpy as np
 import pytest
 import trimesh
 from everyday_body import everyday_body
-from garmentq.core.body import JOINTS, Body, NotHuman, builtin_body, register_body, rest_body, skin, vertex_normals
+from garmentq.core.body import JOINTS, Body, NotHuman, builtin_body, register_body, rest_body, skin
 from garmentq.core.body.fit import Fitter, OrientedPoints, Stage, State
 from garmentq.core.body.registration import RegistrationSettings
 from garmentq.core.body.template import load_template, rotations_of
 from garmentq.core.errors import Cancelled
 from garmentq.core.hooks import Hooks
+from garmentq.core.mesh import vertex_normals
 
 TEMPLATE = load_template()
 

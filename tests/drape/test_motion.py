@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body, vertex_normals
+from garmentq.core.body import builtin_body
 from garmentq.core.drape import (
     DrapeSettings,
     WearerGeometry,
@@ -13,6 +13,7 @@ from garmentq.core.drape import (
     drape_template,
 )
 from garmentq.core.drape.motion import miss, rotation_of
+from garmentq.core.mesh import vertex_normals
 from garmentq.core.pattern import equalise_seams, load_template
 from garmentq.core.segment import Target
 from garmentq.core.simulate import Energy, SteadyRotation, Topology, get_fabric

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from garmentq.core.body import Body, DistanceGrid, builtin_body, vertex_normals
+from garmentq.core.body import Body, DistanceGrid, builtin_body
 from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template, waist_loop
 from garmentq.core.errors import Cancelled
 from garmentq.core.fit import (
@@ -29,7 +29,7 @@ from garmentq.core.fit import (
 )
 from garmentq.core.grade import find_proportions, mean_width
 from garmentq.core.hooks import Arrays, Hooks
-from garmentq.core.mesh import TriangleSurface
+from garmentq.core.mesh import TriangleSurface, vertex_normals
 from garmentq.core.pattern import (
     Garment,
     Pattern,

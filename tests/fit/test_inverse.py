@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body, vertex_normals
+from garmentq.core.body import builtin_body
 from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template, waist_loop
 from garmentq.core.errors import Cancelled
 from garmentq.core.fit import Descent, DescentProblem, InverseSettings, descend, find_held, fit_inverse, move_pattern
 from garmentq.core.fit.adam import Adam
 from garmentq.core.fit.losses.range import STIFFNESSES
 from garmentq.core.hooks import Arrays, Hooks
-from garmentq.core.mesh import TriangleSurface
+from garmentq.core.mesh import TriangleSurface, vertex_normals
 from garmentq.core.pattern import Garment, Pattern, find_symmetry, load_template, mesh_pattern, seam_mismatch
 from garmentq.core.segment import Target, name_contours
 from garmentq.core.segment.loop import find_loops

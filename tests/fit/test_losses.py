@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.body import vertex_normals
 from garmentq.core.fit.losses import ChamferLoss, ContourLoss, PanelLoss, PlaneLoss, RangeLoss, SeamLoss
 from garmentq.core.fit.losses.chamfer import mean_curvature
 from garmentq.core.fit.losses.range import logarithms
+from garmentq.core.mesh import vertex_normals
 from garmentq.core.pattern import (
     Edge,
     EdgeRef,

@@ -7,13 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import vertex_normals
 from garmentq.core.measure import carry_contours, measure_distance, measure_fit, penetration_depth
 from garmentq.core.measure.chamfer import chamfer_and_normals, meshing_floor
 from garmentq.core.measure.contours import contour_rms, loop_rms
 from garmentq.core.measure.fit import count_flipped
 from garmentq.core.measure.surface import face_angles, stretches
-from garmentq.core.mesh import TriangleSurface
+from garmentq.core.mesh import TriangleSurface, vertex_normals
 from garmentq.core.segment import Contour, find_loops
 
 

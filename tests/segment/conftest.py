@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from garmentq.core.body import JOINTS, builtin_body, vertex_normals
+from garmentq.core.body import JOINTS, builtin_body
+from garmentq.core.mesh import vertex_normals
 
 TOP = ("pelvis", "spine1", "spine2", "spine3", "left_collar", "right_collar")
 UPPER_ARMS = ("left_shoulder", "right_shoulder")

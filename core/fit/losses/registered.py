@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...body import vertex_normals
+from ...mesh import vertex_normals
 from ...pattern import Garment
 
 
