@@ -416,6 +416,12 @@ def test_left_and_right_may_be_freed(scene: Scene) -> None:
     assert skew(scene.template) < 1e-6
     assert skew(asked) > 0.03
     settings = IsometrySettings(vertices=250, steps=5)
-    for like, limit in ((free, 1e-5), (scene.template, 0.0)):
-        found = fit_isometry(scene.worn, scene.registered, scene.target, scene.body, like, settings)
-        assert (skew(found.pattern) > limit) if like is free else (skew(found.pattern) < 1e-6)
+
+    def widen(nodes: np.ndarray) -> np.ndarray:
+        """Return a skirt's nodes [m] with its left half 6 % wider than its right one."""
+        return nodes + 0.06 * np.maximum(nodes, 0.0) * [1.0, 0.0, 0.0]
+
+    target = replace(scene.target, vertices=widen(scene.target.vertices))
+    for like in (free, scene.template):
+        found = fit_isometry(scene.worn, widen(scene.registered), target, scene.body, like, settings)
+        assert (skew(found.pattern) > 3e-3) if like is free else (skew(found.pattern) < 1e-6)
