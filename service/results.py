@@ -31,7 +31,6 @@ from .store import Store
 
 if TYPE_CHECKING:
     from ..core.body import Body
-    from ..core.pattern import Panel
     from ..core.recovery import Recovery
     from ..core.simulate import Fabric
 
@@ -206,6 +205,8 @@ def _add_material(session: Session, fabric: Fabric) -> str:
 
 
 def _add_pattern(session: Session, job: str, recovery: Recovery, material: str) -> None:
+    from ..core.pattern import polygon_area
+
     pattern = recovery.pattern
     category = pattern.category or recovery.target.category
     session.add(
@@ -221,15 +222,8 @@ def _add_pattern(session: Session, job: str, recovery: Recovery, material: str) 
     session.flush()
     for panel in pattern.panels:
         edges = [{"kind": e.kind, "handles": e.handles.tolist(), "contour": e.contour} for e in panel.edges]
-        points = panel.points.tolist()
-        area = _area(panel)
+        points, area = panel.points.tolist(), polygon_area(panel.points)
         session.add(PanelRow(job=job, name=panel.name, label=panel.label, points=points, edges=edges, area=area))
-
-
-def _area(panel: Panel) -> float:
-    """Give the area of the polygon of control points [m2], by the shoelace formula."""
-    x, y = panel.points.T
-    return float(0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
 
 
 def _summary(recovery: Recovery) -> dict[str, Any]:

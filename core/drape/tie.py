@@ -4,36 +4,30 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..mesh import ClosedCurve
 from ..pattern import Garment
 from ..segment import Target
 from ..simulate import Pins
 from .dress import waist_loop
 
+STARTS = 360
+"""Places along the curve at which the loop may start: 3 mm apart on a waist."""
+
 
 def tie_contour(loop: np.ndarray, curve: np.ndarray) -> np.ndarray:
     """Give each point of a closed loop its place on a closed curve [m], shape [loop_count, 3].
 
-    Both are parametrised by arc length in the same sense of rotation; the start on the curve is the one, of 360, that
-    moves the loop least (sum of squares).
+    Both are parametrised by arc length in the same sense of rotation; of `STARTS` starts on the curve the one
+    counts that moves the loop least (sum of squares).
 
     Args:
         loop: Points of the garment's contour in order [m], shape [loop_count, 3].
         curve: Points of the scan's contour in order [m], shape [curve_count, 3].
     """
-    steps = np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1)
-    share = np.concatenate([[0.0], np.cumsum(steps)[:-1]]) / steps.sum()
-    best, best_cost = loop, np.inf
-    for candidate in (curve, curve[::-1]):
-        closed = np.concatenate([candidate, candidate[:1]])
-        arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
-        arc /= arc[-1]
-        for start in np.linspace(0.0, 1.0, 360, endpoint=False):
-            at = (share + start) % 1.0
-            points = np.stack([np.interp(at, arc, closed[:, k]) for k in range(3)], axis=1)
-            cost = float(((points - loop) ** 2).sum())
-            if cost < best_cost:
-                best, best_cost = points, cost
-    return best
+    own, starts = ClosedCurve(loop), np.linspace(0.0, 1.0, STARTS, endpoint=False)
+    shares = own.arc[:-1] / own.length + starts[:, None]
+    places = np.concatenate([ClosedCurve(line).at_shares(shares) for line in (curve, curve[::-1])])
+    return np.asarray(places[((places - loop) ** 2).sum(axis=(1, 2)).argmin()])
 
 
 def place_waist(points: np.ndarray, target: Target | None) -> np.ndarray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import BadInput
+from ..mesh import fit_rigid
 from ..pattern import Pattern, Symmetry, equalise_seams, find_symmetry
 
 _ROUNDS = 40
@@ -85,9 +86,5 @@ def _lay_on_held(pattern: Pattern, start: Pattern, symmetry: Symmetry, held: np.
         own = np.arange(first, end)[still[first:end]]
         if not 0 < len(own) < end - first:
             continue
-        middle, wanted = points[own].mean(axis=0), goal[own].mean(axis=0)
-        a, b = points[own] - middle, goal[own] - wanted
-        angle = np.arctan2(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]), np.sum(a * b))
-        turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
-        points[first:end] = (points[first:end] - middle) @ turn + wanted
+        points[first:end] = fit_rigid(points[own], goal[own]).apply(points[first:end])
     return pattern.with_points(points)

@@ -7,32 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..segment import Contour, find_loops, resample_loop
+from ..mesh import ClosedCurve
+from ..segment import Contour, find_loops
 
 CONTOUR_SAMPLES = 500
 """Points along each loop: 2 mm apart on a wide hem, far below what a contour error is judged by."""
 
 
-def closest_on_loop(points: np.ndarray, loop: np.ndarray) -> np.ndarray:
-    """Find the point of a closed polyline that is closest to each point [m], shape [point_count, dimension]."""
-    step = np.roll(loop, -1, axis=0) - loop
-    square = np.maximum(np.einsum("ij,ij->i", step, step), 1e-30)  # a segment without length is its start point
-    along = (points @ step.T - np.einsum("ij,ij->i", loop, step)) / square
-    foot = loop[None] + np.clip(along, 0.0, 1.0)[:, :, None] * step[None]
-    gap = points[:, None] - foot
-    nearest = np.argmin(np.einsum("pij,pij->pi", gap, gap), axis=1)
-    return np.asarray(foot[np.arange(len(points)), nearest])
-
-
-def distance_to_loop(points: np.ndarray, loop: np.ndarray) -> np.ndarray:
-    """Measure the exact distance of each point to a closed polyline [m], shape [point_count]; any dimension."""
-    return np.linalg.norm(points - closest_on_loop(points, loop), axis=1)
-
-
 def loop_rms(first: np.ndarray, second: np.ndarray) -> float:
     """Measure the larger RMS distance [m] of two closed loops, from arc-length samples of each to the other."""
-    forward = distance_to_loop(resample_loop(first, CONTOUR_SAMPLES), second)
-    backward = distance_to_loop(resample_loop(second, CONTOUR_SAMPLES), first)
+    one, other = ClosedCurve(first), ClosedCurve(second)
+    forward = other.distance(one.resample(CONTOUR_SAMPLES))
+    backward = one.distance(other.resample(CONTOUR_SAMPLES))
     return float(max(np.sqrt(np.mean(forward**2)), np.sqrt(np.mean(backward**2))))
 
 

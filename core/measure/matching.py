@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from ..mesh import ClosedCurve
 from ..pattern import Panel, Pattern, panel_outline, polygon_area, polygon_width
-from ..segment import resample_loop
 from .true_pattern import TruePanel, TruePattern
 from .turning import turning_distance
 
@@ -95,5 +95,5 @@ def _unlikeness(ours: Panel, truth: TruePanel) -> float:
     grown = abs(float(np.log(polygon_area(outline) / polygon_area(true_outline))))
     if grown >= np.log(UNLIKE):
         return np.inf
-    outline, true_outline = resample_loop(outline, CORNERS), resample_loop(true_outline, CORNERS)
+    outline, true_outline = ClosedCurve(outline).resample(CORNERS), ClosedCurve(true_outline).resample(CORNERS)
     return grown + min(turning_distance(either, true_outline) for either in (outline, turn_over(outline)))

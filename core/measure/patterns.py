@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..mesh import polyline_length
 from ..pattern import EdgeRef, Panel, Pattern, edge_length, edge_points, panel_outline, polygon_area
 from .matching import PanelPair, is_wide, match_panels, turn_over, upright
-from .outlines import edge_rms, outline_rms, polyline_length
+from .outlines import edge_rms, outline_rms
 from .true_pattern import TruePanel, TruePattern
 from .turning import turning_distance
 

@@ -64,7 +64,7 @@ class ClosedCurve:
         return self._at(np.arange(count) * (self.arc[-1] / count), self.arc)
 
     def at_shares(self, share: np.ndarray) -> np.ndarray:
-        """Return the points at shares of the arc length, whole turns left out [m], shape [n, d]."""
+        """Return the points at shares of the arc length, whole turns left out [m]; a coordinate axis is appended."""
         return self._at(share % 1.0, self.arc / self.arc[-1])
 
     def locate(self, at: np.ndarray) -> CurvePoints:
@@ -105,4 +105,4 @@ def resample_polyline(line: np.ndarray, count: int) -> np.ndarray:
 
 def interpolate_polyline(wanted: np.ndarray, known: np.ndarray, line: np.ndarray) -> np.ndarray:
     """Interpolate corners, shape [n, d], that stand at ascending parameters `known`, linearly at `wanted`."""
-    return np.stack([np.interp(wanted, known, line[:, k]) for k in range(line.shape[1])], axis=1)
+    return np.stack([np.interp(wanted, known, line[:, k]) for k in range(line.shape[1])], axis=-1)

@@ -126,7 +126,7 @@ class TriangleSurface:
 
 
 def barycentric_coordinates(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Compute barycentric coordinates, clipped to the triangle, of points in its plane.
+    """Compute barycentric coordinates of points in the planes of triangles, clipped to 0..1 against rounding.
 
     Equation: p = a + u (b - a) + v (c - a), solved by the 2 x 2 normal equations; coordinates (1 - u - v, u, v).
 
@@ -142,8 +142,5 @@ def barycentric_coordinates(points: np.ndarray, corners: np.ndarray) -> np.ndarr
     a, b, c = (first * first).sum(1), (first * second).sum(1), (second * second).sum(1)
     p, q = (first * offset).sum(1), (second * offset).sum(1)
     determinant = np.maximum(a * c - b * b, 1e-30)
-    u = np.clip((c * p - b * q) / determinant, 0.0, 1.0)
-    v = np.clip((a * q - b * p) / determinant, 0.0, 1.0)
-    over = np.maximum(u + v, 1.0)
-    u, v = u / over, v / over
-    return np.stack([1 - u - v, u, v], axis=1)
+    u, v = (c * p - b * q) / determinant, (a * q - b * p) / determinant
+    return np.clip(np.stack([1 - (u + v), u, v], axis=1), 0.0, 1.0)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_matrix, lil_matrix
 
+from ..mesh import fit_rigid
 from .orientation import place_points
 from .pattern import Edge, Panel, Pattern
 
@@ -134,7 +135,8 @@ def _fits(pattern: Pattern, source: int, target: int, middle: float | None) -> l
         order = (shift - np.arange(count)) % count
         if not _edges_agree(pattern, a, b, order):
             continue
-        rotation, move = _align(a.points[order], b.points)
+        motion = fit_rigid(a.points[order], b.points, mirrored=True)
+        rotation, move = motion.rotation, motion.translation
         rest = b.points - a.points[order] @ rotation.T - move
         error = float(np.sqrt((rest**2).sum(axis=1).mean())) / diagonal
         if error > FLAT_TOLERANCE:
@@ -169,15 +171,6 @@ def _mirror_images(a: Edge, b: Edge) -> bool:
         return False
     image = a.handles[::-1] * np.array([-1.0, 1.0]) + np.array([1.0, 0.0])
     return bool(np.all(np.abs(image - b.handles) < HANDLE_TOLERANCE))
-
-
-def _align(source: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Give the best reflection and translation of points onto others (orthogonal Procrustes, determinant -1)."""
-    middle_a, middle_b = source.mean(axis=0), target.mean(axis=0)
-    left, _, right = np.linalg.svd((target - middle_b).T @ (source - middle_a))
-    fix = np.diag([1.0, -np.sign(np.linalg.det(left @ right))])
-    rotation = left @ fix @ right
-    return rotation, middle_b - rotation @ middle_a
 
 
 def _assemble(pattern: Pattern, mirrors: list[Mirror]) -> Symmetry:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import NotFound
+from ..mesh import ClosedCurve
 from ..segment.target import Contour
 from .garment import Garment
 from .garmentcode import load_pattern
@@ -115,7 +116,7 @@ def load_draped_template(name: str) -> Garment | None:
         loops = {contour: kept[f"loop.{contour}"].astype(np.int64) for contour in names}
     if len(nodes) != len(garment.nodes):
         return None
-    contours = tuple(Contour(contour, loop, _closed_length(nodes[loop])) for contour, loop in loops.items())
+    contours = tuple(Contour(contour, loop, ClosedCurve(nodes[loop]).length) for contour, loop in loops.items())
     return garment.at(nodes, contours)
 
 
@@ -123,7 +124,3 @@ def save_draped_template(garment: Garment, path: Path) -> None:
     """Keep the nodes [m], to 32 bits, and the named contours of a drape that `load_draped_template` reads."""
     arrays: dict[str, Any] = {f"loop.{contour.name}": contour.vertices.astype(np.int32) for contour in garment.contours}
     np.savez_compressed(path, nodes=garment.nodes.astype(np.float32), **arrays)
-
-
-def _closed_length(loop: np.ndarray) -> float:
-    return float(np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1).sum())

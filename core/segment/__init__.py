@@ -4,7 +4,7 @@ from .category import choose_category
 from .contours import name_contours
 from .garment import NoContour, PartMissing, SeveralGarments, segment_garment
 from .inspect import Inspection, inspect_file
-from .loop import find_loops, resample_loop, smooth_loop, smoothed_length
+from .loop import find_loops, smooth_loop, smoothed_length
 from .noise import smooth_noise
 from .spikes import flatten_spikes
 from .target import CATEGORIES, CONTOUR_NAMES, Contour, Target
@@ -23,7 +23,6 @@ __all__ = [
     "flatten_spikes",
     "inspect_file",
     "name_contours",
-    "resample_loop",
     "segment_garment",
     "smooth_loop",
     "smooth_noise",

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..mesh import ClosedCurve
+
 SMOOTHING = 0.03
 """Width over which a contour is smoothed before it is measured [m]: wider than the teeth that a cut along the triangles
 of a scan leaves (1 cm), narrower than any feature of a contour's design."""
@@ -87,30 +89,18 @@ def _split_at_repeats(path: list[int], key: np.ndarray) -> list[list[int]]:
     return [*loops, stack]
 
 
-def resample_loop(points: np.ndarray, count: int) -> np.ndarray:
-    """Give `count` points at equal arc length along a closed polygon, shape [count, dimension], from its first."""
-    closed = np.concatenate([points, points[:1]])
-    arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
-    where = np.arange(count) * (arc[-1] / count)
-    return np.stack([np.interp(where, arc, closed[:, axis]) for axis in range(points.shape[1])], axis=1)
-
-
-def loop_length(points: np.ndarray) -> float:
-    """Give the length of a closed polygon [m]."""
-    return float(np.linalg.norm(points - np.roll(points, -1, axis=0), axis=1).sum())
-
-
 def smooth_loop(points: np.ndarray, width: float = SMOOTHING) -> np.ndarray:
     """Smooth a closed polygon along its arc by a triangular window of `width` [m] in all, shape [sample_count, 3].
 
     The window is applied to the Fourier series of the resampled curve: the harmonic of period p is multiplied by
     sinc(width / 2p) squared. A circle of radius R shrinks by (width / R)^2 / 48: 0.3 % for a cuff.
     """
-    length = loop_length(points)
+    polygon = ClosedCurve(points)
+    length = polygon.length
     if length == 0.0:
         return points
     count = max(16, 2 * round(length / STEP / 2))
-    series = np.fft.rfft(resample_loop(points, count), axis=0)
+    series = np.fft.rfft(polygon.resample(count), axis=0)
     frequency = np.arange(len(series)) / length
     return np.fft.irfft(series * np.sinc(0.5 * width * frequency)[:, None] ** 2, count, axis=0)
 
@@ -122,8 +112,8 @@ def smoothed_length(points: np.ndarray, width: float = SMOOTHING) -> float:
     too small.
     """
     curve = smooth_loop(np.asarray(points, dtype=np.float64), width)
-    ragged = loop_length(curve) < RAGGED * loop_length(points)
-    return loop_length(smooth_loop(curve, width) if ragged else curve)
+    ragged = ClosedCurve(curve).length < RAGGED * ClosedCurve(points).length
+    return ClosedCurve(smooth_loop(curve, width) if ragged else curve).length
 
 
 def span_disk(points: np.ndarray, *, around: int = 64, rings: int = 16) -> tuple[np.ndarray, np.ndarray]:
@@ -137,7 +127,7 @@ def span_disk(points: np.ndarray, *, around: int = 64, rings: int = 16) -> tuple
         around: Points along the curve; 64 keep a 1.5 m hem within 2.5 cm steps.
         rings: Circles from the curve to the centre.
     """
-    series = np.fft.fft(resample_loop(points, around), axis=0)
+    series = np.fft.fft(ClosedCurve(points).resample(around), axis=0)
     order = np.abs(np.fft.fftfreq(around, 1.0 / around))
     radii = np.arange(rings, 0, -1) / rings
     circles = [np.fft.ifft(series * (radius**order)[:, None], axis=0).real for radius in radii]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...mesh import ClosedCurve
 from ...pattern import Garment
 from ...segment import Target
 
@@ -40,10 +41,10 @@ class ContourLoss:
         for contour in garment.contours:
             other = target.contour(contour.name)
             if other is not None and other.trusted:
-                samples, length = _sample(target.vertices[other.vertices])
+                goal = ClosedCurve(target.vertices[other.vertices])
                 loops.append(contour.vertices)
-                goals.append(samples)
-                lengths.append(length)
+                goals.append(goal.resample(max(16, int(np.ceil(goal.length / SPACING)))))
+                lengths.append(goal.length)
         return cls(tuple(loops), tuple(goals), tuple(lengths))
 
     def evaluate(self, nodes: np.ndarray) -> tuple[float, np.ndarray]:
@@ -51,10 +52,9 @@ class ContourLoss:
         value, gradient = 0.0, np.zeros_like(nodes)
         for loop, goal, length in zip(self.loops, self.goals, self.lengths, strict=True):
             weight = length / (2.0 * sum(self.lengths))
-            first, second = loop, np.roll(loop, -1)
-            edge, along = _closest(goal, nodes[first], nodes[second])
-            a, b = first[edge], second[edge]
-            missing = nodes[a] * (1.0 - along)[:, None] + nodes[b] * along[:, None] - goal
+            near = ClosedCurve(nodes[loop]).closest(goal)
+            a, b, along = loop[near.segment], np.roll(loop, -1)[near.segment], near.along
+            missing = near.foot - goal
             share = weight / len(goal)
             value += share * float((missing**2).sum())
             np.add.at(gradient, a, 2.0 * share * (1.0 - along)[:, None] * missing)
@@ -66,23 +66,3 @@ class ContourLoss:
             value += share * float((away**2).sum())
             np.add.at(gradient, loop, 2.0 * share * away)
         return value, gradient
-
-
-def _sample(points: np.ndarray) -> tuple[np.ndarray, float]:
-    """Sample a closed curve evenly by length; give the samples [m] and the length [m]."""
-    closed = np.concatenate([points, points[:1]])
-    arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
-    count = max(16, int(np.ceil(arc[-1] / SPACING)))
-    at = np.arange(count) / count * arc[-1]
-    return np.stack([np.interp(at, arc, closed[:, k]) for k in range(3)], axis=1), float(arc[-1])
-
-
-def _closest(points: np.ndarray, starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Find the nearest of some segments to each point, and where along it (0 to 1)."""
-    span = ends - starts
-    square = np.maximum((span**2).sum(1), 1e-18)
-    offset = points[:, None] - starts[None]
-    along = np.clip((offset * span).sum(2) / square, 0.0, 1.0)
-    away = ((offset - along[..., None] * span) ** 2).sum(2)
-    edge = away.argmin(1)
-    return edge, along[np.arange(len(points)), edge]
