@@ -41,8 +41,10 @@ def summarise(found: dict[str, Any], files: Sequence[Path]) -> Iterator[tuple[st
     yield "scan", f"{found['name']}; wearer: {found['body'] or 'not known'}"
     yield "pattern", f"base pattern {found['template']}, {_describe_count(metrics, 'vertices')} vertices in each mesh"
     yield "fabric", f"{found['fabric']}; {_describe_bending(metrics)}"
-    yield "surface", "; ".join(_describe_distances(metrics)) or "not measured"
-    yield "body", "; ".join(_describe_depths(metrics)) or "not measured"
+    distances = "; ".join(_describe_distances(metrics))
+    yield "surface", f"RMS to the scan / back: {distances}" if distances else "not measured"
+    depths = "; ".join(_describe_depths(metrics))
+    yield "body", f"depth inside it / crossing faces: {depths}" if depths else "not measured"
     yield "checks", _describe_gates(found["gates"])
     warnings = found["warnings"]
     more = f" (and {len(warnings) - 1} more, see --verbose)" if len(warnings) > 1 else ""
@@ -104,7 +106,7 @@ def _describe_distances(metrics: Mapping[str, float | None]) -> Iterator[str]:
     for prefix, mesh in PREFIXES:
         ways = [metrics.get(f"{prefix}surface_rms_mm.{way}") for way in ("s2t", "t2s")]
         if ways[0] is not None and ways[1] is not None:
-            yield f"{mesh} {ways[0]:.1f} / {ways[1]:.1f} mm" + (" (RMS to the scan / back)" if not prefix else "")
+            yield f"{mesh} {ways[0]:.1f} / {ways[1]:.1f} mm"
 
 
 def _describe_depths(metrics: Mapping[str, float | None]) -> Iterator[str]:
@@ -112,7 +114,7 @@ def _describe_depths(metrics: Mapping[str, float | None]) -> Iterator[str]:
         depth = metrics.get(f"{prefix}body_penetration_mm")
         crossed = metrics.get(f"{prefix}self_intersecting_faces")
         if depth is not None:
-            yield f"{mesh} {depth:.1f} mm inside the body, {crossed or 0:.0f} crossing faces"
+            yield f"{mesh} {depth:.1f} mm / {crossed or 0:.0f}"
 
 
 def _describe_gates(gates: Sequence[Mapping[str, Any]]) -> str:

@@ -32,10 +32,10 @@ def make_found(**changes) -> dict:
 def test_what_it_says() -> None:
     """Breaks where a mesh is left out, the worst check is not the one shown, or a value gets a wrong name."""
     lines = dict(summarise(make_found(), [Path("/out/pattern.svg"), Path("/out/report.html"), Path("/out/fit.json")]))
-    assert lines["surface"].startswith("detail mesh 0.9 / 1.3 mm")
+    assert "back: detail mesh 0.9 / 1.3 mm;" in lines["surface"]
     assert "simulation mesh 2.0 / 2.1 mm" in lines["surface"]
     assert "re-draped" not in lines["surface"]
-    assert lines["body"] == "detail mesh 0.3 mm inside the body, 4 crossing faces"
+    assert lines["body"] == "depth inside it / crossing faces: detail mesh 0.3 mm / 4"
     assert lines["checks"] == "1 of 3 passed; fail: too far."
     assert "1.6e-06 N m, within a factor of 1.3" in lines["fabric"]
     assert lines["warnings"] == "frayed hem. (and 1 more, see --verbose)"
