@@ -169,7 +169,7 @@ class _Stage:
 
         start = self.graded if switch.graded else self.ungraded
         settings = replace(self.preset, **switch.deforming)
-        return self._measure(start, deform(start, self.target, self.wearer.body, settings=settings).nodes)
+        return self._measure(start, deform(start, self.target, self.wearer.exposed, settings=settings).nodes)
 
     def _measure(self, garment: Any, nodes: Any) -> dict[str, float | None]:
         """Measure nodes against the truth as it is in the file."""

@@ -105,7 +105,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         warnings += fitted.warnings
     with clock.stage("deform", "deforming the drape onto the scan") as inner:
         preset = DeformSettings.thesis() if settings.preset == "thesis" else DeformSettings()
-        detail = deform(garment, target, body, settings=preset, hooks=inner)
+        detail = deform(garment, target, wearer.exposed, settings=preset, hooks=inner)
         warnings += detail.warnings
     garment = garment.at(graded)
     if settings.method == "hybrid":
@@ -130,7 +130,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
             warnings.append(f"the re-draped mesh is {again.message}")
         known |= {"redrape.residual": again.residual, "redrape.iterations": float(again.iterations)}
     with clock.stage("measure", "measuring the result"):
-        metrics = known | measure(scan, target, garment, detail, simulation, drape, body, settings, redraped)
+        metrics = known | measure(scan, target, garment, detail, simulation, drape, wearer, settings, redraped)
     return Recovery(
         scan=scan,
         body=body,
@@ -265,7 +265,7 @@ def measure(
     detail: Deformation,
     simulation: np.ndarray | None,
     drape: Drape,
-    body: Body,
+    wearer: WearerGeometry,
     settings: RecoverySettings,
     redraped: np.ndarray | None = None,
 ) -> dict[str, float | None]:
@@ -278,7 +278,7 @@ def measure(
         scan.vertices,
         scan.faces,
         target.contours,
-        body,
+        wearer.exposed,
         seed=settings.seed,
         redraped=redraped,
     )
@@ -286,7 +286,7 @@ def measure(
     metrics["drape.residual"] = drape.residual
     metrics["drape.iterations"] = float(drape.iterations)
     metrics["drape.spin_rad_s"] = 0.0 if drape.rotation is None else drape.rotation.rate
-    metrics["body.fit_rms_mm"] = 1e3 * body.fit_rms
+    metrics["body.fit_rms_mm"] = 1e3 * wearer.body.fit_rms
     return metrics
 
 

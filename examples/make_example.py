@@ -18,13 +18,12 @@ import newton
 import numpy as np
 import trimesh
 import warp as wp
-from garmentq.core.body import Body, builtin_body, skin
+from garmentq.core.body import Body, ExposedSurface, builtin_body, project_outside, skin
 from garmentq.core.body.builtin import ARM_DROPS, arm_pose
 from garmentq.core.body.template import articulate, rotations_of, transforms_of
 from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template
 from garmentq.core.pattern import Garment, Pattern, mesh_pattern, resample, save_pattern
 from garmentq.core.pattern.outline import Outline, Stroke, mirror, place_panel, sew_by_label, unfold
-from garmentq.core.simulate import push_out
 
 DATA = Path(__file__).parent / "data"
 
@@ -124,7 +123,8 @@ def dress_body(pattern: Pattern, body: Body) -> Garment:
     """
     coarse = drape_template(pattern, WearerGeometry(body), settings=DrapeSettings(template_vertices=START_NODES))
     fine = mesh_pattern(pattern, NODES)
-    return fine.at(push_out(resample(coarse, coarse.nodes, fine), body, fine.faces, THICKNESS))
+    placed = resample(coarse, coarse.nodes, fine)
+    return fine.at(project_outside(placed, ExposedSurface.of(body), fine.faces, THICKNESS))
 
 
 def build_model(garment: Garment, body: Body) -> tuple[newton.Model, newton.Mesh]:

@@ -76,6 +76,7 @@ def bare_body():
 def tube_recovery():
     """Give the maker of finished recoveries of a tube; keyword arguments replace its fields."""
     import trimesh
+    from garmentq.core.body import ExposedSurface
     from garmentq.core.measure import judge, measure_fit, measure_seams
 
     @functools.cache
@@ -83,11 +84,12 @@ def tube_recovery():
         garment = make_tube(make_tube_pattern(names=names))
         post = trimesh.creation.cylinder(radius=0.13, height=1.2, sections=48)
         body = make_body(post.vertices[:, [1, 2, 0]] + [0.0, 0.95, 0.0], np.array(post.faces))
+        skin = ExposedSurface.of(body)
         swell = 1.0 + 0.02 * np.sin(8.0 * np.arctan2(garment.nodes[:, 0], garment.nodes[:, 2]))
         detail = garment.nodes * np.stack([swell, np.ones_like(swell), swell], axis=1)
         target = Target(garment.nodes, garment.faces, garment.nodes, garment.contours, (), "skirt")
         graded, faces, contours = garment.nodes * 1.01, garment.faces, garment.contours
-        metrics = measure_fit(garment, graded, detail, None, garment.nodes, faces, contours, body, samples=2000)
+        metrics = measure_fit(garment, graded, detail, None, garment.nodes, faces, contours, skin, samples=2000)
         metrics |= measure_seams(garment.pattern)
         values = {
             "scan": Scan(garment.nodes, faces, name="tube"),

@@ -11,22 +11,24 @@ from .spec import BUILTIN, is_builtin
 if TYPE_CHECKING:
     from .builtin import BodyMissing, BodySpecBad, builtin_body, describe_bodies, parse_spec
     from .distance import DistanceBad, DistanceGrid, sample_distance
+    from .exposed import ExposedSurface, penetration_depth
     from .model import BodyModel
-    from .outside import BodySurface
+    from .projection import project_outside
     from .registration import NotHuman, register_body
+    from .signed_distance import SignedDistance
     from .skinning import rest_body, skin, unskin, weights_at
     from .smpl import SmplBad, is_smpl, load_smpl
     from .solid import Solid
-    from .surface import signed_distance
 
 _LAZY = {
     "BodyMissing": "builtin",
     "BodyModel": "model",
     "BodySpecBad": "builtin",
-    "BodySurface": "outside",
+    "ExposedSurface": "exposed",
     "DistanceBad": "distance",
     "DistanceGrid": "distance",
     "NotHuman": "registration",
+    "SignedDistance": "signed_distance",
     "SmplBad": "smpl",
     "Solid": "solid",
     "builtin_body": "builtin",
@@ -34,10 +36,11 @@ _LAZY = {
     "is_smpl": "smpl",
     "load_smpl": "smpl",
     "parse_spec": "builtin",
+    "penetration_depth": "exposed",
+    "project_outside": "projection",
     "register_body": "registration",
     "rest_body": "skinning",
     "sample_distance": "distance",
-    "signed_distance": "surface",
     "skin": "skinning",
     "unskin": "skinning",
     "weights_at": "skinning",
@@ -52,10 +55,11 @@ __all__ = [
     "BodyMissing",
     "BodyModel",
     "BodySpecBad",
-    "BodySurface",
     "DistanceBad",
     "DistanceGrid",
+    "ExposedSurface",
     "NotHuman",
+    "SignedDistance",
     "SmplBad",
     "Solid",
     "builtin_body",
@@ -64,10 +68,11 @@ __all__ = [
     "is_smpl",
     "load_smpl",
     "parse_spec",
+    "penetration_depth",
+    "project_outside",
     "register_body",
     "rest_body",
     "sample_distance",
-    "signed_distance",
     "skin",
     "unskin",
     "weights_at",

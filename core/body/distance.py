@@ -109,6 +109,11 @@ class DistanceGrid:
         """Give signed distances [m], shape [n], of points [m], shape [n, 3]; `FAR` outside the grid."""
         return self.evaluate(points)[0]
 
+    def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return signed distances [m], shape [n], and gradients, shape [n, 3], of points [m], shape [n, 3]."""
+        distance, gradient, _ = self.evaluate(points)
+        return distance, gradient
+
     def evaluate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Give distances [m] [n], gradients [n, 3] and Hessians [1/m] [n, 3, 3] at points [m], shape [n, 3]."""
         points = np.ascontiguousarray(points, dtype=np.float64)

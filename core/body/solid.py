@@ -36,8 +36,8 @@ class Solid:
         wound = self._winding.winding_number(np.ascontiguousarray(points, dtype=np.float64))
         return np.asarray(wound).reshape(-1) > INSIDE
 
-    def is_bare(self, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
-        """Tell which points of the skin [m], with unit normals, shapes [n, 3], no other part swallows, shape [n]."""
+    def exposed(self, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
+        """Find which points of the skin [m], with unit normals, shapes [n, 3], no other part swallows, shape [n]."""
         return ~self.contains(points + LIFT * normals)
 
 

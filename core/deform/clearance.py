@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
-from ..body import BodySurface
+from ..body import ExposedSurface
 from .easing import LOWEST, out_of_bounds
 from .operators import vertex_areas
 
@@ -48,7 +48,7 @@ class Watch:
     parts of the body that is narrower than two margins: its margin is halved, so that it comes to rest in between.
     """
 
-    def __init__(self, faces: np.ndarray, body: BodySurface, margin: float) -> None:
+    def __init__(self, faces: np.ndarray, body: ExposedSurface, margin: float) -> None:
         self.faces, self.margin = faces, margin
         self._body = body
         self._places: np.ndarray | None = None

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..body import Body, BodySurface
+from ..body import ExposedSurface, penetration_depth
 from ..hooks import SILENT, Hooks
-from ..measure import penetration_depth
 from ..mesh import self_intersections
 from ..pattern import Garment
 from ..segment import Target
@@ -28,16 +27,11 @@ DEFAULT = DeformSettings()
 DEEP = 1e-3
 """Depth in the body above which the user is warned [m]; the pipeline's hard limit."""
 
-CREASES = 0
-"""Times that the body's faces in a crease are split where cloth is kept off it: none. Split twice, a triangle held
-between thighs that run into each other was drawn to 4 times its length along the crease (once, to 3), and not to 1.6.
-"""
-
 
 def deform(
     garment: Garment,
     target: Target,
-    body: Body,
+    body: ExposedSurface,
     *,
     settings: DeformSettings = DEFAULT,
     hooks: Hooks = SILENT,
@@ -50,7 +44,7 @@ def deform(
     Args:
         garment: The graded drape; its contours are matched with the target's by name.
         target: The surface to be reached.
-        body: The wearer; the result lies outside its exact mesh.
+        body: The wearer's exposed skin; the result lies outside it.
         settings: Weights and steps.
         hooks: Progress under the name `deform`, and cancellation at every step.
 
@@ -62,15 +56,14 @@ def deform(
     faces = np.ascontiguousarray(garment.faces, dtype=np.int64)
     gradient, areas = gradient_operator(garment.rest, faces, len(nodes))
     goal = prepare_target(target, nodes, faces, garment.contours, settings.repair)
-    distance = BodySurface.of(body, splits=CREASES)
     metric = RestMetric(faces, garment.panel_of_face, areas, settings.metric_scale)
     inverse = inverse_rest(garment.rest)
-    objective = Objective(nodes, faces, inverse, areas, goal, distance, settings)
+    objective = Objective(nodes, faces, inverse, areas, goal, body, settings)
     hooks.progress("deform", 0.1, "Jacobians")
     stage = optimise_jacobians(nodes, gradient, areas, objective, metric, settings, hooks)
     x, polished = stage.nodes, False
     if settings.polish_iterations > 0:
-        finer = polish_nodes(x, faces, gradient, areas, metric, goal, distance, settings, hooks)
+        finer = polish_nodes(x, faces, gradient, areas, metric, goal, body, settings, hooks)
         x, polished = accept_polish(finer, x, faces, goal)
         allowed = int(crossing(nodes, faces).sum())
         x = iron_crossings(x, gradient, areas, faces, allowed)
@@ -78,11 +71,11 @@ def deform(
         x = eased if crossing(eased, faces).sum() <= max(allowed, crossing(x, faces).sum()) else x
     hooks.progress("deform", 0.9, "clearance")
     if settings.clear_body:
-        watch = Watch(faces, distance, settings.body_margin)
+        watch = Watch(faces, body, settings.body_margin)
         x = clear_body(x, gradient, areas, watch, ease=settings.polish_iterations > 0)
     flips = (int(flipped(nodes, faces, goal).sum()), int(flipped(x, faces, goal).sum()))
     crossings = (len(self_intersections(nodes, faces)), len(self_intersections(x, faces)))
-    depth = penetration_depth(x, faces, body.vertices, body.faces)
+    depth = penetration_depth(x, faces, body)
     hooks.progress("deform", 1.0, "done")
     return Deformation(
         nodes=x,

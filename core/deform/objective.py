@@ -9,7 +9,7 @@ import torch
 from scipy.spatial import cKDTree
 from torch.nn.functional import normalize
 
-from ..body import BodySurface
+from ..body import ExposedSurface
 from ..mesh import Closest, TriangleSurface
 from .contour_match import ContourMatch, CurveRows
 from .operators import hinges, vertex_areas
@@ -59,7 +59,7 @@ class Objective:
         inverse_rest: np.ndarray,
         areas: np.ndarray,
         target: PreparedTarget,
-        body: BodySurface,
+        body: ExposedSurface,
         settings: DeformSettings,
     ) -> None:
         self._settings = settings

@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
-from ..body import BodySurface
+from ..body import ExposedSurface
 from ..hooks import Hooks
 from ..mesh import TriangleSurface
 from .contour_match import ContourMatch
@@ -40,7 +40,7 @@ def polish_nodes(
     areas: np.ndarray,
     metric: RestMetric,
     target: PreparedTarget,
-    body: BodySurface,
+    body: ExposedSurface,
     settings: DeformSettings,
     hooks: Hooks,
 ) -> np.ndarray:

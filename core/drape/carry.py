@@ -11,12 +11,21 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 from scipy.spatial.transform import Rotation
 
-from ..body import PARENTS, Body, BodySurface, skin, unskin, weights_at
-from ..mesh import self_intersections
-from ..simulate import push_out
+from ..body import (
+    PARENTS,
+    Body,
+    ExposedSurface,
+    SignedDistance,
+    Solid,
+    project_outside,
+    skin,
+    unskin,
+    weights_at,
+)
+from ..mesh import self_intersections, vertex_normals
 from .flow import flow_out
-from .follow import FollowSettings, Lookup, Threads, follow, undo_crossings
-from .shell import Shell, find_bare
+from .follow import FollowSettings, Threads, follow, undo_crossings
+from .shell import Shell, ShellBeside
 
 
 @dataclass(frozen=True)
@@ -78,17 +87,17 @@ class Way:
         transforms: From the rest pose to each frame, the first one the T-pose, shape [frame_count + 1, 24, 4, 4].
         shells: The outside of the fitted model in each frame but the first.
         own: The outside of the wearer's own mesh.
-        skin: The same, exact.
+        skin: Its exposed skin, exact.
     """
 
     body: Body
     transforms: np.ndarray
     shells: tuple[Shell, ...]
     own: Shell
-    skin: BodySurface
+    skin: ExposedSurface
 
     @classmethod
-    def of(cls, body: Body, turn: float = CarrySettings.turn) -> Way:
+    def of(cls, body: Body, exposed: ExposedSurface, turn: float = CarrySettings.turn) -> Way:
         """Move the fitted model of a body in frames in which no joint turns by more than an angle [rad]."""
         frames = max(1, math.ceil(_largest_turn(body) / turn))
         transforms = np.stack([transforms_between(body, frame / frames) for frame in range(frames + 1)])
@@ -96,9 +105,10 @@ class Way:
         shells = []
         for start in range(0, frames, SHARED):
             group = surfaces[start : start + SHARED]
-            bare = find_bare(group[-1], body.rest_faces)
+            normals = vertex_normals(group[-1], body.rest_faces)
+            bare = Solid(group[-1], body.rest_faces).exposed(group[-1], normals)
             shells += [Shell.of(surface, body.rest_faces, bare) for surface in group]
-        return cls(body, transforms, tuple(shells), Shell.of(body.vertices, body.faces), BodySurface.of(body))
+        return cls(body, transforms, tuple(shells), Shell.of(body.vertices, body.faces), exposed)
 
 
 CURRENT = 5
@@ -125,7 +135,7 @@ def take_pose(
     threads: Threads,
     nodes: np.ndarray,
     way: Way,
-    lookup: Lookup,
+    body: SignedDistance,
     *,
     settings: CarrySettings = CarrySettings(),
     held: np.ndarray | None = None,
@@ -138,18 +148,18 @@ def take_pose(
         threads: The constraints.
         nodes: Positions around the rest pose [m], shape [node_count, 3].
         way: The body's frames.
-        lookup: Signed distance of the body's own mesh in its pose.
+        body: Where the wearer's own mesh is in its pose.
         settings: Frames and steps.
         held: Nodes that only the skin moves, or None.
     """
     nodes = carry(threads, nodes, way, settings=settings, held=held)
     out = np.zeros_like(nodes)
     if held is not None:
-        out[held] = leave_body(nodes[held], way.own.nearest, settings.follow.thickness) - nodes[held]
+        out[held] = leave_body(nodes[held], way.own, settings.follow.thickness) - nodes[held]
     nodes, velocities = follow(
         threads,
         nodes,
-        way.own.beside(lookup),
+        ShellBeside(way.own, body),
         settings.settle,
         ride=out,
         settings=settings.follow,
@@ -174,14 +184,14 @@ def clear_body(
     """Move cloth out of the wearer's exact mesh, its layers in step, and give the nodes [m], shape [node_count, 3].
 
     The grid of distances errs by millimetres where body parts meet. A current takes what is inside out together with
-    the layers around it; `push_out`, which knows no layers, does the rest where that crosses nothing, after a few steps
-    without weight if need be; a node for which there is no way out stays.
+    the layers around it; `project_outside`, which knows no layers, does the rest where that crosses nothing, after a
+    few steps without weight if need be; a node for which there is no way out stays.
     """
 
-    faces, lookup = threads.faces, way.own.beside(way.skin.measure)
-    nodes = flow_out(threads, nodes, way.skin.measure, LAST_CURRENT)
+    faces, body = threads.faces, ShellBeside(way.own, way.skin)
+    nodes = flow_out(threads, nodes, way.skin, LAST_CURRENT)
     for _ in range(CLEARINGS):
-        pushed = push_out(nodes, way.skin, faces)
+        pushed = project_outside(nodes, way.skin, faces)
         if np.array_equal(pushed, nodes) or len(self_intersections(pushed, faces)) <= len(
             self_intersections(nodes, faces)
         ):
@@ -189,7 +199,7 @@ def clear_body(
         nodes, _ = follow(
             threads,
             nodes,
-            lookup,
+            body,
             5,
             settings=settings.follow,
             held=held,
@@ -197,7 +207,7 @@ def clear_body(
             centres=True,
             creep=True,
         )
-    pushed = push_out(nodes, way.skin, faces)
+    pushed = project_outside(nodes, way.skin, faces)
     undo_crossings(pushed, nodes, faces, self_intersections(nodes, faces))
     return pushed
 
@@ -230,11 +240,11 @@ def carry(
         ride = skin(unskin(nodes, weights, before), weights, after) - nodes
         even = spread(ride)
         if held is not None:
-            even[held] = leave_body(nodes[held] + ride[held], shell.nearest, settings.follow.thickness) - nodes[held]
+            even[held] = leave_body(nodes[held] + ride[held], shell, settings.follow.thickness) - nodes[held]
         nodes, _ = follow(
             threads,
             nodes,
-            shell.nearest,
+            shell,
             settings.steps,
             settings=settings.follow,
             held=held,
@@ -243,7 +253,7 @@ def carry(
             centres=True,
             creep=True,
         )
-        nodes = flow_out(threads, nodes, shell.nearest, CURRENT)
+        nodes = flow_out(threads, nodes, shell, CURRENT)
     return nodes
 
 
@@ -251,14 +261,14 @@ PUSHES = 3
 """Rounds in which held nodes leave the body: in a hollow one push may end before the other surface."""
 
 
-def leave_body(points: np.ndarray, lookup: Lookup, thickness: float) -> np.ndarray:
+def leave_body(points: np.ndarray, body: SignedDistance, thickness: float) -> np.ndarray:
     """Move points [m], shape [n, 3], that nothing but the skin moves out of a body, to a distance from it [m].
 
     A waist rides on the skin; where a belly comes down on a lap, the skin goes into itself, and the waist with it.
     """
     points = np.array(points)
     for _ in range(PUSHES):
-        distance, normal = lookup(points)
+        distance, normal = body.measure(points)
         short = np.maximum(thickness - distance, 0.0)[:, None] * normal
         points += short.reshape(-1, len(points), 3).sum(axis=0)
         if not short.any():

@@ -9,11 +9,11 @@ from scipy import sparse
 from scipy.sparse.linalg import spsolve
 from scipy.spatial import ConvexHull
 
-from ..body import Body
+from ..body import Body, SignedDistance
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment
 from ..segment import find_loops
-from .follow import FollowSettings, Lookup, Threads, follow, lay_threads
+from .follow import FollowSettings, Threads, follow, lay_threads
 from .ironing import iron_crossings
 from .sleeves import turn_sleeves
 from .stance import spread_legs
@@ -227,61 +227,76 @@ def _half(garment: Garment) -> np.ndarray:
     return np.sign(np.where(np.abs(total) == count, total, 0.0))
 
 
-def squashed(lookup: Lookup, middle: float, scale: float) -> Lookup:
-    """Give the distance lookup of a body whose depth is scaled about the plane z = middle.
+@dataclass(frozen=True)
+class Squashed:
+    """A body whose depth is scaled about the plane z = middle.
 
     The level set d(x, y, middle + (z - middle) / scale) is zero on the squashed surface; its gradient is returned
     unscaled, so that distance / |gradient| is the distance to first order.
     """
 
-    def scaled(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    body: SignedDistance
+    middle: float
+    scale: float
+
+    def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the level set's values [m] and gradients, shapes [n] and [n, 3]."""
         mapped = points.copy()
-        mapped[:, 2] = middle + (points[:, 2] - middle) / scale
-        distance, gradient = lookup(mapped)
-        return distance, gradient * np.array([1.0, 1.0, 1.0 / scale])
-
-    return scaled
+        mapped[:, 2] = self.middle + (points[:, 2] - self.middle) / self.scale
+        distance, gradient = self.body.measure(mapped)
+        return distance, gradient * np.array([1.0, 1.0, 1.0 / self.scale])
 
 
-def _flat_lookup(lookup: Lookup, middle: float, side: np.ndarray, flatten: float) -> Lookup:
-    """Give the obstacle of the flat phase: front and back stay on their planes, seams outside the body's outline."""
+@dataclass(frozen=True)
+class Flattened:
+    """The obstacle of the flat phase: front and back stay on their planes, seams outside the body's outline."""
 
-    def flat(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        distance, gradient = lookup(np.column_stack([points[:, :2], np.full(len(points), middle)]))
+    body: SignedDistance
+    middle: float
+    side: np.ndarray
+    flatten: float
+
+    def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return distances [m] and gradients of the garment's nodes, shapes [n] and [n, 3]."""
+        flat = np.column_stack([points[:, :2], np.full(len(points), self.middle)])
+        distance, gradient = self.body.measure(flat)
         gradient[:, 2] = 0.0
-        off_seam = np.abs(side) > 0.5
-        distance[off_seam] = np.abs(points[off_seam, 2] - middle) - flatten
-        gradient[off_seam] = np.sign(side[off_seam])[:, None] * np.array([0.0, 0.0, 1.0])
+        off_seam = np.abs(self.side) > 0.5
+        distance[off_seam] = np.abs(points[off_seam, 2] - self.middle) - self.flatten
+        gradient[off_seam] = np.sign(self.side[off_seam])[:, None] * np.array([0.0, 0.0, 1.0])
         return distance, gradient
 
-    return flat
 
-
-def sided(lookup: Lookup, outline: Lookup | None, middle: float, side: np.ndarray) -> Lookup:
-    """Add the middle plane as an obstacle: no front node passes behind it, no back node before it.
+@dataclass(frozen=True)
+class Sided:
+    """A body with the middle plane as an obstacle: no front node passes behind it, no back node before it.
 
     While the body is thin, a crease 1 cm deep would otherwise slip through the neck or the waist to the other side.
     Seams between front and back are in that plane and stay outside the `outline` that the body cuts there: a thin body
     pushes them out of the plane at best, and a sleeve's upper seam would sink through the arm. Without an outline they
     are as free as the thin body leaves them.
     """
-    off_seam = np.abs(side) > 0.5
-    on_seam = np.nonzero(~off_seam)[0]
-    sign = np.sign(side)
 
-    def lookup_sided(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        distance, gradient = lookup(points)
+    body: SignedDistance
+    outline: SignedDistance | None
+    middle: float
+    side: np.ndarray
+
+    def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return distances [m] and gradients of the garment's nodes, shapes [n] and [n, 3]."""
+        off_seam = np.abs(self.side) > 0.5
+        on_seam = np.nonzero(~off_seam)[0]
+        sign = np.sign(self.side)
+        distance, gradient = self.body.measure(points)
         slope = np.maximum(np.linalg.norm(gradient, axis=1), 1.0)
-        ahead = sign * (points[:, 2] - middle)
+        ahead = sign * (points[:, 2] - self.middle)
         nearer = off_seam & (ahead < distance / slope)
         distance[nearer] = ahead[nearer]
         gradient[nearer] = sign[nearer, None] * np.array([0.0, 0.0, 1.0])
-        if outline is not None and len(on_seam):
-            distance[on_seam], gradient[on_seam] = outline(points[on_seam])
+        if self.outline is not None and len(on_seam):
+            distance[on_seam], gradient[on_seam] = self.outline.measure(points[on_seam])
             gradient[on_seam, 2] = 0.0
         return distance, gradient
-
-    return lookup_sided
 
 
 def relax_flat(
@@ -289,7 +304,7 @@ def relax_flat(
     nodes: np.ndarray,
     side: np.ndarray,
     half: np.ndarray,
-    lookup: Lookup,
+    distance: SignedDistance,
     middle: float,
     settings: DressSettings,
 ) -> np.ndarray:
@@ -302,7 +317,7 @@ def relax_flat(
     """
     apart = 0.5 * settings.flatten
     centre = 0.5 * float(nodes[:, 0].min() + nodes[:, 0].max())
-    flat = _flat_lookup(lookup, middle, side, settings.flatten)
+    flat = Flattened(distance, middle, side, settings.flatten)
     for _ in range(settings.relax):
         nodes, _ = follow(threads, nodes, flat, 1, settings=settings.follow)
         nodes[:, 2] = middle + settings.flatten * side
@@ -314,7 +329,7 @@ def relax_flat(
 def dress(
     garment: Garment,
     body: Body,
-    lookup: Lookup,
+    distance: SignedDistance,
     *,
     waist_height: float | None = None,
     settings: DressSettings = DressSettings(),
@@ -332,7 +347,7 @@ def dress(
     Args:
         garment: The sewn garment, nodes where its file places them.
         body: The body in its T-pose, facing +z, feet near y = 0.
-        lookup: Signed distance of that body.
+        distance: Where that body is.
         waist_height: Height of the waist contour [m], or None for where the body is as wide as it.
         settings: The recipe.
         hooks: Progress and cancellation.
@@ -344,24 +359,24 @@ def dress(
     waist = waist_loop(garment)
     height = None if waist is None else float(nodes[waist, 1].mean())
     side = _side(garment)
-    nodes = relax_flat(threads, nodes, side, _half(garment), lookup, middle, settings)
+    nodes = relax_flat(threads, nodes, side, _half(garment), distance, middle, settings)
     between = np.abs(side) < 0.5
-    outline = lookup if settings.outline else None
+    outline = distance if settings.outline else None
     for frame in range(settings.frames):
         scale = settings.squash + (1.0 - settings.squash) * (frame + 1) / settings.frames
         nodes, _ = follow(
-            threads, nodes, sided(squashed(lookup, middle, scale), outline, middle, side), 3, settings=settings.follow
+            threads, nodes, Sided(Squashed(distance, middle, scale), outline, middle, side), 3, settings=settings.follow
         )
         nodes[between, 2] = middle
         if waist is not None and height is not None:
             nodes[waist, 1] += height - nodes[waist, 1].mean()
         hooks.check()
     if settings.iron:
-        nodes = iron_crossings(threads, nodes, lookup, settings=settings.follow, held=waist)
+        nodes = iron_crossings(threads, nodes, distance, settings=settings.follow, held=waist)
     nodes, _ = follow(
         threads,
         nodes,
-        lookup,
+        distance,
         settings.settle,
         settings=settings.follow,
         gravity=9.81,

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..body import SignedDistance
 from ..mesh import self_intersections
-from .follow import Lookup, Threads, undo_crossings
+from .follow import Threads, undo_crossings
 
 STEP = 2e-3
 """Longest move in a round [m]: over the width of the current a strain of a few per cent, so nothing folds over."""
@@ -14,7 +15,9 @@ DEEP = 0.0
 """Distance [m] below which cloth is carried out."""
 
 
-def flow_out(threads: Threads, nodes: np.ndarray, lookup: Lookup, rounds: int, clearance: float = 1e-3) -> np.ndarray:
+def flow_out(
+    threads: Threads, nodes: np.ndarray, body: SignedDistance, rounds: int, clearance: float = 1e-3
+) -> np.ndarray:
     """Carry cloth that is inside a body out of it, with all cloth around it, and give the nodes [m], [node_count, 3].
 
     Each low point i (a node, or a face's centre) wants the move m_i out of the body. The current is their mean, by
@@ -26,7 +29,7 @@ def flow_out(threads: Threads, nodes: np.ndarray, lookup: Lookup, rounds: int, c
     Args:
         threads: The cloth.
         nodes: Positions [m], shape [node_count, 3].
-        lookup: Signed distance of the body; a second row of values, if any, is not looked at.
+        body: Where it is; of the surfaces that it shows a point only the first counts.
         rounds: Rounds at most; each moves up to 2 mm.
         clearance: Distance to reach [m].
     """
@@ -36,7 +39,7 @@ def flow_out(threads: Threads, nodes: np.ndarray, lookup: Lookup, rounds: int, c
     crossed: np.ndarray | None = None
     for _ in range(rounds):
         points = np.concatenate([nodes, nodes[faces].mean(axis=1)])
-        distance, normal = (values[: len(points)] for values in lookup(points))
+        distance, normal = (values[: len(points)] for values in body.measure(points))
         low = np.flatnonzero(distance < DEEP)
         if not len(low):
             break

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
 
+from ..body import SignedDistance
 from ..mesh import self_intersections
 from ..pattern import Garment
 from .layers import HalfSpaces, find_layers
 
-Lookup = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 """Signed distance [m] of points [n, 3] and its gradient; positive outside. Where a point is near two surfaces (between
 arm and trunk), a second row of n values follows the first: shapes [m] and [m, 3], m = n or 2 n."""
 
@@ -220,7 +219,7 @@ def _part(
 def follow(
     threads: Threads,
     nodes: np.ndarray,
-    lookup: Lookup | None,
+    body: SignedDistance | None,
     steps: int,
     *,
     settings: FollowSettings = FollowSettings(),
@@ -241,7 +240,7 @@ def follow(
     Args:
         threads: The constraints.
         nodes: Start [m], shape [node_count, 3].
-        lookup: Signed distance of the body and its gradient, or None for no body.
+        body: Where the body is, or None for no body.
         steps: Number of steps.
         settings: Step length, sweeps, friction.
         velocities: Start velocities [m/s]; zero where None.
@@ -270,12 +269,12 @@ def follow(
         layers = HalfSpaces.none()
         if apart:
             layers = find_layers(before, threads.faces, threads.edges, crossed, settings.gap, settings.reach)
-        contact, normal, offset = _planes(lookup, x, settings)
+        contact, normal, offset = _planes(body, x, settings)
         if apart:
             offset = np.minimum(offset, (normal * x[contact]).sum(1) + settings.push)
         spaces = layers
         if centres:
-            spaces = layers.joined(_face_planes(lookup, x, threads.faces, settings))
+            spaces = layers.joined(_face_planes(body, x, threads.faces, settings))
         press = _sweep(
             x, threads.ends, threads.lengths, threads.stiffness, weight, contact, normal, offset,
             spaces.corners, spaces.weights, spaces.normals, spaces.offsets, settings.sweeps,
@@ -309,12 +308,12 @@ def _eased(eased: np.ndarray, change: np.ndarray, last: np.ndarray) -> np.ndarra
 
 
 def _planes(
-    lookup: Lookup | None, points: np.ndarray, settings: FollowSettings
+    body: SignedDistance | None, points: np.ndarray, settings: FollowSettings
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Give the planes of the body that points are near: indices [m], unit normals [m, 3], offsets [m]."""
-    if lookup is None or not len(points):
+    if body is None or not len(points):
         return np.zeros(0, dtype=np.int64), np.zeros((0, 3)), np.zeros(0)
-    distance, gradient = lookup(points)
+    distance, gradient = body.measure(points)
     row = np.nonzero((distance < settings.thickness + settings.travel) & (np.abs(distance) < 0.5))[0]
     contact = row % len(points)
     slope = np.linalg.norm(gradient[row], axis=1, keepdims=True)
@@ -323,9 +322,11 @@ def _planes(
     return contact, normal, (normal * points[contact]).sum(1) - gap + settings.thickness
 
 
-def _face_planes(lookup: Lookup | None, points: np.ndarray, faces: np.ndarray, settings: FollowSettings) -> HalfSpaces:
+def _face_planes(
+    body: SignedDistance | None, points: np.ndarray, faces: np.ndarray, settings: FollowSettings
+) -> HalfSpaces:
     """Keep the centres of faces out of the body, by a quarter of the thickness."""
-    face, normal, offset = _planes(lookup, points[faces].mean(1), settings)
+    face, normal, offset = _planes(body, points[faces].mean(1), settings)
     corners = np.concatenate([faces[face], faces[face, :1]], axis=1)
     weights = np.tile([1 / 3, 1 / 3, 1 / 3, 0.0], (len(face), 1))
     return HalfSpaces(corners, weights, normal, offset - 0.75 * settings.thickness)

@@ -6,8 +6,9 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from ..body import SignedDistance
 from ..mesh import self_intersections
-from .follow import FollowSettings, Lookup, Threads, follow
+from .follow import FollowSettings, Threads, follow
 
 ROUNDS = 6
 """Rounds at most; one is enough for the forks of every shipped pair of trousers, at 350 to 1500 nodes."""
@@ -19,7 +20,7 @@ UNFOLD = 5
 def iron_crossings(
     threads: Threads,
     nodes: np.ndarray,
-    lookup: Lookup,
+    body: SignedDistance,
     *,
     settings: FollowSettings,
     held: np.ndarray | None = None,
@@ -34,7 +35,7 @@ def iron_crossings(
     Args:
         threads: The cloth.
         nodes: Positions [m], shape [node_count, 3].
-        lookup: Signed distance of the body.
+        body: Where it is.
         settings: The position-based steps.
         held: Nodes that do not move, or None.
 
@@ -56,7 +57,7 @@ def iron_crossings(
             break
         nodes = nodes.copy()
         nodes[free] = splu(laplacian[free][:, free].tocsc()).solve(-(laplacian[free][:, rim] @ nodes[rim]))
-        nodes, _ = follow(threads, nodes, lookup, UNFOLD, settings=settings, held=held, apart=True, centres=True)
+        nodes, _ = follow(threads, nodes, body, UNFOLD, settings=settings, held=held, apart=True, centres=True)
     return nodes
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..body import Solid
+from ..body import SignedDistance, Solid
 from ..mesh import vertex_normals
-from .follow import FollowSettings, Lookup
+from .follow import FollowSettings
 
 NEIGHBOURS = 12
 """Vertices that are searched for an opposite surface: a disk of 3 cm around the nearest on bodies of 7000 vertices,
@@ -58,7 +58,7 @@ class Shell:
     def of(cls, vertices: np.ndarray, faces: np.ndarray, bare: np.ndarray | None = None) -> Shell:
         """Keep the open vertices of a body's mesh (vertices [m], [n, 3]); `bare` tells which they are, where known."""
         normals = vertex_normals(vertices, faces)
-        bare = find_bare(vertices, faces) if bare is None else bare
+        bare = Solid(vertices, faces).exposed(vertices, normals) if bare is None else bare
         bends = _mean_curvature(vertices, normals, faces)
         return cls(vertices[bare], normals[bare], bends[bare], cKDTree(vertices[bare]))
 
@@ -91,22 +91,13 @@ class Shell:
         row = np.arange(len(points))
         return heights[:, 0], np.where(other > 0, heights[row, other], AWAY), normals[:, 0], normals[row, other]
 
-    def nearest(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Give the distances and gradients of both surfaces, shapes [2 n] and [2 n, 3], as `follow` looks them up."""
+    def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the distances to both surfaces [m] and their gradients, shapes [2 n] and [2 n, 3]."""
         first, second, normal, opposite = self.surfaces(points)
-        return self._open_hollows(first, second, normal, opposite, first, normal)
-
-    def beside(self, lookup: Lookup) -> Lookup:
-        """Give a lookup of the same body, better known, with the opposite surface and the hollows that it blurs."""
-
-        def both(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            distance, gradient = lookup(points)
-            return self._open_hollows(*self.surfaces(points), distance, gradient)
-
-        return both
+        return self.open_hollows(first, second, normal, opposite, first, normal)
 
     @staticmethod
-    def _open_hollows(
+    def open_hollows(
         first: np.ndarray,
         second: np.ndarray,
         normal: np.ndarray,
@@ -130,9 +121,22 @@ class Shell:
         return np.concatenate([distance, second]), np.concatenate([gradient, opposite])
 
 
-def find_bare(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Tell which vertices [m] of a body's mesh are in the open: not inside another part of it, shape [n]."""
-    return Solid(vertices, faces).is_bare(vertices, vertex_normals(vertices, faces))
+@dataclass(frozen=True)
+class ShellBeside:
+    """A body's signed distance with the opposite surfaces and the hollows that it blurs, which its shell knows.
+
+    Attributes:
+        shell: The vertices in the open.
+        body: The same body, its nearest surface better known.
+    """
+
+    shell: Shell
+    body: SignedDistance
+
+    def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the distances to both surfaces [m] and their gradients, shapes [2 n] and [2 n, 3]."""
+        distance, gradient = self.body.measure(points)
+        return Shell.open_hollows(*self.shell.surfaces(points), distance, gradient)
 
 
 def _mean_curvature(vertices: np.ndarray, normals: np.ndarray, faces: np.ndarray) -> np.ndarray:

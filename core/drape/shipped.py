@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..body import DistanceGrid, builtin_body
+from ..body import builtin_body, project_outside
 from ..pattern import list_templates, load_template, mesh_pattern
 from ..pattern.templates import DRAPED_VERTICES, LIBRARY, save_draped_template
 from ..segment import name_contours
-from ..simulate import SimulateSettings, Topology, equilibrium, get_fabric, push_out
+from ..simulate import SimulateSettings, Topology, equilibrium, get_fabric
 from .dress import dress, waist_loop
-from .stage import look_up
 from .tie import pin_waist
+from .wearer import WearerGeometry
 
 WEARER = "builtin:female,height=1.70"
 """The body that the templates were drafted for."""
@@ -26,16 +26,18 @@ def drape_library(folder: Path) -> None:
     Waists are held at the height where the draft places them, as the first drape leaves them.
     """
     body = builtin_body(WEARER)
-    grid = DistanceGrid.from_mesh(body.vertices, body.faces)
+    wearer = WearerGeometry(body)
     for info in list_templates():
         garment = mesh_pattern(load_template(info.name), DRAPED_VERTICES)
         waist = waist_loop(garment)
         height = None if waist is None else float(garment.nodes[waist, 1].mean())
-        nodes = dress(garment, body, look_up(grid), waist_height=height)
+        nodes = dress(garment, body, wearer.grid, waist_height=height)
         topology = Topology.from_garment(garment)
         pins = pin_waist(garment.at(nodes))
-        rest = equilibrium(topology, get_fabric(FABRIC), nodes, grid=grid, pins=pins, settings=SimulateSettings())
-        nodes = push_out(rest.nodes, body, garment.faces)
+        rest = equilibrium(
+            topology, get_fabric(FABRIC), nodes, grid=wearer.grid, pins=pins, settings=SimulateSettings()
+        )
+        nodes = project_outside(rest.nodes, wearer.exposed, garment.faces)
         contours, _ = name_contours(nodes, garment.faces, body)
         save_draped_template(garment.at(nodes, contours), folder / f"{info.name}.npz")
 

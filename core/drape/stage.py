@@ -7,14 +7,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..body import Body, DistanceGrid, skin, unskin, weights_at
+from ..body import Body, project_outside, skin, unskin, weights_at
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target, find_loops, name_contours, smoothed_length
-from ..simulate import Drape, Fabric, SimulateSettings, SteadyRotation, Topology, equilibrium, push_out, soften
+from ..simulate import Drape, Fabric, SimulateSettings, SteadyRotation, Topology, equilibrium, soften
 from .carry import take_pose
 from .dress import DressSettings, dress, place, waist_loop
-from .follow import FollowSettings, Lookup, Threads, follow, lay_threads
+from .follow import FollowSettings, Threads, follow, lay_threads
 from .tie import pin_waist, place_waist
 from .wearer import WearerGeometry
 
@@ -44,16 +44,6 @@ class DrapeSettings:
     dress: DressSettings = field(default_factory=DressSettings)
     follow: FollowSettings = field(default_factory=FollowSettings)
     simulate: SimulateSettings = field(default_factory=SimulateSettings)
-
-
-def look_up(grid: DistanceGrid) -> Lookup:
-    """Give a grid's distances and gradients as the position-based steps ask for them."""
-
-    def lookup(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        distance, gradient, _ = grid.evaluate(points)
-        return distance, gradient
-
-    return lookup
 
 
 def waist_height(target: Target, body: Body) -> float | None:
@@ -124,7 +114,7 @@ def _dress(
     return dress(
         garment,
         wearer.rest,
-        look_up(wearer.rest_grid),
+        wearer.rest_grid,
         waist_height=None if target is None else waist_height(target, wearer.body),
         settings=settings if target is None else replace(settings, iron=False),
         hooks=hooks,
@@ -147,7 +137,7 @@ def _take_pose(
     body = wearer.body
     waist = waist_loop(garment)
     if waist is None or target is None or carry:
-        nodes, _ = take_pose(threads, nodes, wearer.way, look_up(wearer.grid), held=waist)
+        nodes, _ = take_pose(threads, nodes, wearer.way, wearer.grid, held=waist)
     else:  # skinned, it starts the grading as the T-pose left it, pinched between the legs here and there
         nodes = skin(nodes, weights_at(body, nodes, rest=True), body.transforms)
     if waist is not None and target is not None:
@@ -155,7 +145,7 @@ def _take_pose(
         nodes, _ = follow(
             threads,
             nodes,
-            look_up(wearer.grid),
+            wearer.grid,
             settings.pose_steps,
             settings=settings.follow,
             gravity=9.81,
@@ -214,9 +204,8 @@ def drape_graded(
         nodes[pins.nodes] = pins.points
     hooks.progress("drape", 0.1, "settling")
     threads = lay_threads(garment, settings.follow.bending)
-    lookup = look_up(wearer.grid)
     held = None if pins is None else pins.nodes
-    nodes, _ = follow(threads, nodes, lookup, settings.settle_steps, settings=settings.follow, held=held)
+    nodes, _ = follow(threads, nodes, wearer.grid, settings.settle_steps, settings=settings.follow, held=held)
     hooks.progress("drape", 0.3, "equilibrium")
     drape = equilibrium(
         Topology.from_garment(garment),
@@ -229,7 +218,7 @@ def drape_graded(
         rotation=rotation,
         leave=leave,
     )
-    nodes = push_out(drape.nodes, wearer.body, garment.faces)
+    nodes = project_outside(drape.nodes, wearer.exposed, garment.faces)
     contours, _ = name_contours(nodes, garment.faces, wearer.body)
     return garment.at(nodes, contours), drape
 

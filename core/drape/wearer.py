@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from ..body import Body, DistanceGrid, rest_body
+from ..body import Body, DistanceGrid, ExposedSurface, rest_body
 from .carry import Way
 
 
@@ -37,6 +37,11 @@ class WearerGeometry:
         return DistanceGrid.from_mesh(self.rest.vertices, self.rest.faces)
 
     @cached_property
+    def exposed(self) -> ExposedSurface:
+        """Return the exposed skin of the wearer's own mesh: what every delivered mesh is cleared of and measured by."""
+        return ExposedSurface.of(self.body)
+
+    @cached_property
     def way(self) -> Way:
         """Return the frames in which the wearer takes the pose."""
-        return Way.of(self.body)
+        return Way.of(self.body, self.exposed)

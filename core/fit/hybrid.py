@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..body import project_outside
 from ..deform import Deformation, DeformSettings, deform
 from ..drape import WearerGeometry, pin_waist
 from ..grade import move_pattern
@@ -89,7 +90,7 @@ def fit_pattern(
     Raises:
         LockUnknown: where a lock names no panel of the pattern.
     """
-    from ..simulate import BendingFriction, Topology, equilibrium, push_out, soften
+    from ..simulate import BendingFriction, Topology, equilibrium, soften
 
     settings, material = settings or ShapeSettings(), MaterialSettings()
     warnings = []
@@ -102,7 +103,7 @@ def fit_pattern(
     graded = resample(garment, garment.nodes, refitted)
     hooks.progress("fit", 0.2, "registering again")
     again = (deforming or DeformSettings()).going_on()
-    detail = deform(refitted, target, wearer.body, settings=again, hooks=hooks.quiet())
+    detail = deform(refitted, target, wearer.exposed, settings=again, hooks=hooks.quiet())
     registered = detail.nodes
     refitted = refitted.at(registered)
     hooks.progress("fit", 0.3, "preparing the fit through the simulator")
@@ -146,7 +147,7 @@ def fit_pattern(
         )  # fmt: skip
     if not drape.converged:
         warnings.append(f"the simulation mesh is {drape.message}")
-    simulation = push_out(drape.nodes, wearer.body, recovered.faces)
+    simulation = project_outside(drape.nodes, wearer.exposed, recovered.faces)
     return PatternFit(
         recovered,
         graded,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..body import project_outside
 from ..drape import WearerGeometry, pin_waist
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, resample
@@ -78,7 +79,7 @@ def fit_inverse(
     Raises:
         LockUnknown: where a lock names no panel of the pattern.
     """
-    from ..simulate import Topology, equilibrium, push_out
+    from ..simulate import Topology, equilibrium
 
     settings = settings or InverseSettings()
     held = find_held(garment.pattern, like, locks)
@@ -97,7 +98,7 @@ def fit_inverse(
         grid=wearer.grid, pins=pin_waist(fine, target), rotation=rotation, hooks=hooks,
     )  # fmt: skip
     warnings = () if drape.converged else (f"the simulation mesh is {drape.message}",)
-    simulation = push_out(drape.nodes, wearer.body, fine.faces)
+    simulation = project_outside(drape.nodes, wearer.exposed, fine.faces)
     return InverseFit(
         garment=fine.at(simulation),
         graded=resample(garment, garment.nodes, fine),

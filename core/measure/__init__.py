@@ -15,7 +15,6 @@ from .patterns import (
     measure_seams,
     unmatched_panels,
 )
-from .surface import penetration_depth
 from .true_pattern import TruePanel, TruePattern, TrueSeam
 from .truth import measure_fabric, measure_recovery
 from .turning import turning_distance
@@ -44,7 +43,6 @@ __all__ = [
     "measure_recovery",
     "measure_seams",
     "overall",
-    "penetration_depth",
     "product_of",
     "read_packs",
     "read_true_mesh",

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..body import Body
+from ..body import ExposedSurface, penetration_depth
 from ..mesh import TriangleSurface, self_intersections, vertex_normals
 from ..pattern import Garment
 from ..segment import Contour
@@ -14,7 +14,6 @@ from .chamfer import chamfer_and_normals, meshing_floor, orientation
 from .contours import contour_rms
 from .surface import (
     face_angles,
-    penetration_depth,
     stretches,
 )
 
@@ -32,7 +31,7 @@ def measure_fit(
     truth_vertices: np.ndarray,
     truth_faces: np.ndarray,
     truth_contours: Sequence[Contour],
-    body: Body | None,
+    body: ExposedSurface | None,
     seed: int = 0,
     samples: int = SURFACE_SAMPLES,
     redraped: np.ndarray | None = None,
@@ -47,7 +46,7 @@ def measure_fit(
         truth_vertices: The truth's own vertices, not repaired [m], shape [n, 3].
         truth_faces: The truth's faces, shape [m, 3].
         truth_contours: Named contours, indices into `truth_vertices`; only trusted ones are measured.
-        body: The wearer, whose given mesh is what must not be penetrated, or None.
+        body: The wearer's exposed skin, which must not be penetrated, or None.
         seed: Seeds the samples and the floor.
         samples: Surface samples per direction.
         redraped: Nodes of the pattern draped from its rest placement [m], shape [node_count, 3], or None.
@@ -103,7 +102,7 @@ def _measure_mesh(
     truth_vertices: np.ndarray,
     truth_faces: np.ndarray,
     truth_contours: Sequence[Contour],
-    body: Body | None,
+    body: ExposedSurface | None,
     seed: int,
     samples: int,
 ) -> dict[str, float | None]:
@@ -146,5 +145,5 @@ def _measure_contours(
     return {f"{prefix}contour_rms_mm.{name}": MM * value for name, value in found.items()}
 
 
-def _penetration(nodes: np.ndarray, faces: np.ndarray, body: Body | None) -> float | None:
-    return None if body is None else MM * penetration_depth(nodes, faces, body.vertices, body.faces)
+def _penetration(nodes: np.ndarray, faces: np.ndarray, body: ExposedSurface | None) -> float | None:
+    return None if body is None else MM * penetration_depth(nodes, faces, body)

@@ -1,35 +1,8 @@
-"""Angles and stretches of a mesh's faces, and its depth inside a body."""
+"""Angles and stretches of a mesh's faces."""
 
 from __future__ import annotations
 
-import igl
 import numpy as np
-
-from ..body import Solid
-
-
-def penetration_depth(
-    vertices: np.ndarray, faces: np.ndarray, body_vertices: np.ndarray, body_faces: np.ndarray
-) -> float:
-    """Measure how deep a garment's vertices and face centres lie inside a body's exact mesh, at most [m].
-
-    Inside is what the body's `Solid` contains: that stands small holes and parts that overlap.
-
-    Args:
-        vertices: Garment positions [m], shape [vertex_count, 3].
-        faces: Garment faces, shape [face_count, 3].
-        body_vertices: Body positions [m], shape [body_vertex_count, 3].
-        body_faces: Outward body faces, shape [body_face_count, 3].
-
-    Returns:
-        The greatest depth [m]; 0 where nothing is inside.
-    """
-    points = np.ascontiguousarray(np.concatenate([vertices, vertices[faces].mean(axis=1)]), dtype=np.float64)
-    solid = Solid(body_vertices, body_faces)
-    inside = solid.contains(points)
-    if not inside.any():
-        return 0.0
-    return float(np.sqrt(igl.point_mesh_squared_distance(points[inside], solid.vertices, solid.faces)[0].max()))
 
 
 def face_angles(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ..body import ExposedSurface, penetration_depth
 from ..mesh import TriangleSurface
 from ..recovery import Recovery
 from ..simulate import Fabric
@@ -14,7 +15,6 @@ from .fit import MM, SURFACE_SAMPLES, measure_fit
 from .matching import is_same_cut
 from .packs import Pack, read_true_mesh, read_true_pattern
 from .patterns import PATTERN_METRICS, measure_pattern, measure_seams, unmatched_panels
-from .surface import penetration_depth
 
 FIT_FAMILIES = ("graded", "sim", "redrape", "surface_rms_mm", "surface_p95_mm", "contour_rms_mm", "gather_ratio_error")
 """First words of metrics whose names depend on the truth: a recovery's own values never stay beside ours."""
@@ -45,7 +45,7 @@ def measure_recovery(
     contours = carry_contours(target.contours, target.vertices, vertices, faces)
     found = measure_fit(
         recovery.garment, recovery.graded, recovery.detail, recovery.simulation, vertices, faces, contours,
-        recovery.body, seed, samples, recovery.redraped,
+        ExposedSurface.of(recovery.body), seed, samples, recovery.redraped,
     )  # fmt: skip
     if pack.truth_body is not None:
         found |= _measure_body(recovery, pack)
@@ -86,7 +86,13 @@ def _measure_body(recovery: Recovery, pack: Pack) -> dict[str, float | None]:
     vertices, faces = read_true_mesh(pack, pack.truth_body)
     points, _ = TriangleSurface(vertices, faces).sample(BODY_SAMPLES, np.random.default_rng(0))
     distance = TriangleSurface(recovery.body.vertices, recovery.body.faces).closest(points).distance
-    return {
-        "truth_body_penetration_mm": MM * penetration_depth(recovery.detail, recovery.garment.faces, vertices, faces),
+    truth = ExposedSurface(vertices, faces)
+    meshes = {"": recovery.detail, "sim.": recovery.simulation, "redrape.": recovery.redraped}
+    depths: dict[str, float | None] = {
+        f"{prefix}truth_body_penetration_mm": MM * penetration_depth(nodes, recovery.garment.faces, truth)
+        for prefix, nodes in meshes.items()
+        if nodes is not None
+    }
+    return depths | {
         "truth_body_rms_mm": MM * float(np.sqrt(np.mean(distance**2))),
     }

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from .linearised import Linearised
     from .newton import factor_blend
     from .parameters import Parameters, list_gathers, map_rest, stretch_edge
-    from .penetration import push_out
     from .pins import Pins, PinsBad
     from .rest import NotAtRest
     from .sensitivity import FABRIC, Sensitivity, fabric_forces, pull_forces, push_forces
@@ -64,7 +63,6 @@ _LAZY = {
     "map_rest": "parameters",
     "pull_forces": "sensitivity",
     "push_forces": "sensitivity",
-    "push_out": "penetration",
     "settle": "dynamics",
     "stretch_edge": "parameters",
     "with_friction_frozen": "derivative",
@@ -114,7 +112,6 @@ __all__ = [
     "map_rest",
     "pull_forces",
     "push_forces",
-    "push_out",
     "settle",
     "soften",
     "stretch_edge",

@@ -2,11 +2,10 @@
 
 import subprocess
 import sys
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.body import JOINTS, Body, builtin_body, rest_body, signed_distance, skin, unskin, weights_at
+from garmentq.core.body import JOINTS, Body, builtin_body, rest_body, skin, unskin, weights_at
 
 
 @pytest.fixture(scope="module")
@@ -48,50 +47,6 @@ def test_weights_are_smooth_and_follow_the_near_limb(body: Body) -> None:
     assert weights_at(hanging, place, rest=False).argmax() >= JOINTS.index("left_elbow")
     # In rest space the arm is stretched out far from there, and the hip is nearest.
     assert weights_at(hanging, place, rest=True).argmax() in (JOINTS.index("left_hip"), JOINTS.index("pelvis"))
-
-
-def test_distance_of_a_ball_is_exact() -> None:
-    """Signs, scale and gradient against the closed form, from a mesh with a missing face."""
-    import trimesh
-
-    ball = trimesh.creation.icosphere(4, 0.5)
-    base = builtin_body("builtin:female")
-    solid = replace(base, vertices=np.array(ball.vertices), faces=np.array(ball.faces)[1:])
-    points = np.random.default_rng(0).normal(0, 0.5, (400, 3))
-    points = points[np.abs(np.linalg.norm(points, axis=1) - 0.5) > 0.02]
-    distance, gradient = signed_distance(solid, points)
-    radius = np.linalg.norm(points, axis=1)
-    # The polyhedron lies up to 0.5 (1 - cos(edge / 2 radius)), about 0.7 mm, inside the sphere; a lost face adds depth.
-    assert np.allclose(distance, radius - 0.5, atol=2e-3)
-    assert (np.sign(distance) == np.sign(radius - 0.5)).all()
-    outside = distance > 0.05
-    assert np.einsum("ij,ij->i", gradient, points / radius[:, None])[outside].min() > 0.99
-
-
-def test_gradient_is_the_derivative_of_the_distance(body: Body) -> None:
-    """A gradient of the wrong sign inside pushes cloth deeper."""
-    rng = np.random.default_rng(1)
-    points = body.vertices[rng.choice(len(body.vertices), 200)] + rng.normal(0, 0.03, (200, 3))
-    distance, gradient = signed_distance(body, points)
-    ahead, _ = signed_distance(body, points + 1e-5 * gradient)
-    assert np.median(np.abs((ahead - distance) / 1e-5 - 1)) < 1e-6
-    assert (np.linalg.norm(gradient, axis=1) == pytest.approx(1.0)) and (distance < 0).any() and (distance > 0).any()
-
-
-def test_gradient_on_the_surface_is_the_outward_normal(body: Body) -> None:
-    """On the surface the direction to the closest point is lost; a zero or NaN there would stop a solver."""
-    centres = body.vertices[body.faces].mean(axis=1)[::50]
-    distance, gradient = signed_distance(body, centres)
-    corners = body.vertices[body.faces[::50]]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    assert np.abs(distance).max() < 1e-9
-    assert np.einsum("ij,ij->i", gradient, normal / np.linalg.norm(normal, axis=1)[:, None]).min() > 0.9
-
-
-def test_no_points_give_no_distances(body: Body) -> None:
-    """An empty query must not reach the library, which reshapes it."""
-    distance, gradient = signed_distance(body, np.zeros((0, 3)))
-    assert distance.shape == (0,) and gradient.shape == (0, 3)
 
 
 def test_the_type_loads_no_heavy_library() -> None:

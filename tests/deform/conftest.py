@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
+from garmentq.core.body import ExposedSurface
 from garmentq.core.measure import measure_distance
 from garmentq.core.segment import Target
 
@@ -34,12 +35,12 @@ def to_target():
 
 
 @pytest.fixture(scope="session")
-def scene(tube, tube_pattern, bare_body):
+def scene(tube, tube_pattern):
     """Give (garment, target, body): edges of 2.5 cm, a target of 2 cm edges, a thin egg as the body."""
     garment = tube(tube_pattern(), edge_length=0.025)
     other = tube(tube_pattern(), edge_length=0.02)
     egg = trimesh.creation.icosphere(subdivisions=3, radius=0.12)
-    body = bare_body(egg.vertices * [1.0, 2.0, 1.0] + [0.0, 0.95, 0.0], np.array(egg.faces))
+    body = ExposedSurface(egg.vertices * [1.0, 2.0, 1.0] + [0.0, 0.95, 0.0], np.array(egg.faces))
     return garment, make_target(swell(other.nodes), other.faces, other.contours), body
 
 

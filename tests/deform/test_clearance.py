@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import BodySurface
+from garmentq.core.body import ExposedSurface
 from garmentq.core.deform.clearance import Watch, clear_body
 from garmentq.core.deform.easing import LOWEST
 from garmentq.core.deform.operators import gradient_operator
@@ -31,13 +31,13 @@ def sheet():
     return nodes, faces, gradient, areas
 
 
-def two_balls(distance: float) -> BodySurface:
+def two_balls(distance: float) -> ExposedSurface:
     """Give two balls of 10 cm beside each other, their centres so far apart [m]."""
     balls = [trimesh.creation.icosphere(4, 0.1) for _ in range(2)]
     for ball, side in zip(balls, (-1, 1), strict=True):
         ball.apply_translation([side * 0.5 * distance, 0.0, 0.0])
     both = trimesh.util.concatenate(balls)
-    return BodySurface(np.array(both.vertices), np.array(both.faces), splits=0)
+    return ExposedSurface(np.array(both.vertices), np.array(both.faces), splits=0)
 
 
 def test_what_is_not_asked_again_is_not_missed(sheet):

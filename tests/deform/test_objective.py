@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import torch
-from garmentq.core.body import BodySurface
 from garmentq.core.deform import DeformSettings, DeformSettingsBad
 from garmentq.core.deform.deformer import inverse_rest
 from garmentq.core.deform.objective import Objective, thin_out
@@ -20,7 +19,7 @@ def build(scene, settings, nodes, scale=0.0):
     gradient, areas = gradient_operator(garment.rest, garment.faces, len(nodes))
     metric = RestMetric(garment.faces, garment.panel_of_face, areas, scale)
     metric.follow((gradient @ nodes).reshape(-1, 2, 3).transpose(0, 2, 1))
-    distance = BodySurface.of(body, splits=0)
+    distance = body
     return Objective(nodes, garment.faces, inverse_rest(garment.rest), areas, goal, distance, settings), metric
 
 

@@ -14,11 +14,14 @@ def sheet(width: float = 0.3, height: float = 0.3, edge: float = 0.03) -> Garmen
     return mesh_pattern(Pattern("sheet", (Panel("sheet", points, (Edge(),) * 4),), ()), edge_length=edge)
 
 
-def on_sphere(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Give the distance to a sphere of 10 cm about (0.15, -0.12, 0.15)."""
-    offset = points - np.array([0.15, -0.12, 0.15])
-    length = np.linalg.norm(offset, axis=1)
-    return length - 0.1, offset / length[:, None]
+class Sphere:
+    """A sphere of 10 cm about (0.15, -0.12, 0.15)."""
+
+    def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return distances [m] and gradients."""
+        offset = points - np.array([0.15, -0.12, 0.15])
+        length = np.linalg.norm(offset, axis=1)
+        return length - 0.1, offset / length[:, None]
 
 
 def test_rest_lengths_are_those_of_the_flat_panel() -> None:
@@ -54,8 +57,8 @@ def test_sheet_falls_on_a_sphere_and_stays_outside() -> None:
     garment = sheet()
     nodes = garment.nodes[:, [0, 2, 1]] * np.array([1.0, 1.0, 1.0])
     settings = FollowSettings()
-    nodes, _ = follow(lay_threads(garment), nodes, on_sphere, 120, settings=settings, gravity=9.81)
-    distance, _ = on_sphere(nodes)
+    nodes, _ = follow(lay_threads(garment), nodes, Sphere(), 120, settings=settings, gravity=9.81)
+    distance, _ = Sphere().measure(nodes)
     assert distance.min() > settings.thickness - 1e-3
     assert nodes[:, 1].min() < -0.1, "the rim hangs down"
 
@@ -72,7 +75,7 @@ def test_held_nodes_do_not_move() -> None:
 def test_same_input_gives_the_same_bits() -> None:
     """Breaks if anything in the steps depends on memory or order of execution."""
     garment = sheet()
-    runs = [follow(lay_threads(garment), garment.nodes * 1.1, on_sphere, 15, gravity=9.81)[0] for _ in range(2)]
+    runs = [follow(lay_threads(garment), garment.nodes * 1.1, Sphere(), 15, gravity=9.81)[0] for _ in range(2)]
     assert np.array_equal(runs[0], runs[1])
 
 

@@ -56,7 +56,7 @@ def test_a_hollow_pushes_outwards() -> None:
     vertices = np.concatenate([np.column_stack([grid[:, 0], s * 0.25 * grid[:, 0], grid[:, 1]]) for s in (-1.0, 1.0)])
     normals = np.concatenate([np.tile([slope[0], -s * slope[1], 0.0], (len(grid), 1)) for s in (-1.0, 1.0)])
     shell = Shell(vertices, normals, np.zeros(len(vertices)), cKDTree(vertices))
-    distance, gradient = shell.nearest(np.array([[0.01, 0.0005, 0.0]]))
+    distance, gradient = shell.measure(np.array([[0.01, 0.0005, 0.0]]))
     assert distance[0] < THICKNESS
     assert gradient[0, 0] > 0.9
 

@@ -8,7 +8,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from garmentq.core.body import Body, BodySurface, DistanceGrid, builtin_body
+from garmentq.core.body import Body, DistanceGrid, ExposedSurface, builtin_body, project_outside
 from garmentq.core.drape import (
     Threads,
     Way,
@@ -19,10 +19,8 @@ from garmentq.core.drape import (
     waist_loop,
 )
 from garmentq.core.drape.follow import follow
-from garmentq.core.drape.stage import look_up
 from garmentq.core.mesh import self_intersections
 from garmentq.core.pattern import Garment, list_templates, load_template, mesh_pattern
-from garmentq.core.simulate import push_out
 
 NODES = 350
 """Edges of 5 cm: the coarsest at which a sleeve still is a tube."""
@@ -42,7 +40,7 @@ def wearer(gender: str, pose: str) -> tuple[Body, DistanceGrid]:
 @cache
 def way(gender: str, pose: str) -> Way:
     """Give a body's frames into a pose."""
-    return Way.of(wearer(gender, pose)[0])
+    return Way.of(wearer(gender, pose)[0], outside(gender, pose))
 
 
 @cache
@@ -51,7 +49,7 @@ def worn(name: str, gender: str) -> tuple[Garment, Threads, np.ndarray | None, n
     body, grid = wearer(gender, "T")
     garment = mesh_pattern(load_template(name) if gender == "female" else size_template(name, body), NODES)
     threads = lay_threads(garment)
-    return garment, threads, waist_loop(garment), dress(garment, body, look_up(grid), threads=threads)
+    return garment, threads, waist_loop(garment), dress(garment, body, grid, threads=threads)
 
 
 def tangled(nodes: np.ndarray, garment: Garment) -> int:
@@ -75,12 +73,12 @@ def choose_cases() -> Iterator[object]:
 
 
 @cache
-def outside(gender: str, pose: str) -> BodySurface:
+def outside(gender: str, pose: str) -> ExposedSurface:
     """Give the outside of a body in a pose."""
-    return BodySurface.of(wearer(gender, pose)[0])
+    return ExposedSurface.of(wearer(gender, pose)[0])
 
 
-def depth(nodes: np.ndarray, garment: Garment, skin: BodySurface) -> float:
+def depth(nodes: np.ndarray, garment: Garment, skin: ExposedSurface) -> float:
     """Give how far the deepest node or face's middle has to go to leave a body [m]."""
     return -float(skin.measure(np.concatenate([nodes, nodes[garment.faces].mean(axis=1)]))[0].min())
 
@@ -100,12 +98,12 @@ def test_template_hangs_in_the_t_pose(name: str, gender: str) -> None:
     Nodes are out of the body as they hang; the middles of 5 cm edged faces that span a bust are pushed out at the end.
     """
     garment, threads, waist, nodes = worn(name, gender)
-    skin, lookup = outside(gender, "T"), look_up(wearer(gender, "T")[1])
+    skin, lookup = outside(gender, "T"), wearer(gender, "T")[1]
     _, velocity = follow(threads, nodes, lookup, 6, gravity=9.81, held=waist, apart=True, centres=True)
     assert at_rest(velocity)  # let go from rest for a tenth of a second: what nothing holds falls at 1 m/s by then
     assert tangled(nodes, garment) == 0
     assert skin.measure(nodes)[0].min() >= -1e-3
-    nodes = push_out(nodes, skin, garment.faces)
+    nodes = project_outside(nodes, skin, garment.faces)
     assert tangled(nodes, garment) == 0
     assert depth(nodes, garment, skin) <= 1e-3
 
@@ -115,11 +113,11 @@ def test_template_hangs_in_the_t_pose(name: str, gender: str) -> None:
 def test_template_hangs_in_every_pose(name: str, gender: str, pose: str) -> None:
     """Breaks if the way into a pose pushes a garment through itself, through the body, or leaves it swinging.
 
-    Depth is that of the way out past all parts of the body, which is as deep as `signed_distance` says or deeper.
+    Depth is that of the way out past all parts of the body, as deep as that to the nearest skin or deeper.
     """
     garment, threads, waist, nodes = worn(name, gender)
     _, grid = wearer(gender, pose)
-    nodes, velocity = take_pose(threads, nodes, way(gender, pose), look_up(grid), held=waist)
+    nodes, velocity = take_pose(threads, nodes, way(gender, pose), grid, held=waist)
     assert tangled(nodes, garment) == 0
     assert depth(nodes, garment, way(gender, pose).skin) <= 1e-3
     assert at_rest(velocity)

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.measure import carry_contours, measure_distance, measure_fit, penetration_depth
+from garmentq.core.body import ExposedSurface, penetration_depth
+from garmentq.core.measure import carry_contours, measure_distance, measure_fit
 from garmentq.core.measure.chamfer import chamfer_and_normals, meshing_floor
 from garmentq.core.measure.contours import contour_rms, loop_rms
 from garmentq.core.measure.fit import count_flipped
@@ -151,24 +152,24 @@ def test_flipped_faces_are_counted_but_not_a_mesh_turned_inside_out() -> None:
 
 def test_penetration_sees_vertices_and_face_centres() -> None:
     """Fails if only vertices were tested, or depth were measured outside: depths 4 mm and centre of a wide face."""
-    body = sphere(0.1, 5)
+    body = ExposedSurface(*sphere(0.1, 5))
     outside, faces = sphere(0.12, 2)
-    assert penetration_depth(outside, faces, *body) == 0.0
+    assert penetration_depth(outside, faces, body) == 0.0
     inside = outside.copy()
     inside[7] *= 0.096 / 0.12
-    assert penetration_depth(inside, faces, *body) == pytest.approx(0.004, rel=0.02)
+    assert penetration_depth(inside, faces, body) == pytest.approx(0.004, rel=0.02)
     angle = np.array([0.0, 2.0, 4.0]) * np.pi / 3.0
     wide = np.stack([0.5 * np.cos(angle), 0.5 * np.sin(angle), np.full(3, 0.08)], axis=1)
-    assert penetration_depth(wide, np.array([[0, 1, 2]]), *body) == pytest.approx(0.02, rel=0.02)
+    assert penetration_depth(wide, np.array([[0, 1, 2]]), body) == pytest.approx(0.02, rel=0.02)
 
 
 @pytest.fixture(scope="module")
-def swollen(tube, tube_pattern, bare_body):
+def swollen(tube, tube_pattern):
     """Give the arguments of `measure_fit` for a tube whose detail mesh is 3 mm too wide."""
     garment = tube(tube_pattern(), 0.03)
     truth = tube(tube_pattern(), 0.025)
     post = trimesh.creation.cylinder(radius=0.14, height=1.2, sections=64)
-    body = bare_body(post.vertices[:, [1, 2, 0]] + [0.0, 0.95, 0.0], np.array(post.faces, dtype=np.int64))
+    body = ExposedSurface(post.vertices[:, [1, 2, 0]] + [0.0, 0.95, 0.0], np.array(post.faces, dtype=np.int64))
     detail = garment.nodes * [1.02, 1.0, 1.02]
     graded = garment.nodes * [0.9, 1.0, 0.9]
     return garment, graded, detail, garment.nodes, truth.nodes, truth.faces, truth.contours, body
@@ -210,13 +211,13 @@ def test_rigid_motion_and_mirror_change_no_metric(swollen) -> None:
     def move(points: np.ndarray) -> np.ndarray:
         return points @ turn(9).T + [1.0, -2.0, 0.5]
 
-    moved_body = replace(body, vertices=move(body.vertices))
+    moved_body = ExposedSurface(move(body.vertices), body.faces)
     moved = measure_fit(
         garment, move(graded), move(detail), None, move(vertices), faces, contours, moved_body, samples=20000
     )
     mirror = np.array([-1.0, 1.0, 1.0])
     other = replace(garment, faces=garment.faces[:, ::-1], uv_faces=garment.uv_faces[:, ::-1])
-    reflected_body = replace(body, vertices=body.vertices * mirror, faces=body.faces[:, ::-1])
+    reflected_body = ExposedSurface(body.vertices * mirror, body.faces[:, ::-1])
     reflected = measure_fit(
         other, graded * mirror, detail * mirror, None, vertices * mirror, faces[:, ::-1], contours, reflected_body,
         samples=20000,
@@ -228,12 +229,14 @@ def test_rigid_motion_and_mirror_change_no_metric(swollen) -> None:
         assert reflected[name] == pytest.approx(value, rel=slack, abs=1e-6), name
 
 
-def test_depth_where_two_parts_overlap_is_a_distance() -> None:
-    """Breaks if the winding number of two that holds there scales the depth."""
+def test_depth_where_two_parts_overlap_is_the_way_out_of_both() -> None:
+    """Breaks if the depth is that to skin which the other part swallows, 25 mm away: the crease is 66 mm away."""
     one = trimesh.creation.icosphere(4, 0.1)
     other = one.copy()
     other.apply_translation([0.15, 0.0, 0.0])
     both = trimesh.util.concatenate([one, other])
     point = np.array([[0.075, 0.0, 0.0]])
-    depth = penetration_depth(point, np.zeros((0, 3), dtype=np.int64), np.array(both.vertices), np.array(both.faces))
-    assert depth == pytest.approx(0.025, rel=0.02)
+    depth = penetration_depth(
+        point, np.zeros((0, 3), dtype=np.int64), ExposedSurface(np.array(both.vertices), np.array(both.faces))
+    )
+    assert depth == pytest.approx(np.sqrt(0.1**2 - 0.075**2), rel=0.02)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
-from garmentq.core.body import BodySurface
+from garmentq.core.body import ExposedSurface
 
 
 def two_balls() -> tuple[np.ndarray, np.ndarray]:
@@ -20,7 +20,7 @@ def test_the_way_out_leads_past_swallowed_skin() -> None:
     vertices, faces = two_balls()
     points = np.array([[0.06, 0.0, 0.0], [0.06, 0.03, 0.0], [-0.05, 0.0, 0.0], [-0.12, 0.0, 0.0], [0.06, 0.09, 0.0]])
     for turned in (faces, faces[:, ::-1]):
-        skin = BodySurface(vertices, turned)
+        skin = ExposedSurface(vertices, turned)
         distance, way = skin.measure(points)
         # in the hollow 1 cm above the crease the skin of each ball is sqrt(6^2 + 9^2) - 10 cm away
         np.testing.assert_allclose(distance, [-0.08, -0.05, -0.05, 0.02, np.hypot(0.06, 0.09) - 0.1], atol=1e-3)
@@ -36,7 +36,7 @@ def test_the_way_out_leads_past_swallowed_skin() -> None:
 def test_a_face_that_is_not_split_is_whole_or_gone() -> None:
     """Breaks where skin is split that nobody asked to split, or a face is kept whose middle another part swallows."""
     vertices, faces = two_balls()
-    skin = BodySurface(vertices, faces, splits=0)
+    skin = ExposedSurface(vertices, faces, splits=0)
     kept = {tuple(face) for face in skin.faces.tolist()}
     middles = np.linalg.norm(vertices[faces].mean(axis=1)[:, None] - [[0.0, 0.0, 0.0], [0.12, 0.0, 0.0]], axis=2)
     open_air = middles.min(axis=1) > 0.0995  # a face's middle lies up to 0.2 mm below its ball
@@ -48,6 +48,6 @@ def test_a_face_that_is_not_split_is_whole_or_gone() -> None:
 def test_a_sheet_is_all_outside() -> None:
     """Breaks where a mesh that encloses nothing loses its faces, or no points are asked for."""
     vertices, faces = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), np.array([[0, 2, 1]])
-    skin = BodySurface(vertices, faces)
+    skin = ExposedSurface(vertices, faces)
     assert skin.measure(np.array([[0.2, 0.3, 0.2]]))[0][0] == 0.3
     assert skin.measure(np.zeros((0, 3)))[1].shape == (0, 3)

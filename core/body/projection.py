@@ -1,10 +1,10 @@
-"""Take the last millimetres of cloth out of the body, by the exact distance to its mesh (thesis eq. 3.5)."""
+"""Take the last millimetres of cloth out of the body, by the exact distance to its exposed skin (thesis eq. 3.5)."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from ..body import Body, BodySurface, signed_distance
+from .exposed import ExposedSurface
 
 ROUNDS = 12
 """Rounds of pushing: moving a face's corners for its centre may bring a neighbour in again; this settles in 2 to 6."""
@@ -13,15 +13,15 @@ NEAR = 0.02
 """Points further out than this [m] are not looked at again: no round moves anything so far."""
 
 
-def push_out(
-    nodes: np.ndarray, body: Body | BodySurface, faces: np.ndarray | None = None, clearance: float = 1e-3
+def project_outside(
+    nodes: np.ndarray, skin: ExposedSurface, faces: np.ndarray | None = None, clearance: float = 1e-3
 ) -> np.ndarray:
-    """Move nodes [m], shape [n, 3], that are closer than `clearance` [m] to a body out along the distance's gradient.
+    """Move nodes [m], shape [n, 3], that are closer than `clearance` [m] to a body's exposed skin out of it.
 
     x~ = x + (delta - d(x)) n,  n = grad d / |grad d| (eq. 3.5), delta = `clearance`, wherever d(x) < delta. With the
     cloth's `faces`, the three corners of a face move alike where its centre is inside, until no centre is deeper than
-    a tenth of a millimetre. Other nodes stay exactly where they are. Given a `Body` they leave its nearest skin; given
-    its `BodySurface` they leave all of it, however long the way past parts that run into each other.
+    a tenth of a millimetre. Other nodes stay exactly where they are. What is inside leaves all of the body, however
+    long the way past parts that run into each other.
 
     **Deviation**: the thesis moves only nodes with d < 0 and looks at no faces; with edges of 1.5 cm a face between
     three nodes on the skin cuts up to 1 mm into a limb.
@@ -30,11 +30,11 @@ def push_out(
     at_nodes, at_faces = np.arange(len(nodes)), np.arange(0 if faces is None else len(faces))
     for _ in range(ROUNDS):
         push = np.zeros_like(nodes)
-        distance, way = _ways_out(nodes[at_nodes], body, clearance)
+        distance, way = _ways_out(nodes[at_nodes], skin, clearance)
         push[at_nodes] = way
         worst = 0.0
         if faces is not None and len(at_faces):
-            depth, outward = _ways_out(nodes[faces[at_faces]].mean(1), body, 1e-4)
+            depth, outward = _ways_out(nodes[faces[at_faces]].mean(1), skin, 1e-4)
             inside = depth < 0
             worst = float(-depth.min(initial=0.0))
             _keep_larger(push, faces[at_faces[inside]], outward[inside])
@@ -43,30 +43,25 @@ def push_out(
         if not (push != 0).any() or (worst < 1e-4 and float(distance.min(initial=1.0)) >= clearance - 1e-5):
             break
         nodes += push
-    if isinstance(body, BodySurface):
-        # A clearance from one side of a sharp crease is inside the other side, and back: such a node goes to its rim.
-        stuck = at_nodes[body.measure(nodes[at_nodes])[0] < 0]
-        if len(stuck):
-            nodes[stuck], _ = body.closest(nodes[stuck])
+    # A clearance from one side of a sharp crease is inside the other side, and back: such a node goes to its rim.
+    stuck = at_nodes[skin.measure(nodes[at_nodes])[0] < 0]
+    if len(stuck):
+        nodes[stuck], _ = skin.closest(nodes[stuck])
     return nodes
 
 
-def _ways_out(points: np.ndarray, body: Body | BodySurface, clearance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Give the signed distances of points [m], and the moves that take those that are low to a clearance, [n, 3].
+def _ways_out(points: np.ndarray, skin: ExposedSurface, clearance: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the signed distances of points [m], and the moves that take those that are low to a clearance, [n, 3].
 
-    On a `BodySurface`, what is inside goes to the nearest skin in the open and on along its normal. In a crease that
-    skin ends, and going on in the same direction leads from one part of the body into the other, and back in the next
-    round.
+    What is inside goes to the nearest skin in the open and on along its normal. In a crease that skin ends, and going
+    on in the same direction leads from one part of the body into the other, and back in the next round.
     """
-    if not isinstance(body, BodySurface):
-        distance, normal = signed_distance(body, points)
-        return distance, np.maximum(clearance - distance, 0.0)[:, None] * normal
-    distance, normal = body.measure(points)
+    distance, normal = skin.measure(points)
     move = np.maximum(clearance - distance, 0.0)[:, None] * normal
     inside = np.flatnonzero(distance < 0)
     if len(inside):
-        foot, face = body.closest(points[inside])
-        move[inside] = foot + clearance * body.normals[face] - points[inside]
+        foot, face = skin.closest(points[inside])
+        move[inside] = foot + clearance * skin.normals[face] - points[inside]
     return distance, move
 
 

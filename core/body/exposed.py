@@ -17,12 +17,12 @@ WITHIN = 0.9
 themselves the lift of a face of a hollow ends in the face beside it."""
 
 
-class BodySurface:
+class ExposedSurface:
     """Answer signed distances to the outside of a body mesh, positive outside, as often as is asked.
 
     Where parts of a body run into each other (thighs, a belly over a lap), the skin of one lies inside the other: it is
     no way out, and the nearest point of it leads deeper. So the surface is the skin in the open, and a negative
-    distance the length of the shortest way out, which `signed_distance` to the nearest skin of all may be far short of.
+    distance the length of the shortest way out, which the distance to the nearest skin of all may be far short of.
 
     Args:
         vertices: Positions [m], shape [vertex_count, 3].
@@ -45,7 +45,7 @@ class BodySurface:
         self._tree.init(self.vertices, self.faces)
 
     @classmethod
-    def of(cls, body: Body, splits: int = SPLITS) -> BodySurface:
+    def of(cls, body: Body, splits: int = SPLITS) -> ExposedSurface:
         """Take the outside of a body's own mesh, not of the fitted model."""
         return cls(body.vertices, body.faces, splits)
 
@@ -68,14 +68,14 @@ class BodySurface:
 
     def _bare_middles(self, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
         """Tell which faces' middles are in the open, shape [n]."""
-        return self._solid.is_bare(vertices[faces].mean(axis=1), face_normals(vertices, faces)[0])
+        return self._solid.exposed(vertices[faces].mean(axis=1), face_normals(vertices, faces)[0])
 
     def _bare_corners(self, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
         """Tell which of the faces' corners are in the open, shape [n, 3]."""
         middle = vertices[faces].mean(axis=1, keepdims=True)
         near = middle + WITHIN * (vertices[faces] - middle)
         normals = np.repeat(face_normals(vertices, faces)[0], 3, axis=0)
-        return self._solid.is_bare(near.reshape(-1, 3), normals).reshape(-1, 3)
+        return self._solid.exposed(near.reshape(-1, 3), normals).reshape(-1, 3)
 
     def contains(self, points: np.ndarray) -> np.ndarray:
         """Tell which points [m], shape [n, 3], are inside, shape [n]."""
@@ -129,3 +129,18 @@ def _split(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndar
     return np.concatenate([vertices, middles.reshape(-1, 3)]), np.ascontiguousarray(
         parts.transpose(2, 0, 1).reshape(-1, 3)
     )
+
+
+def penetration_depth(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface) -> float:
+    """Return the greatest depth of a garment's nodes and face centres in a body [m], by the way to its exposed skin.
+
+    Args:
+        nodes: Garment positions [m], shape [node_count, 3].
+        faces: Garment faces, shape [face_count, 3].
+        skin: The body.
+    """
+    points = np.concatenate([nodes, nodes[faces].mean(axis=1)])
+    inside = points[skin.contains(points)]
+    if not len(inside):
+        return 0.0
+    return float(np.linalg.norm(inside - skin.closest(inside)[0], axis=1).max())
