@@ -10,29 +10,19 @@ import time
 from dataclasses import replace
 
 import numpy as np
-from garmentq.core.body import DistanceGrid
 from garmentq.core.simulate import (
     FABRIC,
     AtRest,
-    Energy,
     Implicit,
     Inertia,
     Linearised,
     Parameters,
-    SimulateSettings,
-    Topology,
     Unrolled,
-    equilibrium,
-    get_fabric,
     make_solver,
-    settle,
-    with_friction_frozen,
 )
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import LinearOperator, eigsh
-
-SIDES = {"1K": 32, "3K": 55, "8K": 90}
-"""Nodes along each side of a sheet of 60 cm."""
+from sheet import SIDES, THESIS, Laid, cpu, quickest, sheet_on_ball
 
 GOALS = {"1K": (20.0, 2.2), "3K": (90.0, 6.5), "8K": (350.0, 30.0)}
 """To stay under: gradient after the factor [CPU ms]; thesis mode, 20 steps forward and reverse [CPU s]. Six shape
@@ -58,55 +48,26 @@ STEPS = {
 """Steps, length [s] and share of velocity kept, of which the gradient is held against that at rest. 0.6 damps a sway of
 1 s just critically at 0.05 s: (1 + d)^2 = 4 d (1 + w^2 dt^2)."""
 
-THESIS = {"1K": (59.4, 60.0), "3K": (228.6, 186.3)}
-"""Thesis table 3.1: seconds for assembly and linear solve of 20 steps, forward and reverse, on an RTX 3090."""
 
-
-def drape(count: int) -> tuple[Energy, np.ndarray, Parameters]:
+def drape(count: int) -> Laid:
     """Lay a sheet off-centre over a ball of 15 cm and bring it to rest; shape parameters in metres at its corners."""
-    u, v = np.meshgrid(np.linspace(-0.28, 0.32, count), np.linspace(-0.31, 0.29, count), indexing="ij")
-    flat = np.stack([u.ravel(), v.ravel()], axis=1)
-    i = np.arange(count * count).reshape(count, count)
-    a, b, c, d = i[:-1, :-1].ravel(), i[1:, :-1].ravel(), i[1:, 1:].ravel(), i[:-1, 1:].ravel()
-    faces = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
-    cells = np.arange(-0.35, 0.355, 0.01)
-    points = np.stack(np.meshgrid(cells, cells, cells, indexing="ij"), axis=-1)
-    grid = DistanceGrid.from_values(np.full(3, -0.35), 0.01, np.linalg.norm(points, axis=-1) - 0.15)
-    topology, fabric = Topology.from_mesh(faces, flat[faces]), get_fabric("cotton_poplin")
-    nodes = np.column_stack([flat[:, 0], np.full(len(flat), 0.153), -flat[:, 1]])
-    moving = settle(topology, fabric, nodes, grid=grid, steps=25)
-    settings = SimulateSettings(max_iterations=400)
-    rest = equilibrium(topology, fabric, moving.nodes, grid=grid, anchors=moving.anchors, settings=settings)
-    energy = with_friction_frozen(Energy(topology, fabric, grid), rest.nodes, rest.anchors)
+    scene, nodes, flat = sheet_on_ball(count, (-0.28, -0.31))
     u, v = flat.T / 0.3
     fields = [(u, 0 * u), (0 * u, v), (v, 0 * u), (0 * u, u), (u * v, 0 * u), (0 * u, u * v)]
-    shape = np.stack([np.stack(field, axis=1)[faces].ravel() for field in fields], axis=1)
-    return energy, rest.nodes, Parameters(csr_matrix(shape), FABRIC)
+    shape = np.stack([np.stack(field, axis=1)[scene.topology.faces].ravel() for field in fields], axis=1)
+    return Laid.at_rest(scene, nodes, Parameters(csr_matrix(shape), FABRIC))
 
 
-def cpu(work) -> tuple[float, object]:  # type: ignore[no-untyped-def]
-    """Give the CPU time of one run [s] and its result."""
-    start = time.process_time()
-    result = work()
-    return time.process_time() - start, result
-
-
-def quickest(work, repeats: int = 5) -> float:  # type: ignore[no-untyped-def]
-    """Give the smallest CPU time of a few runs [ms], after one that warms up."""
-    work()
-    return 1e3 * min(cpu(work)[0] for _ in range(repeats))
-
-
-def worst_error(energy: Energy, nodes: np.ndarray, parameters: Parameters, found: np.ndarray, up: np.ndarray) -> float:
+def worst_error(laid: Laid, nodes: np.ndarray, found: np.ndarray, up: np.ndarray) -> float:
     """Give the largest relative error of a gradient against central differences of converged equilibria.
 
     Steps of 1e-7 m and 1e-5 of the fabric: the error of the quotient falls with the square of the step down to there.
     """
-    solver, implicit, worst = make_solver(energy.topology), Implicit(tolerance=0.0), 0.0
+    solver, parameters, worst = make_solver(laid.scene.topology), laid.parameters, 0.0
     for n in range(parameters.count):
         step = np.zeros(parameters.count)
         step[n] = 1e-7 if n < parameters.shape.shape[1] else 1e-5
-        ends = [implicit.solve(parameters.move(energy, s * step), nodes, solver).nodes for s in (1, -1)]
+        ends = laid.ends(Implicit(tolerance=0.0), step, nodes, solver)
         expected = float((up * (ends[0] - ends[1])).sum()) / (2 * step[n])
         worst = max(worst, abs(found[n] - expected) / abs(expected))
     return worst
@@ -114,13 +75,13 @@ def worst_error(energy: Energy, nodes: np.ndarray, parameters: Parameters, found
 
 def slowest_sway(rest: AtRest) -> float:
     """Give the longest period of small motions about an equilibrium [s]: K v = w^2 M v."""
-    root = np.sqrt(np.repeat(rest.energy.masses, 3))
+    root = np.sqrt(np.repeat(rest.scene.masses, 3))
     turned = LinearOperator((len(root),) * 2, matvec=lambda v: root * rest.solver.solve(root * np.ravel(v)))
     longest = eigsh(turned, k=1, which="LM", v0=np.ones(len(root)), return_eigenvectors=False, tol=1e-6)
     return float(2.0 * np.pi * np.sqrt(longest[0]))
 
 
-def recover_shape(energy: Energy, start: np.ndarray, parameters: Parameters, change: np.ndarray) -> tuple[float, float]:
+def recover_shape(laid: Laid, start: np.ndarray, change: np.ndarray) -> tuple[float, float]:
     """Recover a changed pattern from its drape by Gauss-Newton; every equilibrium is looked for from that drape.
 
     A wrong pattern would buckle into other folds, and an equilibrium that starts from there stays in them. So each
@@ -129,15 +90,14 @@ def recover_shape(energy: Energy, start: np.ndarray, parameters: Parameters, cha
     Gives the CPU time until all parameters together are known to 1 % [s], inf where they never are, and their relative
     error at the end.
     """
-    solver, implicit, shape = make_solver(energy.topology), Implicit(), replace(parameters, fabric=())
-    target = implicit.solve(shape.move(energy, change), start, solver).nodes
+    scene, friction, shape = laid.scene, laid.friction, replace(laid.parameters, fabric=())
+    solver, implicit = make_solver(scene.topology), Implicit()
+    target = implicit.solve(shape.move(scene, change), start, solver, friction=friction).nodes
     tie, roughly = Inertia(target, 1.0 / Unrolled.dt**2), Implicit(tolerance=ROUGHLY)
     found, begun, reached = np.zeros(len(change)), time.process_time(), np.inf
     for n in range(10):
-        moved = shape.move(energy, found)
-        if n < TIED:
-            moved = replace(moved, inertia=tie)
-        rest = (roughly if n < TIED else implicit).solve(moved, target, solver)
+        moved, tied = shape.move(scene, found), tie if n < TIED else None
+        rest = (roughly if tied else implicit).solve(moved, target, solver, friction=friction, inertia=tied)
         slopes = rest.push(*shape.rates(moved)).reshape(-1, len(change))
         step = np.linalg.lstsq(slopes, (target - rest.nodes).ravel(), rcond=None)[0]
         found = found + step
@@ -151,27 +111,30 @@ def recover_shape(energy: Energy, start: np.ndarray, parameters: Parameters, cha
 
 def measure(name: str) -> dict[str, float]:
     """Measure one size."""
-    energy, start, parameters = drape(SIDES[name])
-    solver = make_solver(energy.topology)
-    rest = Implicit(tolerance=0.0).solve(energy, start, solver)
+    laid = drape(SIDES[name])
+    scene, friction, parameters = laid.scene, laid.friction, laid.parameters
+    solver = make_solver(scene.topology)
+    rest = Implicit(tolerance=0.0).solve(scene, laid.nodes, solver, friction=friction)
     up = np.sin(9 * rest.nodes[:, [1, 2, 0]] + [0.3, 0.5, 0.7])
-    rates = parameters.rates(energy)
-    one = parameters.pull(energy, rest.pull(up))
+    rates = parameters.rates(scene)
+    one = parameters.pull(scene, rest.pull(up))
     found = {
-        "gradient [ms]": quickest(lambda: parameters.pull(energy, rest.pull(up))),
+        "gradient [ms]": quickest(lambda: parameters.pull(scene, rest.pull(up))),
         "12 columns [ms]": quickest(lambda: rest.push(*rates)),
-        "Hessian+factor [ms]": quickest(lambda: Implicit(tolerance=1.0).solve(energy, rest.nodes, solver)),
-        "error": worst_error(energy, rest.nodes, parameters, one, up),
+        "Hessian+factor [ms]": quickest(
+            lambda: Implicit(tolerance=1.0).solve(scene, rest.nodes, solver, friction=friction)
+        ),
+        "error": worst_error(laid, rest.nodes, one, up),
     }
     found["slowest sway [s]"] = slowest_sway(rest)
     for title, way in STEPS.items():
-        two = parameters.pull(energy, Unrolled(*way).solve(energy, rest.nodes, solver).pull(up))
+        two = parameters.pull(scene, Unrolled(*way).solve(scene, rest.nodes, solver, friction=friction).pull(up))
         found[f"1 - cosine, {title}"] = 1.0 - float(one @ two / np.linalg.norm(one) / np.linalg.norm(two))
     solved = Unrolled(steps=20)
     for share in (1.0, 0.1):
-        changed = replace(parameters, fabric=()).move(energy, share * CHANGE)
-        Linearised(1).solve(changed, rest.nodes, solver).pull(up)  # torch is imported on the way
-        forward, moved = cpu(lambda e=changed: Linearised(20).solve(e, rest.nodes, solver))
+        changed = replace(parameters, fabric=()).move(scene, share * CHANGE)
+        Linearised(1).solve(changed, rest.nodes, solver, friction=friction).pull(up)  # torch is imported on the way
+        forward, moved = cpu(lambda e=changed: Linearised(20).solve(e, rest.nodes, solver, friction=friction))
         reverse, _ = cpu(lambda m=moved: m.pull(up))
         change = f", {10 * share:.0f} mm"
         found[f"linearised forward{change} [s]"], found[f"linearised reverse{change} [s]"] = forward, reverse
@@ -179,8 +142,8 @@ def measure(name: str) -> dict[str, float]:
     for share in (1.0, 0.1):
         times = []
         for factor in AROUND:
-            changed = replace(parameters, fabric=()).move(energy, factor * share * CHANGE)
-            forward, moved = cpu(lambda e=changed: solved.solve(e, rest.nodes, solver))
+            changed = replace(parameters, fabric=()).move(scene, factor * share * CHANGE)
+            forward, moved = cpu(lambda e=changed: solved.solve(e, rest.nodes, solver, friction=friction))
             times.append((forward, cpu(lambda m=moved: m.pull(up))[0]))
         change = f", {10 * share:.0f} mm [s]"
         found["forward" + change], found["reverse" + change] = np.mean(times, axis=0)
@@ -188,7 +151,7 @@ def measure(name: str) -> dict[str, float]:
     for share in (1.0, 0.1):
         way = f", {10 * share:.0f} mm"
         found[f"6 shapes to 1 %{way} [s]"], found[f"their error{way}"] = recover_shape(
-            energy, rest.nodes, parameters, share * CHANGE
+            laid, rest.nodes, share * CHANGE
         )
     found["gradient / goal"] = found["gradient [ms]"] / GOALS[name][0]
     for change in (", 10 mm", ", 1 mm"):

@@ -14,20 +14,18 @@ from garmentq.core.pattern import Edge, EdgeRef, Panel, Pattern, Seam, find_symm
 from garmentq.core.simulate import (
     FABRIC,
     Derivative,
-    Energy,
     Implicit,
     NotAtRest,
     Parameters,
-    SimulateSettings,
+    Scene,
     Topology,
     Unrolled,
-    equilibrium,
+    contact_forces,
     get_fabric,
     list_gathers,
     make_solver,
-    settle,
-    with_friction_frozen,
 )
+from sheet import Laid
 
 SIZES = {"1K": 1000, "3K": 3000, "8K": 8000}
 """Vertices of the mesh."""
@@ -50,44 +48,34 @@ def draw_pattern() -> Pattern:
     return Pattern("apron", panels, (Seam(EdgeRef("yoke", 0), EdgeRef("ruffle", 2), gathered=True),))
 
 
-def drape(count: int) -> tuple[Energy, np.ndarray, Parameters, dict[str, slice]]:
+def drape(count: int) -> tuple[Laid, dict[str, slice]]:
     """Lay the apron off-centre over a ball of 15 cm, bring it to rest, and name its parameters by kind."""
     garment = mesh_pattern(draw_pattern(), count)
     cells = np.arange(-0.45, 0.455, 0.01)
     points = np.stack(np.meshgrid(cells, cells, cells, indexing="ij"), axis=-1)
-    grid = DistanceGrid.from_values(np.full(3, -0.45), 0.01, np.linalg.norm(points, axis=-1) - 0.15)
-    topology, fabric = Topology.from_garment(garment), get_fabric("cotton_poplin")
+    ball = DistanceGrid.from_values(np.full(3, -0.45), 0.01, np.linalg.norm(points, axis=-1) - 0.15)
     # A flat sheet that is pressed in its plane does not know which way to fold: half a millimetre tells it.
     height = 0.153 + 5e-4 * np.random.default_rng(0).random(len(garment.nodes))
     nodes = np.column_stack([garment.nodes[:, 0] + 0.02, height, 0.01 - garment.nodes[:, 1]])
-    moving = settle(topology, fabric, nodes, grid=grid, steps=25)
-    settings = SimulateSettings(max_iterations=400)
-    rest = equilibrium(topology, fabric, moving.nodes, grid=grid, anchors=moving.anchors, settings=settings)
-    energy = with_friction_frozen(Energy(topology, fabric, grid), rest.nodes, rest.anchors)
+    scene = Scene(Topology.from_garment(garment), get_fabric("cotton_poplin"), ball)
     gathers = list_gathers(garment.pattern, find_symmetry(garment.pattern))
     parameters = Parameters.of_garment(garment, map_controls(garment), fabric=FABRIC, gathers=gathers)
     points_end = 2 * len(garment.pattern.points)
     first = points_end + len(gathers)
     kinds = {"control points": slice(0, points_end), "gather ratios": slice(points_end, first)}
-    return (
-        energy,
-        rest.nodes,
-        parameters,
-        kinds | {name: slice(first + n, first + n + 1) for n, name in enumerate(FABRIC)},
-    )
+    kinds |= {name: slice(first + n, first + n + 1) for n, name in enumerate(FABRIC)}
+    return Laid.at_rest(scene, nodes, parameters), kinds
 
 
-def differ(
-    energy: Energy, start: np.ndarray, parameters: Parameters, derivative: Derivative, ups: np.ndarray, step: float
-) -> np.ndarray:
+def differ(laid: Laid, start: np.ndarray, derivative: Derivative, ups: np.ndarray, step: float) -> np.ndarray:
     """Give the central differences of every up . x by every parameter, shape [count, losses]; nan where not at rest."""
-    solver, shape = make_solver(energy.topology), parameters.shape.shape[1]
+    solver, parameters = make_solver(laid.scene.topology), laid.parameters
     found = np.full((parameters.count, len(ups)), np.nan)
     for n in range(parameters.count):
         way = np.zeros(parameters.count)
-        way[n] = step if n < shape else 100.0 * step
+        way[n] = step if n < parameters.shape.shape[1] else 100.0 * step
         try:
-            ends = [derivative.solve(parameters.move(energy, s * way), start, solver).nodes for s in (1, -1)]
+            ends = laid.ends(derivative, way, start, solver)
         except NotAtRest:
             continue
         found[n] = (ups * (ends[0] - ends[1])).sum(axis=(1, 2)) / (2 * way[n])
@@ -114,17 +102,17 @@ def extrapolate(quotients: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
 
 def measure(count: int, derivative: Derivative) -> dict[str, str]:
     """Measure one size: for each kind the largest relative error of a parameter, and the difference quotient's own."""
-    energy, start, parameters, kinds = drape(count)
-    solver = make_solver(energy.topology)
+    laid, kinds = drape(count)
+    scene, start, solver = laid.scene, laid.nodes, make_solver(laid.scene.topology)
     if isinstance(derivative, Implicit):
-        start = derivative.solve(energy, start, solver).nodes
-    at = derivative.solve(energy, start, solver)
+        start = derivative.solve(scene, start, solver, friction=laid.friction).nodes
+    at = derivative.solve(scene, start, solver, friction=laid.friction)
     ups = np.stack([np.sin(wave * at.nodes[:, [1, 2, 0]] + [0.3, 0.5, 0.7]) for wave in WAVES])
-    found = np.stack([parameters.pull(energy, at.pull(up)) for up in ups], axis=1)
-    expected, doubt = extrapolate([differ(energy, start, parameters, derivative, ups, step) for step in STEPS])
+    found = np.stack([laid.parameters.pull(scene, at.pull(up)) for up in ups], axis=1)
+    expected, doubt = extrapolate([differ(laid, start, derivative, ups, step) for step in STEPS])
     size = np.linalg.norm(expected, axis=1)
     off, doubt = np.linalg.norm(found - expected, axis=1) / size, doubt / size
-    touching = int((energy.touch(at.nodes)[0] > 0).sum())
+    touching = int((contact_forces(scene, at.nodes)[0] > 0).sum())
     rows = {kind: f"{off[part].max():.1e} ({doubt[part].max():.0e})" for kind, part in kinds.items()}
     return rows | {"touching": str(touching)}
 

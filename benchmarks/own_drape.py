@@ -76,7 +76,7 @@ def write_pack(folder: Path, name: str, pattern: Pattern, fabric: Fabric) -> Non
     normals = vertex_normals(worn.nodes, worn.faces)
     where_it_hangs = Target(worn.nodes, worn.faces, normals, worn.contours, (), pattern.category)
     garment, drape = drape_graded(worn, wearer, fabric, where_it_hangs, vertex_count=VERTICES)
-    print(f"{name}: target of {len(garment.nodes)} vertices {drape.message}", flush=True)
+    print(f"{name}: target of {len(garment.nodes)} vertices {drape.outcome.advice}", flush=True)
     folder.mkdir(parents=True, exist_ok=True)
     trimesh.Trimesh(garment.nodes, garment.faces, process=False).export(folder / "garment.ply")
     trimesh.Trimesh(wearer.body.vertices, wearer.body.faces, process=False).export(folder / "body.ply")

@@ -5,50 +5,13 @@ Run with one thread: OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-
 import numpy as np
 import scipy.sparse as sparse
-from garmentq.core.body import DistanceGrid
-from garmentq.core.simulate import Energy, Inertia, SuperLU, Topology, get_fabric, make_solver, settle
-
-SIDES = {"1K": 32, "3K": 55, "8K": 90}
-"""Nodes along each side of a square sheet of 60 cm."""
+from garmentq.core.simulate import Energy, Inertia, SuperLU, Topology, make_solver, settle
+from sheet import SIDES, THESIS, quickest, sheet_on_ball
 
 GOALS = {"1K": (2.5, 50.0), "3K": (12.0, 250.0), "8K": (35.0, 1100.0)}
 """Milliseconds to stay under: gradient, exact Hessian and assembly; factor and solve (scipy)."""
-
-THESIS = {"1K": (59.4, 60.0), "3K": (228.6, 186.3)}
-"""Thesis table 3.1: seconds for assembly and linear solve of 20 steps, forward and reverse, on an RTX 3090."""
-
-
-def cpu_ms(work: Callable[[], object], repeats: int = 7) -> float:
-    """Give the smallest CPU time of a few runs [ms], after one that compiles and warms up."""
-    work()
-    times = []
-    for _ in range(repeats):
-        start = time.process_time()
-        work()
-        times.append(time.process_time() - start)
-    return 1e3 * min(times)
-
-
-def sheet_on_sphere(count: int) -> tuple[Energy, np.ndarray]:
-    """Lay a square sheet over a sphere of 15 cm, so that contact is on for a good part of it."""
-    axis = np.linspace(-0.3, 0.3, count)
-    u, v = np.meshgrid(axis, axis, indexing="ij")
-    flat = np.stack([u.ravel(), v.ravel()], axis=1)
-    i = np.arange(count * count).reshape(count, count)
-    a, b, c, d = i[:-1, :-1].ravel(), i[1:, :-1].ravel(), i[1:, 1:].ravel(), i[:-1, 1:].ravel()
-    faces = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
-    cells = np.arange(-0.3, 0.305, 0.01)
-    points = np.stack(np.meshgrid(cells, cells, cells, indexing="ij"), axis=-1)
-    grid = DistanceGrid.from_values(np.full(3, -0.3), 0.01, np.linalg.norm(points, axis=-1) - 0.15)
-    topology, fabric = Topology.from_mesh(faces, flat[faces]), get_fabric("cotton_poplin")
-    nodes = np.column_stack([flat[:, 0], np.full(len(flat), 0.153), -flat[:, 1]])
-    nodes = settle(topology, fabric, nodes, grid=grid, steps=4).nodes
-    return Energy(topology, fabric, grid, inertia=Inertia(nodes, 400.0)), nodes
 
 
 def assemble_naively(topology: Topology, elements: tuple[np.ndarray, np.ndarray, np.ndarray]) -> sparse.csc_matrix:
@@ -73,32 +36,34 @@ def spread_elements(topology: Topology) -> tuple[np.ndarray, np.ndarray, np.ndar
 
 def measure(name: str) -> dict[str, float]:
     """Measure one size; times in CPU ms."""
-    energy, nodes = sheet_on_sphere(SIDES[name])
-    topology, fixed = energy.topology, energy.fixed
+    scene, nodes, _ = sheet_on_ball(SIDES[name])
+    topology, fixed = scene.topology, scene.fixed
+    nodes = settle(scene, nodes, steps=4).nodes
+    energy = Energy(scene, inertia=Inertia(nodes, 400.0))
 
     def full() -> np.ndarray:
         return topology.assemble(energy.hessian(nodes)[2], fixed)
 
-    found = {"kernels": cpu_ms(full), "gradient": cpu_ms(lambda: energy.gradient(nodes))}
+    found = {"kernels": quickest(full), "gradient": quickest(lambda: energy.gradient(nodes))}
     blocks = energy.hessian(nodes, exact=False)[2]
     data = topology.assemble(blocks, fixed)
-    found["assembly"] = cpu_ms(lambda: topology.assemble(blocks, fixed))
+    found["assembly"] = quickest(lambda: topology.assemble(blocks, fixed))
     elements = spread_elements(topology)
-    found["naive assembly"] = cpu_ms(lambda: assemble_naively(topology, elements), 3)
+    found["naive assembly"] = quickest(lambda: assemble_naively(topology, elements), 3)
     right = energy.gradient(nodes)[1].ravel()
     lu = SuperLU(topology.indptr, topology.indices)
     fronts = make_solver(topology)
     for key, solver in (("fronts", fronts), ("superlu", lu)):
-        found[f"{key} factor"] = cpu_ms(lambda s=solver: s.factor(data), 5)
-        found[f"{key} solve"] = cpu_ms(lambda s=solver: s.solve(right))
-    found["step"] = cpu_ms(lambda: step(energy, nodes, fronts), 5)
+        found[f"{key} factor"] = quickest(lambda s=solver: s.factor(data), 5)
+        found[f"{key} solve"] = quickest(lambda s=solver: s.solve(right))
+    found["step"] = quickest(lambda: step(energy, nodes, fronts), 5)
     return found
 
 
 def step(energy: Energy, nodes: np.ndarray, solver) -> np.ndarray:  # type: ignore[no-untyped-def]
     """Take one linearised implicit step: what the thesis counts 20 of."""
     _, gradient, blocks = energy.hessian(nodes, exact=False)
-    solver.factor(energy.topology.assemble(blocks, energy.fixed))
+    solver.factor(energy.scene.topology.assemble(blocks, energy.scene.fixed))
     return nodes - solver.solve(gradient.ravel()).reshape(-1, 3)
 
 

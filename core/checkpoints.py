@@ -10,7 +10,7 @@ from .body import Body
 from .hooks import Arrays, Hooks
 from .pattern import Garment, Pattern, mesh_pattern
 from .segment import name_contours
-from .simulate import Drape, SteadyRotation
+from .simulate import Drape, Outcome, SteadyRotation
 
 _BODY_ARRAYS = tuple(f.name for f in fields(Body) if f.name not in ("parameters", "source", "fit_rms"))
 
@@ -41,9 +41,9 @@ def keep_drape(hooks: Hooks, garment: Garment, drape: Drape, warnings: list[str]
             "garment": garment.nodes,
             "nodes": drape.nodes,
             "anchors": drape.anchors,
-            "numbers": np.array([drape.residual, drape.iterations, drape.converged, drape.energy]),
+            "numbers": np.array([drape.residual, drape.iterations, drape.energy]),
             "spin": np.zeros(0) if drape.rotation is None else np.array([drape.rotation.rate, *drape.rotation.centre]),
-            "texts": _text("\n".join([drape.outcome, drape.message, *warnings])),
+            "texts": _text("\n".join([drape.outcome, *warnings])),
         },
     )
 
@@ -58,17 +58,15 @@ def kept_drape(hooks: Hooks, base: Pattern, vertex_count: int, body: Body) -> tu
         return None
     garment = mesh_pattern(base.with_points(kept["points"]), vertex_count)
     contours, _ = name_contours(kept["garment"], garment.faces, body)
-    residual, iterations, converged, energy = kept["numbers"]
-    outcome, message, *warnings = _read(kept["texts"]).split("\n")
+    residual, iterations, energy = kept["numbers"]
+    outcome, *warnings = _read(kept["texts"]).split("\n")
     rotation = [float(value) for value in kept.get("spin", ())]
     drape = Drape(
         nodes=kept["nodes"],
         residual=float(residual),
         iterations=int(iterations),
-        converged=bool(converged),
         energy=float(energy),
-        outcome=outcome,
-        message=message,
+        outcome=Outcome(outcome),
         anchors=kept["anchors"],
         rotation=SteadyRotation(rotation[0], (rotation[1], rotation[2], rotation[3])) if rotation else None,
     )

@@ -127,7 +127,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         with clock.stage("redrape", "dressing the body in the recovered pattern") as inner:
             redraped, again = redrape(garment, wearer, fabric, target, rotation=drape.rotation, hooks=inner)
         if not again.converged:
-            warnings.append(f"the re-draped mesh is {again.message}")
+            warnings.append(f"the re-draped mesh is {again.outcome.advice}")
         known |= {"redrape.residual": again.residual, "redrape.iterations": float(again.iterations)}
     with clock.stage("measure", "measuring the result"):
         metrics = known | measure(scan, target, garment, detail, simulation, drape, wearer, settings, redraped)
@@ -202,7 +202,7 @@ def drape_to_scan(
     if drape.rotation is not None:
         warnings.append(describe_motion(drape.rotation))
     if not drape.converged:
-        warnings.append(drape.message)
+        warnings.append(drape.outcome.advice)
     keep_drape(clock.hooks, garment, drape, warnings)
     return garment, drape, warnings
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,7 +11,7 @@ from ..hooks import SILENT, Hooks
 from ..mesh import TriangleSurface
 from ..pattern import Garment, mesh_pattern
 from ..segment import Target
-from ..simulate import Drape, Fabric, SteadyRotation
+from ..simulate import Drape, Fabric, Outcome, SteadyRotation, Stop
 from .stage import DrapeSettings, drape_graded
 from .wearer import WearerGeometry
 
@@ -80,11 +79,11 @@ def drape_as_scanned(
     found: list[SteadyRotation | None] = []
 
     def drape_at(
-        rotation: SteadyRotation | None, leave: Callable[[int, np.ndarray], bool] | None = None
+        rotation: SteadyRotation | None, stop: Stop | None = None
     ) -> tuple[Garment, Drape]:
         quiet = hooks if rotation is None else hooks.quiet()
         return drape_graded(
-            graded, wearer, fabric, target, mesh=mesh, rotation=rotation, leave=leave, settings=settings, hooks=quiet
+            graded, wearer, fabric, target, mesh=mesh, rotation=rotation, stop=stop, settings=settings, hooks=quiet
         )
 
     def moves(legs: int, nodes: np.ndarray) -> bool:
@@ -104,7 +103,7 @@ def drape_as_scanned(
     turning, turned = drape_at(found[0])
     if turned.converged and miss(turning, target) <= motion.explained * rest:
         return turning, turned
-    return (garment, drape) if drape.outcome != "left" else drape_at(None)
+    return (garment, drape) if drape.outcome is not Outcome.STOPPED else drape_at(None)
 
 
 def find_rotation(

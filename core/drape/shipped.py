@@ -8,7 +8,7 @@ from ..body import builtin_body, project_outside
 from ..pattern import list_templates, load_template, mesh_pattern
 from ..pattern.templates import DRAPED_VERTICES, LIBRARY, save_draped_template
 from ..segment import name_contours
-from ..simulate import SimulateSettings, Topology, equilibrium, get_fabric
+from ..simulate import Scene, Topology, equilibrium, get_fabric
 from .dress import dress, waist_loop
 from .tie import pin_waist
 from .wearer import WearerGeometry
@@ -32,11 +32,8 @@ def drape_library(folder: Path) -> None:
         waist = waist_loop(garment)
         height = None if waist is None else float(garment.nodes[waist, 1].mean())
         nodes = dress(garment, body, wearer.grid, waist_height=height)
-        topology = Topology.from_garment(garment)
         pins = pin_waist(garment.at(nodes))
-        rest = equilibrium(
-            topology, get_fabric(FABRIC), nodes, grid=wearer.grid, pins=pins, settings=SimulateSettings()
-        )
+        rest = equilibrium(Scene(Topology.from_garment(garment), get_fabric(FABRIC), wearer.grid, pins), nodes)
         nodes = project_outside(rest.nodes, wearer.exposed, garment.faces)
         contours, _ = name_contours(nodes, garment.faces, body)
         save_draped_template(garment.at(nodes, contours), folder / f"{info.name}.npz")

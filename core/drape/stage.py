@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -11,7 +10,7 @@ from ..body import Body, project_outside, skin, unskin, weights_at
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target, find_loops, name_contours, smoothed_length
-from ..simulate import Drape, Fabric, SimulateSettings, SteadyRotation, Topology, equilibrium, soften
+from ..simulate import Drape, Fabric, Scene, SolveSettings, SteadyRotation, Stop, Topology, equilibrium, soften
 from .carry import take_pose
 from .dress import DressSettings, dress, place, waist_loop
 from .follow import FollowSettings, Threads, follow, lay_threads
@@ -35,7 +34,7 @@ class DrapeSettings:
             4000 vertices, would stretch the cloth by 7 % and Newton would take 30 iterations to undo it.
         dress: The first drape.
         follow: The position-based steps in the pose.
-        simulate: The equilibrium.
+        solve: The equilibrium.
     """
 
     template_vertices: int = 1500
@@ -43,7 +42,7 @@ class DrapeSettings:
     settle_steps: int = 15
     dress: DressSettings = field(default_factory=DressSettings)
     follow: FollowSettings = field(default_factory=FollowSettings)
-    simulate: SimulateSettings = field(default_factory=SimulateSettings)
+    solve: SolveSettings = field(default_factory=SolveSettings)
 
 
 def waist_height(target: Target, body: Body) -> float | None:
@@ -176,7 +175,7 @@ def drape_graded(
     vertex_count: int = 4000,
     mesh: Garment | None = None,
     rotation: SteadyRotation | None = None,
-    leave: Callable[[int, np.ndarray], bool] | None = None,
+    stop: Stop | None = None,
     settings: DrapeSettings = DrapeSettings(),
     hooks: Hooks = SILENT,
 ) -> tuple[Garment, Drape]:
@@ -190,7 +189,7 @@ def drape_graded(
         vertex_count: Vertices of the mesh.
         mesh: The pattern's mesh where there is one already, wherever its nodes are; `vertex_count` then says nothing.
         rotation: The rotation in which the wearer turns, or None for cloth under its weight alone.
-        leave: Asked after each leg of the equilibrium, with how many there were and the nodes, whether to leave off.
+        stop: Asked after each leg of the equilibrium whether to stop.
         settings: Steps.
         hooks: Progress and cancellation.
 
@@ -207,17 +206,8 @@ def drape_graded(
     held = None if pins is None else pins.nodes
     nodes, _ = follow(threads, nodes, wearer.grid, settings.settle_steps, settings=settings.follow, held=held)
     hooks.progress("drape", 0.3, "equilibrium")
-    drape = equilibrium(
-        Topology.from_garment(garment),
-        soften(fabric),
-        nodes,
-        grid=wearer.grid,
-        pins=pins,
-        settings=settings.simulate,
-        hooks=hooks,
-        rotation=rotation,
-        leave=leave,
-    )
+    scene = Scene(Topology.from_garment(garment), soften(fabric), wearer.grid, pins, rotation)
+    drape = equilibrium(scene, nodes, settings=settings.solve, hooks=hooks, stop=stop)
     nodes = project_outside(drape.nodes, wearer.exposed, garment.faces)
     contours, _ = name_contours(nodes, garment.faces, wearer.body)
     return garment.at(nodes, contours), drape

@@ -47,16 +47,18 @@ def estimate_body_offset(problem: ShapeProblem, hooks: Hooks = SILENT) -> Distan
         problem: The fit: the mesh registered on the scan, cloth, hold and the distance to the estimated body.
         hooks: Cancellation.
     """
+    from ..simulate import contact_forces
+
     grid = problem.grid
     assert grid is not None, "there is no body to raise"
     for _ in range(ROUNDS):
         on = replace(problem, grid=grid)
         drape = on.drape(problem.garment.pattern, problem.garment.nodes, hooks)
-        energy = on.energy(problem.garment.pattern)
-        force, normal = energy.touch(drape.nodes)
+        scene = on.scene(problem.garment.pattern)
+        force, normal = contact_forces(scene, drape.nodes)
         touching = force > 0
         missing = ((problem.garment.nodes - drape.nodes) * normal).sum(1)[touching]
-        areas = energy.topology.node_areas[touching]
+        areas = scene.topology.node_areas[touching]
         grid = _moved_out(grid, drape.nodes[touching], missing, areas)
     return grid
 

@@ -12,14 +12,14 @@ from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, Symmetry, check_outline, equalise_seams, find_symmetry, map_controls
 from ..pattern.errors import PanelCrossing, PanelDegenerate
 from ..segment import Target
-from ..simulate import Fabric, SimulateSettings
+from ..simulate import Fabric, SolveSettings
 from .adam import Adam
 from .locks import keep_held
 from .losses import ChamferLoss, ContourLoss, PanelLoss, RangeLoss, SeamLoss
 from .losses.range import STIFFNESSES, logarithms
 
 if TYPE_CHECKING:
-    from ..simulate import Energy, Parameters, Pins, Solver, SteadyRotation, Topology
+    from ..simulate import Parameters, Pins, Scene, Solver, SteadyRotation, Topology
 
 _LEAST = 0.05
 """Share of its area below which a flat triangle forbids a step: the simulator needs triangles that have some."""
@@ -62,7 +62,7 @@ class InverseSettings:
     plateau: float = 0.01
     patience: int = 15
     keep_every: int = 5
-    simulate: SimulateSettings = field(default_factory=lambda: SimulateSettings(max_iterations=30))
+    solve: SolveSettings = field(default_factory=lambda: SolveSettings(max_iterations=30))
 
 
 @dataclass(frozen=True)
@@ -170,14 +170,12 @@ class DescentProblem:
             pattern = keep_held(pattern, self.garment.pattern, self.like, self.held)
         return pattern
 
-    def energy(self, variables: np.ndarray) -> Energy:
-        """Give the energy of the cloth; friction is not in it."""
-        from ..simulate import Energy
+    def scene(self, variables: np.ndarray) -> Scene:
+        """Return the scene with these variables."""
+        from ..simulate import Scene
 
-        energy = Energy(
-            self.topology, self.fabric, self.grid, self.pins, settings=self.settings.simulate, rotation=self.rotation
-        )
-        return self.parameters.move(energy, variables - self.start)
+        scene = Scene(self.topology, self.fabric, self.grid, self.pins, self.rotation)
+        return self.parameters.move(scene, variables - self.start)
 
     def drape(
         self, variables: np.ndarray, nodes: np.ndarray, anchors: np.ndarray | None, hooks: Hooks
@@ -185,19 +183,8 @@ class DescentProblem:
         """Bring the cloth to rest from nodes [m]; give positions and friction's anchors, shape [node_count, 3] each."""
         from ..simulate import equilibrium
 
-        energy = self.energy(variables)
-        drape = equilibrium(
-            energy.topology,
-            energy.fabric,
-            nodes,
-            grid=self.grid,
-            pins=self.pins,
-            settings=self.settings.simulate,
-            hooks=hooks,
-            anchors=anchors,
-            solver=self.solver,
-            rotation=self.rotation,
-        )
+        scene, settings = self.scene(variables), self.settings.solve
+        drape = equilibrium(scene, nodes, anchors=anchors, solver=self.solver, settings=settings, hooks=hooks)
         return drape.nodes, drape.anchors
 
     def evaluate(self, variables: np.ndarray, nodes: np.ndarray, anchors: np.ndarray) -> tuple[float, np.ndarray]:
@@ -213,8 +200,8 @@ class DescentProblem:
         value, upstream = self.chamfer.evaluate(nodes)
         more, slope = self.contour.evaluate(nodes)
         value, upstream = value + weights.contour * more, upstream + weights.contour * slope
-        rest = linearise_at(self.energy(variables), nodes, anchors, self.solver)
-        gradient = self.parameters.pull(rest.energy, rest.pull(upstream))
+        rest = linearise_at(self.scene(variables), nodes, anchors, self.solver)
+        gradient = self.parameters.pull(rest.scene, rest.pull(upstream))
         points, shape = self.points_of(variables), len(variables) - len(STIFFNESSES)
         unequal, by_seam, _ = self.seam.evaluate(points, self.seam.best_ratios(points))
         folded, by_panel = self.panel.evaluate(points)

@@ -90,7 +90,7 @@ def fit_pattern(
     Raises:
         LockUnknown: where a lock names no panel of the pattern.
     """
-    from ..simulate import BendingFriction, Topology, equilibrium, soften
+    from ..simulate import BendingFriction, Scene, Topology, equilibrium, soften
 
     settings, material = settings or ShapeSettings(), MaterialSettings()
     warnings = []
@@ -141,12 +141,11 @@ def fit_pattern(
     if problem.garment is not refitted or not drape.converged:
         hooks.progress("fit", 0.9, "draping the recovered pattern")
         topology = Topology.from_garment(recovered)
-        drape = equilibrium(
-            topology, soften(fabric), registered, grid=problem.grid, pins=pin_waist(recovered), rotation=rotation,
-            bending_friction=BendingFriction.at(topology, registered), hooks=hooks,
-        )  # fmt: skip
+        folds = BendingFriction.at(topology, registered)
+        scene = Scene(topology, soften(fabric), problem.grid, pin_waist(recovered), rotation, folds)
+        drape = equilibrium(scene, registered, hooks=hooks)
     if not drape.converged:
-        warnings.append(f"the simulation mesh is {drape.message}")
+        warnings.append(f"the simulation mesh is {drape.outcome.advice}")
     simulation = project_outside(drape.nodes, wearer.exposed, recovered.faces)
     return PatternFit(
         recovered,

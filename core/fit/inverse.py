@@ -79,7 +79,7 @@ def fit_inverse(
     Raises:
         LockUnknown: where a lock names no panel of the pattern.
     """
-    from ..simulate import Topology, equilibrium
+    from ..simulate import Scene, Topology, equilibrium
 
     settings = settings or InverseSettings()
     held = find_held(garment.pattern, like, locks)
@@ -93,11 +93,9 @@ def fit_inverse(
     count = vertex_count or len(garment.nodes)
     fine = remesh_and_transfer(problem.pattern_of(descent.best), count, coarse, descent.best_nodes, wearer.body)
     found = problem.fabric_of(descent.best) if fit_fabric else fabric
-    drape = equilibrium(
-        Topology.from_garment(fine), found, fine.nodes,
-        grid=wearer.grid, pins=pin_waist(fine, target), rotation=rotation, hooks=hooks,
-    )  # fmt: skip
-    warnings = () if drape.converged else (f"the simulation mesh is {drape.message}",)
+    scene = Scene(Topology.from_garment(fine), found, wearer.grid, pin_waist(fine, target), rotation)
+    drape = equilibrium(scene, fine.nodes, hooks=hooks)
+    warnings = () if drape.converged else (f"the simulation mesh is {drape.outcome.advice}",)
     simulation = project_outside(drape.nodes, wearer.exposed, fine.faces)
     return InverseFit(
         garment=fine.at(simulation),

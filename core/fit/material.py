@@ -42,10 +42,10 @@ def folding(problem: ShapeProblem, nodes: np.ndarray) -> float:
     S = sum_h 2 c_h (1 - cos((theta_h - theta0_h) / 2)), notation of `simulate/bending.py`. It falls steadily as k
     grows, also where the drape's folds lie elsewhere than the target's and distances say nothing.
     """
-    from ..simulate import Energy
+    from ..simulate import Energy, Scene
 
     only = replace(problem.fabric, H00=0.0, H01=0.0, H11=0.0, H22=0.0, k=1.0, density=0.0)
-    return Energy(problem.topology, only).value(nodes)
+    return Energy(Scene(problem.topology, only)).value(nodes)
 
 
 def fit_bending(
@@ -176,8 +176,8 @@ def posterior(
     settings = settings or MaterialSettings()
     names = (*MEMBRANE, "k")
     parameters: Parameters = replace(problem.parameters, fabric=names)
-    rest: AtRest = linearise_at(problem.energy(pattern), drape.nodes, drape.anchors, problem.solver)
-    moves = rest.push(*parameters.rates(rest.energy))
+    rest: AtRest = linearise_at(problem.scene(pattern), drape.nodes, drape.anchors, problem.solver)
+    moves = rest.push(*parameters.rates(rest.scene))
     shape_count = parameters.count - len(names)
     spreads = np.array([ratio_prior(name, settings)[1] for name in names])
     if problem.bending is not None:

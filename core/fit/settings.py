@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ..simulate import SimulateSettings
+from ..simulate import SolveSettings
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class ShapeSettings:
             of our own lay 2.6 and 3.0 mm off in the root mean square, panels of published patterns 4 to 10 mm.
         spread_share: The same by the panel's mean width, where that is less: 2 mm on a waistband of 4 cm, of which no
             scan shows where its long seams lie.
-        simulate: The equilibria of the fit. They start next to each other, so 60 iterations suffice.
+        solve: The equilibria of the fit. They start next to each other, so 60 iterations suffice.
     """
 
     vertices: int = 6000
@@ -39,7 +39,7 @@ class ShapeSettings:
     slide: float = 0.01
     spread: float = 0.005
     spread_share: float = 0.05
-    simulate: SimulateSettings = field(default_factory=lambda: SimulateSettings(max_iterations=60))
+    solve: SolveSettings = field(default_factory=lambda: SolveSettings(max_iterations=60))
 
 
 @dataclass(frozen=True)

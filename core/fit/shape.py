@@ -28,7 +28,7 @@ from .losses import RegisteredLoss
 from .settings import ShapeSettings
 
 if TYPE_CHECKING:
-    from ..simulate import AtRest, BendingFriction, Drape, Energy, Parameters, Pins, Solver, SteadyRotation, Topology
+    from ..simulate import AtRest, BendingFriction, Drape, Parameters, Pins, Scene, Solver, SteadyRotation, Topology
 
 _DEPENDENT = 1e-6
 """Singular value, relative to the largest, below which a seam's row follows from others (a chain that closes)."""
@@ -154,34 +154,20 @@ class ShapeProblem:
         points = self.effective(pattern) - self.effective(self.garment.pattern)
         return points if self.bending is None else np.append(points, np.log(fabric.k / self.fabric.k))
 
-    def energy(self, pattern: Pattern, fabric: Fabric | None = None) -> Energy:
-        """Give the energy of the cloth, with another k where k is fitted, cut by a pattern; friction is not in it."""
-        from ..simulate import Energy
+    def scene(self, pattern: Pattern, fabric: Fabric | None = None) -> Scene:
+        """Return the scene with the cloth, with another k where k is fitted, cut by a pattern."""
+        from ..simulate import Scene
 
-        energy = Energy(
-            self.topology, self.fabric, self.grid, self.pins,
-            settings=self.settings.simulate, rotation=self.rotation, bending_friction=self.bending_friction,
-        )  # fmt: skip
-        return self.parameters.move(energy, self.away(pattern, fabric or self.fabric))
+        scene = Scene(self.topology, self.fabric, self.grid, self.pins, self.rotation, self.bending_friction)
+        return self.parameters.move(scene, self.away(pattern, fabric or self.fabric))
 
     def drape(self, pattern: Pattern, nodes: np.ndarray, hooks: Hooks = SILENT, fabric: Fabric | None = None) -> Drape:
         """Bring the cloth to rest from nodes [m]; friction holds it where it was registered."""
         from ..simulate import equilibrium
 
-        energy = self.energy(pattern, fabric)
-        return equilibrium(
-            energy.topology,
-            energy.fabric,
-            nodes,
-            grid=self.grid,
-            pins=self.pins,
-            settings=self.settings.simulate,
-            hooks=hooks,
-            anchors=self.garment.nodes,
-            solver=self.solver,
-            rotation=self.rotation,
-            bending_friction=self.bending_friction,
-        )
+        scene, settings = self.scene(pattern, fabric), self.settings.solve
+        anchors = self.garment.nodes
+        return equilibrium(scene, nodes, anchors=anchors, solver=self.solver, settings=settings, hooks=hooks)
 
     def linearise(self, pattern: Pattern, drape: Drape, fabric: Fabric | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Give gradient, shape [p], and Gauss-Newton matrix, shape [p, p], of the loss by the parameters.
@@ -190,8 +176,8 @@ class ShapeProblem:
         """
         from ..simulate import linearise_at
 
-        rest: AtRest = linearise_at(self.energy(pattern, fabric), drape.nodes, drape.anchors, self.solver)
-        moves = rest.push(*self.parameters.rates(rest.energy))
+        rest: AtRest = linearise_at(self.scene(pattern, fabric), drape.nodes, drape.anchors, self.solver)
+        moves = rest.push(*self.parameters.rates(rest.scene))
         gradient = np.tensordot(moves, self.loss.gradient(drape.nodes), axes=((0, 1), (0, 1)))
         return gradient, self.loss.curvature(moves)
 
@@ -369,14 +355,15 @@ def _keep(
 
 def _kept(problem: ShapeProblem, hooks: Hooks) -> tuple[Pattern, Fabric, Drape, float, list[float], bool] | None:
     """Give pattern, cloth, drape, damping, misfits and whether that is all, as an earlier run left them, or None."""
-    from ..simulate import Drape
+    from ..simulate import Drape, Outcome
 
     kept = hooks.load_checkpoint("fit.shape")
     if kept is None or not np.array_equal(kept["start"], problem.garment.nodes):
         return None
     if kept.get("first_k") != problem.fabric.k:
         return None
-    drape = Drape(kept["nodes"], 0.0, 0, bool(kept["converged"]), 0.0, "still", "", kept["anchors"])
+    outcome = Outcome.STILL if kept["converged"] else Outcome.ITERATIONS
+    drape = Drape(kept["nodes"], 0.0, 0, 0.0, outcome, kept["anchors"])
     pattern, fabric = problem.like.with_points(kept["points"]), replace(problem.fabric, k=float(kept["k"]))
     misfits = [float(value) for value in kept["misfits"]]
     return pattern, fabric, drape, float(kept["damping"]), misfits, bool(kept["settled"])

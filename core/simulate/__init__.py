@@ -8,22 +8,24 @@ from typing import TYPE_CHECKING, Any
 from .fabric import Fabric, FabricEstimate
 from .fabrics import FabricUnknown, get_fabric, load_fabrics
 from .locking import soften
-from .settings import GRAVITY, SimulateSettings, SimulateSettingsBad
+from .outcome import Outcome
+from .settings import GRAVITY, ContactSettings, SettingsBad, SolveSettings
 
 if TYPE_CHECKING:
     from .bending_friction import BendingFriction
-    from .derivative import AtRest, Derivative, Implicit, Response, linearise_at, with_friction_frozen
+    from .contact import contact_forces
+    from .derivative import AtRest, Derivative, Implicit, Response, linearise_at
     from .dynamics import State, settle
-    from .energy import Energy, Inertia, SteadyRotation
-    from .friction import Friction
+    from .energy import Energy, Inertia
+    from .friction import Friction, lag_friction
     from .linearised import Linearised
-    from .newton import factor_blend
     from .parameters import Parameters, list_gathers, map_rest, stretch_edge
     from .pins import Pins, PinsBad
     from .rest import NotAtRest
+    from .scene import Scene, SteadyRotation
     from .sensitivity import FABRIC, Sensitivity, fabric_forces, pull_forces, push_forces
     from .solver import Solver, SuperLU, make_solver
-    from .statics import Drape, NodesBad, equilibrium
+    from .statics import Drape, NodesBad, Stop, equilibrium
     from .steps import InMotion
     from .topology import Topology, TopologyBad
     from .unrolled import Unrolled
@@ -46,17 +48,20 @@ _LAZY = {
     "Pins": "pins",
     "PinsBad": "pins",
     "Response": "derivative",
+    "Scene": "scene",
     "Sensitivity": "sensitivity",
     "Solver": "solver",
     "State": "dynamics",
-    "SteadyRotation": "energy",
+    "SteadyRotation": "scene",
+    "Stop": "statics",
     "SuperLU": "solver",
     "Topology": "topology",
     "TopologyBad": "topology",
     "Unrolled": "unrolled",
+    "contact_forces": "contact",
     "equilibrium": "statics",
     "fabric_forces": "sensitivity",
-    "factor_blend": "newton",
+    "lag_friction": "friction",
     "linearise_at": "derivative",
     "list_gathers": "parameters",
     "make_solver": "solver",
@@ -65,7 +70,6 @@ _LAZY = {
     "push_forces": "sensitivity",
     "settle": "dynamics",
     "stretch_edge": "parameters",
-    "with_friction_frozen": "derivative",
 }
 # Their modules hold compiled kernels: imported on first use, so that the room itself stays light.
 
@@ -74,6 +78,7 @@ __all__ = [
     "GRAVITY",
     "AtRest",
     "BendingFriction",
+    "ContactSettings",
     "Derivative",
     "Drape",
     "Energy",
@@ -87,24 +92,28 @@ __all__ = [
     "Linearised",
     "NodesBad",
     "NotAtRest",
+    "Outcome",
     "Parameters",
     "Pins",
     "PinsBad",
     "Response",
+    "Scene",
     "Sensitivity",
-    "SimulateSettings",
-    "SimulateSettingsBad",
+    "SettingsBad",
+    "SolveSettings",
     "Solver",
     "State",
     "SteadyRotation",
+    "Stop",
     "SuperLU",
     "Topology",
     "TopologyBad",
     "Unrolled",
+    "contact_forces",
     "equilibrium",
     "fabric_forces",
-    "factor_blend",
     "get_fabric",
+    "lag_friction",
     "linearise_at",
     "list_gathers",
     "load_fabrics",
@@ -115,7 +124,6 @@ __all__ = [
     "settle",
     "soften",
     "stretch_edge",
-    "with_friction_frozen",
 ]
 
 

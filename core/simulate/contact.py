@@ -6,6 +6,45 @@ import numpy as np
 from numba import njit
 
 from ..body import sample_distance
+from .scene import Scene
+
+NO_BLOCKS = np.zeros((0, 3, 3))
+"""Where a kernel is not asked for Hessian blocks."""
+
+
+def contact_forces(scene: Scene, nodes: np.ndarray, areas: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Compute the contact force [N], shape [node_count], and its unit direction, shape [node_count, 3].
+
+    Args:
+        scene: The cloth and the body.
+        nodes: Positions [m], shape [node_count, 3].
+        areas: Area of each node [m2], shape [node_count]; the rest shape's where None.
+    """
+    force, normal, waste = np.zeros(len(nodes)), np.zeros((len(nodes), 3)), np.zeros((len(nodes), 3))
+    if scene.body is not None:
+        areas = scene.topology.node_areas if areas is None else areas
+        add_contact(scene, nodes, areas, 1, False, (waste, NO_BLOCKS), (force, normal))
+    return force, normal
+
+
+def add_contact(
+    scene: Scene,
+    nodes: np.ndarray,
+    areas: np.ndarray,
+    order: int,
+    exact: bool,
+    derivatives: tuple[np.ndarray, np.ndarray],
+    forces: tuple[np.ndarray, np.ndarray],
+) -> float:
+    """Add the contact's gradient and Hessian blocks to `derivatives`, write `forces`, and return its energy [J]."""
+    grid, law = scene.body, scene.contact
+    assert grid is not None
+    return float(
+        contact(
+            nodes, grid.coefficients, grid.origin, grid.spacing, grid.offset, areas, law.stiffness, law.thickness,
+            order, exact, scene.topology.diagonal, *derivatives, *forces,
+        )
+    )  # fmt: skip
 
 
 @njit(cache=True)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from .energy import Energy
-from .newton import factor_blend
+from .energy import Energy, Inertia
+from .factorisation import factor_regularised
+from .friction import Friction, lag_friction
 from .rest import NotAtRest, find_rest
+from .scene import Scene
 from .sensitivity import Sensitivity, fabric_forces, pull_forces, push_forces
 from .solver import Solver, SuperLU, make_solver
 from .topology import Topology
@@ -30,8 +32,13 @@ class Response(Protocol):
 class Derivative(Protocol):
     """Decide where cloth ends up and how the derivative of that is taken."""
 
-    def solve(self, energy: Energy, nodes: np.ndarray, solver: Solver | None = None) -> Response:
-        """Bring the cloth from nodes [m], shape [node_count, 3], to where its derivative is taken."""
+    def solve(
+        self, scene: Scene, nodes: np.ndarray, solver: Solver | None = None, *, friction: Friction | None = None
+    ) -> Response:
+        """Bring the cloth from nodes [m], shape [node_count, 3], to where its derivative is taken.
+
+        The friction is taken as given (`lag_friction` where a drape stopped), or there is none.
+        """
 
 
 @dataclass(frozen=True)
@@ -57,19 +64,31 @@ class Implicit:
     tolerance: float = 1e-5
     max_iterations: int = 200
 
-    def solve(self, energy: Energy, nodes: np.ndarray, solver: Solver | None = None) -> AtRest:
-        """Bring nodes near rest [m], shape [node_count, 3], to rest, with the energy's friction as it is.
+    def solve(
+        self,
+        scene: Scene,
+        nodes: np.ndarray,
+        solver: Solver | None = None,
+        *,
+        friction: Friction | None = None,
+        inertia: Inertia | None = None,
+    ) -> AtRest:
+        """Bring nodes near rest [m], shape [node_count, 3], to rest, with friction as it is given.
+
+        With inertia it is one implicit time step that is brought to rest.
 
         Raises:
             NotAtRest: where the force left stays above the tolerance.
         """
-        solver = solver or make_solver(energy.topology)
-        return come_to_rest(energy, place_pinned(energy, nodes), solver, self.tolerance, self.max_iterations)
+        energy, solver = Energy(scene, friction, inertia), solver or make_solver(scene.topology)
+        nodes = find_rest(energy, place_pinned(scene, nodes), solver, self.tolerance, self.max_iterations)
+        blocks = energy.hessian(nodes)[2]
+        return AtRest(energy, nodes, blocks, factor(energy, blocks, solver))
 
 
 @dataclass(frozen=True)
 class AtRest:
-    """Hold an equilibrium with its factored Hessian.
+    """Keep an equilibrium with its factored Hessian.
 
     Attributes:
         energy: The energy that is at rest.
@@ -83,12 +102,17 @@ class AtRest:
     blocks: np.ndarray
     solver: Solver
 
+    @property
+    def scene(self) -> Scene:
+        """Return the scene that is at rest."""
+        return self.energy.scene
+
     def pull(self, upstream: np.ndarray) -> Sensitivity:
         """Give a loss's derivative by everything, from that by the positions [1/m], shape [node_count, 3]."""
-        weights = adjoint(self.energy, self.solver, upstream)
+        weights = adjoint(self.scene, self.solver, upstream)
         rest, fabric = pull_forces(self.energy, self.nodes, weights)
         return Sensitivity(
-            -rest, -fabric, pull_pins(self.energy, self.blocks, weights, upstream), np.zeros_like(weights)
+            -rest, -fabric, pull_pins(self.scene, self.blocks, weights, upstream), np.zeros_like(weights)
         )
 
     def push(self, rest_rates: np.ndarray | None = None, fabric_rates: np.ndarray | None = None) -> np.ndarray:
@@ -105,31 +129,20 @@ class AtRest:
         if fabric_rates is not None:
             parts.append(fabric_forces(self.energy, self.nodes) @ fabric_rates)
         forces = np.sum(parts, axis=0)
-        forces[self.energy.fixed] = 0.0
+        forces[self.scene.fixed] = 0.0
         return -self.solver.solve(forces.reshape(forces.shape[0] * 3, -1)).reshape(forces.shape)
 
 
-def linearise_at(energy: Energy, nodes: np.ndarray, anchors: np.ndarray, solver: Solver) -> AtRest:
+def linearise_at(scene: Scene, nodes: np.ndarray, anchors: np.ndarray, solver: Solver) -> AtRest:
     """Take the derivative where a drape stopped, at nodes and anchors [m], shape [node_count, 3], without settling it.
 
     As much of the exact Hessian is factored as is positive definite: all of it where the cloth is at rest. Where it is
     not quite, what a loss is pulled back to is still a direction of descent.
     """
-    energy = with_friction_frozen(energy, nodes, anchors)
+    energy = Energy(scene, lag_friction(scene, nodes, anchors))
     blocks = energy.hessian(nodes)[2]
-    factor_blend(energy, solver, nodes, blocks, 1.0)
+    factor_regularised(energy, solver, nodes, blocks, 1.0)
     return AtRest(energy, nodes, blocks, solver)
-
-
-def come_to_rest(energy: Energy, nodes: np.ndarray, solver: Solver, tolerance: float, max_iterations: int) -> AtRest:
-    """Find where no force is left, from nodes near it [m], and factor the exact Hessian there.
-
-    Raises:
-        NotAtRest: where the force left stays above the tolerance.
-    """
-    nodes = find_rest(energy, nodes, solver, tolerance, max_iterations)
-    blocks = energy.hessian(nodes)[2]
-    return AtRest(energy, nodes, blocks, factor(energy, blocks, solver))
 
 
 def factor(energy: Energy, blocks: np.ndarray, solver: Solver) -> Solver:
@@ -138,54 +151,46 @@ def factor(energy: Energy, blocks: np.ndarray, solver: Solver) -> Solver:
     Raises:
         NotAtRest: where the Hessian is singular: the cloth is free to move.
     """
-    data = energy.topology.assemble(blocks, energy.fixed)
+    topology = energy.scene.topology
+    data = topology.assemble(blocks, energy.scene.fixed)
     if solver.factor(data):
         return solver
-    general = SuperLU(energy.topology.indptr, energy.topology.indices)
+    general = SuperLU(topology.indptr, topology.indices)
     if not general.factor(data):
         raise NotAtRest("the cloth is free to move; hold it, or lay it on a body.")
     return general
 
 
-def adjoint(energy: Energy, solver: Solver, upstream: np.ndarray) -> np.ndarray:
+def adjoint(scene: Scene, solver: Solver, upstream: np.ndarray) -> np.ndarray:
     """Solve K lambda = dL/dx (thesis eq. 2.28; K is symmetric), shape [node_count, 3]; zero where nodes are fixed."""
     right = np.array(upstream, dtype=np.float64)
-    right[energy.fixed] = 0.0
+    right[scene.fixed] = 0.0
     return np.asarray(solver.solve(right.ravel())).reshape(-1, 3)
 
 
-def place_pinned(energy: Energy, nodes: np.ndarray) -> np.ndarray:
-    """Put fixed nodes where they are held; give a copy of nodes [m], shape [node_count, 3]."""
+def place_pinned(scene: Scene, nodes: np.ndarray) -> np.ndarray:
+    """Put fixed nodes where they are pinned; return a copy of nodes [m], shape [node_count, 3]."""
     nodes = np.array(nodes, dtype=np.float64)
-    if energy.pins is not None and energy.pins.stiffness is None:
-        nodes[energy.pins.nodes] = energy.pins.points
+    if scene.pins is not None and scene.pins.stiffness is None:
+        nodes[scene.pins.nodes] = scene.pins.points
     return nodes
 
 
-def pull_pins(energy: Energy, blocks: np.ndarray, weights: np.ndarray, upstream: np.ndarray) -> np.ndarray:
-    """Give the derivative by the held points [1/m], shape [held_count, 3].
+def pull_pins(scene: Scene, blocks: np.ndarray, weights: np.ndarray, upstream: np.ndarray) -> np.ndarray:
+    """Compute the derivative by the pinned points [1/m], shape [pin_count, 3].
 
     Fixed: dL/dx_h - K_hf lambda_f, for x_h is the point itself. On springs: stiffness lambda_h.
     """
-    pins = energy.pins
+    pins = scene.pins
     if pins is None:
         return np.zeros((0, 3))
     if pins.stiffness is not None:
         return pins.stiffness * np.array(pins.directions) * weights[pins.nodes]
-    data = energy.topology.assemble(blocks, np.zeros(len(weights), dtype=bool))
-    return upstream[pins.nodes] - (matrix_of(energy.topology, data) @ weights.ravel()).reshape(-1, 3)[pins.nodes]
+    topology = scene.topology
+    data = topology.assemble(blocks, np.zeros(len(weights), dtype=bool))
+    return upstream[pins.nodes] - (matrix_of(topology, data) @ weights.ravel()).reshape(-1, 3)[pins.nodes]
 
 
 def matrix_of(topology: Topology, data: np.ndarray) -> csr_matrix:
     """Give the sparse matrix with these entries, shape [3 node_count, 3 node_count]."""
     return csr_matrix((data, topology.indices, topology.indptr), shape=(3 * topology.node_count,) * 2)
-
-
-def with_friction_frozen(energy: Energy, nodes: np.ndarray, anchors: np.ndarray) -> Energy:
-    """Give the energy with friction's limits taken at nodes and held there, as a derivative needs it.
-
-    `anchors` [m], shape [node_count, 3], are those of the `Drape` (or `State`) that `nodes` come from.
-    """
-    from .dynamics import lag_friction
-
-    return replace(energy, friction=lag_friction(replace(energy, friction=None), nodes, anchors))

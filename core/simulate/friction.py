@@ -7,6 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from .contact import contact_forces
+from .scene import Scene
+
 
 @dataclass(frozen=True)
 class Friction:
@@ -25,13 +28,24 @@ class Friction:
     slip: float
 
     def slide(self, nodes: np.ndarray) -> np.ndarray:
-        """Give the anchors once the cloth is at `nodes`: those beyond `slip` follow, those off the body jump."""
+        """Return the anchors once the cloth is at `nodes`: those beyond `slip` follow, those off the body jump."""
         moved = nodes - self.anchors
         along = (moved * self.normals).sum(1, keepdims=True) * self.normals
         tangent = moved - along
         length = np.linalg.norm(tangent, axis=1, keepdims=True)
         kept = tangent * np.minimum(1.0, self.slip / np.maximum(length, 1e-300))
         return np.where(self.limits[:, None] > 0, nodes - kept, nodes)
+
+
+def lag_friction(scene: Scene, nodes: np.ndarray, anchors: np.ndarray) -> Friction | None:
+    """Compute the friction that follows from the contact forces at nodes [m], or None where there is none.
+
+    A derivative takes it as given: `nodes` and `anchors`, both of shape [node_count, 3], are then a drape's.
+    """
+    if scene.body is None or not scene.contact.friction or scene.fabric.friction <= 0:
+        return None
+    force, normals = contact_forces(scene, nodes)
+    return Friction(anchors, normals, scene.fabric.friction * force, scene.contact.slip)
 
 
 @njit(cache=True)

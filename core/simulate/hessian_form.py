@@ -27,19 +27,20 @@ def pull_form(energy: Energy, nodes: np.ndarray, one: np.ndarray, other: np.ndar
     Returns:
         q [J], for directions in metres; derivatives of shapes [node_count, 3], [face_count, 3, 2] and [6].
     """
-    fabric = energy.fabric
+    scene = energy.scene
+    topology, fabric = scene.topology, scene.fabric
     values = [fabric.H00, fabric.H01, fabric.H11, fabric.H22, fabric.k, fabric.density]
-    free = [torch.tensor(np.array(part), requires_grad=True) for part in (nodes, energy.topology.rest, values)]
+    free = [torch.tensor(np.array(part), requires_grad=True) for part in (nodes, topology.rest, values)]
     x, rest, stiffness = free
     first, second = torch.from_numpy(np.array(one)), torch.from_numpy(np.array(other))
     edges = rest[:, 1:] - rest[:, :1]
     areas = 0.5 * (edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0]).abs()
-    corners = torch.from_numpy(energy.topology.faces.ravel())
+    corners = torch.from_numpy(topology.faces.ravel())
     shares = torch.zeros(len(nodes), dtype=x.dtype).index_add(0, corners, (areas / 3).repeat_interleave(3))
-    form = _membrane(energy, x, edges, areas, stiffness, first, second)
-    form = form + _bending(energy, x, rest, areas, stiffness[4], first, second)
-    if energy.grid is not None:
-        form = form + _contact(energy, x, shares, first, second)
+    form = _membrane(topology, x, edges, areas, stiffness, first, second)
+    form = form + _bending(scene, x, rest, areas, stiffness[4], first, second)
+    if scene.body is not None:
+        form = form + _contact(scene, x, shares, first, second)
     if energy.friction is not None:
         form = form + _friction(energy, x, first, second)
     if energy.inertia is not None:
@@ -49,10 +50,10 @@ def pull_form(energy: Energy, nodes: np.ndarray, one: np.ndarray, other: np.ndar
     return float(form.detach()), (by_nodes, by_rest, by_fabric)
 
 
-def _membrane(energy, x, edges, areas, H, one, other):  # type: ignore[no-untyped-def]
+def _membrane(topology, x, edges, areas, H, one, other):  # type: ignore[no-untyped-def]
     """A (eps_1 : H eps_2 + sum_ij S+_ij f_1i . f_2j), f_n = D(F)[n], eps_n = sym(F^T f_n), S+ the stress's PSD part."""
     undo = torch.linalg.inv(edges)
-    faces = torch.from_numpy(energy.topology.faces)
+    faces = torch.from_numpy(topology.faces)
 
     def gradient(field: torch.Tensor) -> torch.Tensor:
         # rows: derivatives along both flat axes, shape [face_count, 2, 3]
@@ -88,9 +89,9 @@ def _positive_part(a, b, c):  # type: ignore[no-untyped-def]
     )
 
 
-def _bending(energy, x, rest, areas, k, one, other):  # type: ignore[no-untyped-def]
+def _bending(scene, x, rest, areas, k, one, other):  # type: ignore[no-untyped-def]
     """E'' (grad theta . one)(grad theta . other) for each hinge; see `bending` and `BendingFriction`."""
-    topology = energy.topology
+    topology = scene.topology
     sides, corners = torch.from_numpy(topology.hinge_faces), torch.from_numpy(topology.hinge_corners)
     flat = [rest[sides[:, s], (corners[:, s] + 1) % 3] - rest[sides[:, s], corners[:, s]] for s in (0, 1)]
     scale = sum((edge**2).sum(1) for edge in flat) / 2.0 / areas[sides].sum(1)
@@ -103,7 +104,7 @@ def _bending(energy, x, rest, areas, k, one, other):  # type: ignore[no-untyped-
     turn = torch.atan2(-length * (n1 * q).sum(1), (n1 * n2).sum(1))
     angle = 0.5 * (turn - torch.from_numpy(topology.hinge_rest))
     second = 0.5 * k * scale * torch.cos(angle).abs()
-    angles, moments, slip = friction_state(topology, energy.bending_friction)
+    angles, moments, slip = friction_state(topology, scene.bending_friction)
     away = turn - torch.from_numpy(angles)
     away = away - 2.0 * np.pi * torch.round(away.detach() / (2.0 * np.pi))
     second = second + torch.from_numpy(moments) * slip**2 / (away**2 + slip**2) ** 1.5
@@ -118,13 +119,13 @@ def _bending(energy, x, rest, areas, k, one, other):  # type: ignore[no-untyped-
     return torch.where(sound, second * turns(one) * turns(other), torch.zeros_like(second)).sum()
 
 
-def _contact(energy, x, shares, one, other):  # type: ignore[no-untyped-def]
+def _contact(scene, x, shares, one, other):  # type: ignore[no-untyped-def]
     """2 a_v k (delta - d) (n . one)(n . other) where d < delta; d and n to first order about the nodes themselves."""
-    distance, slope, curve = (torch.from_numpy(part) for part in energy.grid.evaluate(x.detach().numpy()))
+    distance, slope, curve = (torch.from_numpy(part) for part in scene.body.evaluate(x.detach().numpy()))
     moved = x - x.detach()
-    depth = torch.relu(energy.settings.thickness - distance - (slope * moved).sum(1))
+    depth = torch.relu(scene.contact.thickness - distance - (slope * moved).sum(1))
     normal = slope + (curve @ moved[:, :, None])[:, :, 0]
-    pressed = 2.0 * energy.settings.contact_stiffness * shares * depth
+    pressed = 2.0 * scene.contact.stiffness * shares * depth
     return (pressed * (normal * one).sum(1) * (normal * other).sum(1)).sum()
 
 

@@ -37,9 +37,9 @@ class Linearised(TimeSteps):
     """
 
     def _advance(self, step: Energy, nodes: np.ndarray, solver: Solver) -> np.ndarray:
-        placed = place_pinned(step, nodes)
+        placed = place_pinned(step.scene, nodes)
         _, gradient = _factor(step, placed, solver)
-        return placed - adjoint(step, solver, gradient)
+        return placed - adjoint(step.scene, solver, gradient)
 
     def pull_step(
         self, step: Energy, start: np.ndarray, end: np.ndarray, bar: np.ndarray, solver: Solver
@@ -47,9 +47,9 @@ class Linearised(TimeSteps):
         """See `TimeSteps`; what comes to fixed nodes goes to the points at which they are held."""
         from .hessian_form import pull_form
 
-        placed, pins = place_pinned(step, start), step.pins
+        placed, pins = place_pinned(step.scene, start), step.scene.pins
         exact, _ = _factor(step, placed, solver)
-        weights = adjoint(step, solver, bar)
+        weights = adjoint(step.scene, solver, bar)
         if exact:
             by_nodes, by_rest, by_fabric = _pull_exact(step, placed, weights, end - placed)
         else:
@@ -67,7 +67,7 @@ def _factor(step: Energy, nodes: np.ndarray, solver: Solver) -> tuple[bool, np.n
     """Factor a step's Hessian at nodes [m]: tell whether it is the exact one, and give the step's gradient [N]."""
     for exact in (True, False):
         _, gradient, blocks = step.hessian(nodes, exact)
-        if solver.factor(step.topology.assemble(blocks, step.fixed)) and solver.is_positive_definite():
+        if solver.factor(step.scene.topology.assemble(blocks, step.scene.fixed)) and solver.is_positive_definite():
             return exact, gradient
     raise NotAtRest("a step's matrix cannot be factored: take shorter steps.")
 
@@ -75,8 +75,9 @@ def _factor(step: Energy, nodes: np.ndarray, solver: Solver) -> tuple[bool, np.n
 def _turn(step: Energy, nodes: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Multiply the exact Hessian at nodes [m] with weights, shape [node_count, 3]; fixed nodes' rows are whole."""
     free = np.zeros(len(nodes), dtype=bool)
-    data = step.topology.assemble(step.hessian(nodes)[2], free)
-    return np.asarray((matrix_of(step.topology, data) @ weights.ravel()).reshape(-1, 3))
+    topology = step.scene.topology
+    data = topology.assemble(step.hessian(nodes)[2], free)
+    return np.asarray((matrix_of(topology, data) @ weights.ravel()).reshape(-1, 3))
 
 
 def _pull_exact(step: Energy, nodes: np.ndarray, weights: np.ndarray, way: np.ndarray) -> tuple[np.ndarray, ...]:

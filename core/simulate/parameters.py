@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, hstack
 
 from ..pattern import ControlMap, EdgeRef, Garment, Pattern, Symmetry, edge_length
-from .energy import Energy
+from .scene import Scene
 from .sensitivity import FABRIC, Sensitivity
 
 
@@ -54,31 +54,31 @@ class Parameters:
         """Give how many there are."""
         return self.shape.shape[1] + len(self.fabric)
 
-    def move(self, energy: Energy, step: np.ndarray) -> Energy:
-        """Give the energy with its rest shape and fabric moved by a step, shape [count]."""
+    def move(self, scene: Scene, step: np.ndarray) -> Scene:
+        """Return the scene with its rest shape and fabric moved by a step, shape [count]."""
         step = np.asarray(step, dtype=np.float64)
-        topology, first = energy.topology, self.shape.shape[1]
+        topology, first = scene.topology, self.shape.shape[1]
         if first:
             moved = topology.rest + (self.shape @ step[:first]).reshape(topology.rest.shape)
             topology = topology.reshape(moved)
         scaled = {
-            n: getattr(energy.fabric, n) * float(np.exp(s)) for n, s in zip(self.fabric, step[first:], strict=True)
+            n: getattr(scene.fabric, n) * float(np.exp(s)) for n, s in zip(self.fabric, step[first:], strict=True)
         }
-        return replace(energy, topology=topology, fabric=replace(energy.fabric, **scaled))
+        return replace(scene, topology=topology, fabric=replace(scene.fabric, **scaled))
 
-    def rates(self, energy: Energy) -> tuple[np.ndarray, np.ndarray]:
-        """Give the rates of the rest corners, shape [face_count, 3, 2, count], and of `FABRIC`, shape [6, count]."""
+    def rates(self, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+        """Return the rates of the rest corners, shape [face_count, 3, 2, count], and of `FABRIC`, shape [6, count]."""
         first = self.shape.shape[1]
         rest = np.zeros((self.shape.shape[0], self.count))
         rest[:, :first] = self.shape.toarray()
         fabric = np.zeros((len(FABRIC), self.count))
         for n, name in enumerate(self.fabric):
-            fabric[FABRIC.index(name), first + n] = getattr(energy.fabric, name)
-        return rest.reshape(*energy.topology.rest.shape, self.count), fabric
+            fabric[FABRIC.index(name), first + n] = getattr(scene.fabric, name)
+        return rest.reshape(*scene.topology.rest.shape, self.count), fabric
 
-    def pull(self, energy: Energy, sensitivity: Sensitivity) -> np.ndarray:
-        """Give a number's derivative by the parameters, shape [count]."""
-        scales = [getattr(energy.fabric, n) * sensitivity.fabric[FABRIC.index(n)] for n in self.fabric]
+    def pull(self, scene: Scene, sensitivity: Sensitivity) -> np.ndarray:
+        """Compute a number's derivative by the parameters, shape [count]."""
+        scales = [getattr(scene.fabric, n) * sensitivity.fabric[FABRIC.index(n)] for n in self.fabric]
         return np.concatenate([self.shape.T @ sensitivity.rest.ravel(), scales])
 
 

@@ -61,3 +61,14 @@ class Pins:
             known = ", ".join(c.name for c in garment.contours) or "none"
             raise PinsBad(f"the garment has no contour '{name}'; it has: {known}.")
         return cls(contour.vertices, garment.nodes[contour.vertices], stiffness, directions)
+
+
+def move_pins(nodes: np.ndarray, pins: Pins | None, max_step: float) -> np.ndarray:
+    """Move fixed nodes towards where they are held, at most `max_step` [m]."""
+    if pins is None or pins.stiffness is not None:
+        return nodes
+    nodes = nodes.copy()
+    way = np.asarray(pins.points) - nodes[pins.nodes]
+    length = np.linalg.norm(way, axis=1, keepdims=True)
+    nodes[pins.nodes] += way * np.minimum(1.0, max_step / np.maximum(length, 1e-300))
+    return nodes

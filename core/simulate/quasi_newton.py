@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from .energy import Energy
-from .newton import relative_residual
+from .settings import SolveSettings
 from .solver import Solver
 
-_ARMIJO = 1e-4
+ARMIJO = 1e-4
 """Share of the predicted decrease asked for; the usual value (Nocedal and Wright 2006, 3.1)."""
 
 _TRIALS = 12
@@ -46,6 +46,7 @@ def descend(
     *,
     steps: int,
     residual: float,
+    max_step: float = SolveSettings.max_step,
 ) -> Leg:
     """Take up to `steps` descent steps with the matrix that `solver` has factored; stop at the residual.
 
@@ -61,16 +62,19 @@ def descend(
         gradient: Gradient there [N], shape [node_count, 3].
         steps: Most steps.
         residual: Largest force, relative to the mean weight of a node, at which to stop.
+        max_step: Largest displacement of a node in a step [m].
     """
     origin, done = nodes, 0
     pairs: list[tuple[np.ndarray, np.ndarray]] = []
-    reached = relative_residual(energy, gradient)
+    reached = energy.scene.relative_residual(gradient)
     while done < steps and reached > residual:
         direction = -_apply(solver, pairs, gradient.ravel()).reshape(-1, 3)
         slope = float((gradient * direction).sum())
         if not np.isfinite(direction).all() or slope >= 0:
             break
-        found = _search(energy, nodes, direction, start, slope)
+        length = float(np.sqrt((direction**2).sum(1).max()))
+        share = min(1.0, max_step / max(length, 1e-300))
+        found = _search(energy, nodes, direction, start, slope, share)
         if found is None:
             break
         moved, start, after = found
@@ -78,7 +82,7 @@ def descend(
         if float(step @ change) > _BENT * float(np.linalg.norm(step) * np.linalg.norm(change)):
             pairs.append((step, change))
         nodes, gradient, done = moved, after, done + 1
-        reached = relative_residual(energy, gradient)
+        reached = energy.scene.relative_residual(gradient)
     return Leg(nodes, reached, float(np.sqrt(((nodes - origin) ** 2).sum(1).max())), done)
 
 
@@ -95,16 +99,14 @@ def _apply(solver: Solver, pairs: list[tuple[np.ndarray, np.ndarray]], gradient:
 
 
 def _search(
-    energy: Energy, nodes: np.ndarray, direction: np.ndarray, start: float, slope: float
+    energy: Energy, nodes: np.ndarray, direction: np.ndarray, start: float, slope: float, share: float
 ) -> tuple[np.ndarray, float, np.ndarray] | None:
-    """Shorten the step until the energy falls: nodes, energy and gradient there, or None where no length helps."""
-    length = float(np.sqrt((direction**2).sum(1).max()))
-    share = min(1.0, energy.settings.max_step / max(length, 1e-300))
+    """Shorten a share of the direction until the energy falls: nodes, energy, gradient there, or None if none helps."""
     noise = 1e-13 * abs(start)
     for _ in range(_TRIALS):
         trial = nodes + share * direction
         reached, gradient = energy.gradient(trial)
-        if np.isfinite(reached) and reached <= start + _ARMIJO * share * slope + noise:
+        if np.isfinite(reached) and reached <= start + ARMIJO * share * slope + noise:
             return trial, reached, gradient
         # the lowest point of the parabola through what is known, between a tenth and a half of the step
         parabola = -0.5 * slope * share**2 / (reached - start - slope * share) if np.isfinite(reached) else 0.0

@@ -8,8 +8,9 @@ import numpy as np
 
 from ..errors import GarmentqError
 from .energy import Energy
-from .newton import factor_blend, relative_residual
-from .quasi_newton import descend
+from .factorisation import factor_regularised
+from .quasi_newton import ARMIJO, descend
+from .settings import SolveSettings
 from .solver import Solver
 
 _ROUND_OFF = 1e-6
@@ -20,9 +21,6 @@ _AS_GOOD = 3.0
 
 _BLIND = 1e-9
 """Predicted decrease, relative to the energy, under which the energy's round-off hides whether a step helps."""
-
-_ARMIJO = 1e-4
-"""Share of the predicted decrease asked for; the usual value (Nocedal and Wright 2006, 3.1)."""
 
 _CLIMB = 10.0
 """Predicted decreases by which a step may raise the energy, once: the stretch that the next one takes out. It was at
@@ -50,7 +48,7 @@ class NotAtRest(GarmentqError):
 
 @dataclass(frozen=True)
 class _Point:
-    """Hold positions [m], their energy [J], its gradient [N] and the largest force relative to a node's weight."""
+    """Describe positions [m], their energy [J], its gradient [N] and the largest force relative to a node's weight."""
 
     nodes: np.ndarray
     value: float
@@ -61,7 +59,7 @@ class _Point:
     def at(cls, energy: Energy, nodes: np.ndarray) -> _Point:
         """Evaluate the energy."""
         value, gradient = energy.gradient(nodes)
-        return cls(nodes, value, gradient, relative_residual(energy, gradient))
+        return cls(nodes, value, gradient, energy.scene.relative_residual(gradient))
 
 
 def find_rest(energy: Energy, nodes: np.ndarray, solver: Solver, tolerance: float, max_factors: int) -> np.ndarray:
@@ -90,7 +88,7 @@ def find_rest(energy: Energy, nodes: np.ndarray, solver: Solver, tolerance: floa
         stop, near = (_CALM if here.residual > _CALM else 0.0), False
         while not near:
             start, gradient, blocks = energy.hessian(here.nodes, False)
-            if done >= max_factors or factor_blend(energy, solver, here.nodes, blocks, 0.0) < 0:
+            if done >= max_factors or factor_regularised(energy, solver, here.nodes, blocks, 0.0) < 0:
                 raise _left(here)
             leg = descend(energy, solver, here.nodes, start, gradient, steps=_LEG, residual=stop)
             if leg.steps == 0:
@@ -108,7 +106,7 @@ def _press_on(
     that of the stretch, which would stiffen it (Magisano, Leonetti and Garcea 2017, "mixed integration points"). Where
     the Hessian is indefinite, or two steps together have not lowered the energy, the best point is given.
     """
-    topology, fixed = energy.topology, energy.fixed
+    topology, fixed = energy.scene.topology, energy.scene.fixed
     best, stress = here, None
     for factors in range(max_factors + 1):
         if here.residual <= tolerance:
@@ -119,7 +117,7 @@ def _press_on(
         if not (solver.factor(topology.assemble(blocks, fixed)) and solver.is_positive_definite()):
             return best, False, factors + 1
         step = -np.asarray(solver.solve(here.gradient.ravel())).reshape(-1, 3)
-        step *= min(1.0, energy.settings.max_step / max(float(np.sqrt((step**2).sum(1).max())), 1e-300))
+        step *= min(1.0, SolveSettings.max_step / max(float(np.sqrt((step**2).sum(1).max())), 1e-300))
         slope = float((here.gradient * step).sum())
         there = _Point.at(energy, here.nodes + step)
         if -slope < _BLIND * abs(best.value):
@@ -128,7 +126,7 @@ def _press_on(
                 # round-off in the stiff directions hides what the soft ones still lacked: the step has brought it
                 return (there if there.residual <= _AS_GOOD * here.residual else here), True, factors + 1
         else:
-            fell = there.value <= best.value + _ARMIJO * slope
+            fell = there.value <= best.value + ARMIJO * slope
             bearable = here is best and there.value <= best.value - _CLIMB * slope
         if not (fell or bearable):
             return best, False, factors + 1

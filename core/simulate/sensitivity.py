@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csr_matrix
 
 from .bending import bending
 from .bending_friction import friction_state
+from .contact import contact_forces
 from .energy import NO_STRESS, Energy
 from .fabric import Fabric
 from .membrane import membrane
@@ -20,12 +21,12 @@ FABRIC = ("H00", "H01", "H11", "H22", "k", "density")
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Hold the derivative of one number by everything a drape depends on.
+    """Keep the derivative of one number by everything a drape depends on.
 
     Attributes:
         rest: By the corners of the flat rest triangles [1/m], shape [face_count, 3, 2].
         fabric: By `FABRIC`, in the inverse of their units, shape [6].
-        pins: By the points at which nodes are held [1/m], shape [held_count, 3].
+        pins: By the points at which nodes are pinned [1/m], shape [pin_count, 3].
         start: By the positions one starts from [1/m], shape [node_count, 3]; zero at an equilibrium.
     """
 
@@ -49,7 +50,7 @@ def pull_forces(energy: Energy, nodes: np.ndarray, weights: np.ndarray) -> tuple
 
     Notation: g = dE/dx [N], `nodes` x and `weights`, both of shape [node_count, 3].
     """
-    topology, fabric = energy.topology, energy.fabric
+    topology, fabric = energy.scene.topology, energy.scene.fabric
     shape, areas, faces = topology.shape_gradients, topology.areas, topology.faces
     F, sigma = _deform(topology, fabric, nodes)
     L = np.swapaxes(weights[faces], 1, 2) @ shape
@@ -86,7 +87,7 @@ def push_forces(energy: Energy, nodes: np.ndarray, rest_rates: np.ndarray) -> np
 
     `rest_rates` [m], shape [face_count, 3, 2, direction_count].
     """
-    topology, fabric = energy.topology, energy.fabric
+    topology, fabric = energy.scene.topology, energy.scene.fabric
     shape, areas, faces = topology.shape_gradients, topology.areas, topology.faces
     count, many = len(faces), rest_rates.shape[-1]
     F, sigma = _deform(topology, fabric, nodes)
@@ -120,7 +121,7 @@ def push_forces(energy: Energy, nodes: np.ndarray, rest_rates: np.ndarray) -> np
 
 def fabric_forces(energy: Energy, nodes: np.ndarray) -> np.ndarray:
     """Give dg by `FABRIC`, shape [node_count, 3, 6]: the forces are linear in each of them."""
-    topology = energy.topology
+    topology = energy.scene.topology
     nodes = np.ascontiguousarray(nodes, dtype=np.float64)
     found = np.zeros((len(nodes), 3, len(FABRIC)))
     none = np.zeros((0, 3, 3))
@@ -154,7 +155,7 @@ def _stress(fabric: Fabric, strain: np.ndarray) -> np.ndarray:
 
 def _unit_folds(energy: Energy, nodes: np.ndarray) -> np.ndarray:
     """Give each hinge's own force at k = c = 1, shape [hinge_count, 4, 3]: every hinge on nodes of its own."""
-    topology = energy.topology
+    topology = energy.scene.topology
     count = len(topology.hinges)
     apart = np.ascontiguousarray(nodes[topology.hinges].reshape(-1, 3))
     gradient = np.zeros_like(apart)
@@ -166,7 +167,7 @@ def _unit_folds(energy: Energy, nodes: np.ndarray) -> np.ndarray:
 
 def _acceleration(energy: Energy, nodes: np.ndarray) -> np.ndarray:
     """Give what a unit of mass adds to the gradient [m/s2], shape [node_count, 3]: weight, rotation and inertia."""
-    found = -energy.accelerate(nodes)
+    found = -energy.scene.acceleration(nodes)
     if energy.inertia is not None:
         found += energy.inertia.weight * (nodes - energy.inertia.target)
     return found
@@ -174,10 +175,10 @@ def _acceleration(energy: Energy, nodes: np.ndarray) -> np.ndarray:
 
 def _load_per_area(energy: Energy, nodes: np.ndarray) -> np.ndarray:
     """Give what a unit of a node's area adds to the gradient [N/m2], shape [node_count, 3]: mass and contact."""
-    found = energy.fabric.density * _acceleration(energy, nodes)
-    if energy.grid is not None:
-        even = replace(energy, topology=replace(energy.topology, node_areas=np.ones(len(nodes))))
-        force, normal = even.touch(nodes)
+    scene = energy.scene
+    found = scene.fabric.density * _acceleration(energy, nodes)
+    if scene.body is not None:
+        force, normal = contact_forces(scene, nodes, np.ones(len(nodes)))
         found -= force[:, None] * normal
     return found
 

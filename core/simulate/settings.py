@@ -10,29 +10,50 @@ GRAVITY = (0.0, -9.81, 0.0)
 """Standard gravity, y up [m/s2]."""
 
 
-class SimulateSettingsBad(BadInput):
-    """A simulation setting is outside its range; see `SimulateSettings`."""
+class SettingsBad(BadInput):
+    """A simulation setting is outside its range; see `ContactSettings` and `SolveSettings`."""
 
     code = "simulate.settings_bad"
 
 
 @dataclass(frozen=True)
-class SimulateSettings:
-    """Choose how cloth is settled and brought to equilibrium.
+class ContactSettings:
+    """Choose how cloth touches a body: part of the `Scene`.
 
     Attributes:
         thickness: Distance to the body below which contact pushes back [m]. With edges of 1.5 cm a face centre dips
             0.8 mm towards a limb of 5 cm radius, so 4 mm keeps it clear and leaves room for the penalty to act.
-        contact_stiffness: Pressure per squared depth below `thickness` [N/m4]. 1e8: the cloth's own weight (2 Pa) sinks
+        stiffness: Pressure per squared depth below `thickness` [N/m4]. 1e8: the cloth's own weight (2 Pa) sinks
             0.14 mm, a tight waistband (1 kPa) 3.2 mm, so neither reaches the skin.
         friction: False switches Coulomb friction off.
         slip: Tangential displacement at which friction is fully mobilised [m]; below it friction is a spring, so that
             cloth at rest stays at rest. 0.5 mm is below what a scan resolves.
+    """
+
+    thickness: float = 4e-3
+    stiffness: float = 1e8
+    friction: bool = True
+    slip: float = 5e-4
+
+    def __post_init__(self) -> None:
+        """Check every value.
+
+        Raises:
+            SettingsBad: where one is not positive.
+        """
+        _check_positive(self, "thickness", "stiffness", "slip")
+
+
+@dataclass(frozen=True)
+class SolveSettings:
+    """Choose how an equilibrium or a time step is computed: part of the call.
+
+    Attributes:
         damping: Share of velocity kept from one time step to the next; 0.9 takes a swing of 0.5 s out in 20 steps.
         newton_per_step: Most Newton iterations in one time step. The state between steps is only a road to the
             equilibrium, two keep the cloth from stretching visibly on it.
         max_step: Largest displacement of a node in one Newton iteration [m]. Without a clamp a static step on slack
-            cloth goes astray; 5 cm was found to be safe (numerics 1).
+            cloth goes astray; 5 cm was found to be safe.
         tolerance: Largest force left on a node, relative to the mean weight of a node. 1e-3: accelerations of 1 cm/s2.
         steps_per_factor: Quasi-Newton steps taken with one factored matrix in the search for equilibrium. At 4000 nodes
             a factor costs as much as five steps; five garments took 29 s of CPU with 5, 24 s with 8, 28 s with 12.
@@ -44,10 +65,6 @@ class SimulateSettings:
             limit makes the result depend on the machine.
     """
 
-    thickness: float = 4e-3
-    contact_stiffness: float = 1e8
-    friction: bool = True
-    slip: float = 5e-4
     damping: float = 0.9
     newton_per_step: int = 2
     max_step: float = 0.05
@@ -61,13 +78,18 @@ class SimulateSettings:
         """Check every value.
 
         Raises:
-            SimulateSettingsBad: where one is outside its range.
+            SettingsBad: where one is outside its range.
         """
-        for name in ("thickness", "contact_stiffness", "slip", "max_step", "tolerance"):
-            if not getattr(self, name) > 0:
-                raise SimulateSettingsBad(f"{name} must be positive, not {getattr(self, name)}.")
+        _check_positive(self, "max_step", "tolerance")
         if not 0 <= self.damping <= 1:
-            raise SimulateSettingsBad(f"damping must lie in 0 to 1, not {self.damping}.")
+            raise SettingsBad(f"damping must lie in 0 to 1, not {self.damping}.")
         for name in ("newton_per_step", "steps_per_factor", "max_iterations"):
             if getattr(self, name) < 1:
-                raise SimulateSettingsBad(f"{name} must be at least 1, not {getattr(self, name)}.")
+                raise SettingsBad(f"{name} must be at least 1, not {getattr(self, name)}.")
+
+
+def _check_positive(settings: ContactSettings | SolveSettings, *names: str) -> None:
+    """Raise `SettingsBad` where one of these is not positive."""
+    for name in names:
+        if not getattr(settings, name) > 0:
+            raise SettingsBad(f"{name} must be positive, not {getattr(settings, name)}.")

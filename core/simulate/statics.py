@@ -1,36 +1,27 @@
-"""Bring cloth to its quasi-static equilibrium by quasi-Newton descent (numerics 1)."""
+"""Bring cloth to its quasi-static equilibrium by quasi-Newton descent."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..body import DistanceGrid
 from ..errors import BadInput
 from ..hooks import SILENT, Hooks
-from .bending_friction import BendingFriction
-from .dynamics import lag_friction, move_pins
-from .energy import Energy, SteadyRotation
-from .fabric import Fabric
-from .newton import factor_blend, relative_residual
-from .pins import Pins
-from .quasi_newton import descend
-from .settings import GRAVITY, SimulateSettings
+from .energy import Energy
+from .factorisation import factor_regularised
+from .friction import lag_friction
+from .outcome import Outcome
+from .pins import move_pins
+from .quasi_newton import Leg, descend
+from .scene import Scene, SteadyRotation
+from .settings import SolveSettings
 from .solver import Solver, make_solver
-from .topology import Topology
 
-MESSAGES = {
-    "converged": "at rest: all forces are balanced.",
-    "still": "at rest to the eye, forces not fully balanced: set still to 0 for more.",
-    "stuck": "no step lowers the energy: settle for longer first, or soften contact.",
-    "iterations": "not at rest: raise max_iterations, settle for longer first, or hold a contour that slides.",
-    "time": "not at rest: raise max_cpu_seconds or take fewer vertices.",
-    "left": "not at rest: the search was left off by the caller.",
-}
-"""Advice for each way in which the search for an equilibrium ends."""
+Stop = Callable[[int, np.ndarray], bool]
+"""Asked after each leg, with how many there were and the nodes [m], whether to stop the search."""
 
 _SETTLED = 1e-5
 """Motion in a leg under which friction's normal forces stay as they are [m]: their change moves nothing that counts."""
@@ -51,16 +42,14 @@ class NodesBad(BadInput):
 
 @dataclass(frozen=True)
 class Drape:
-    """Hold cloth at rest, or as near to it as was reached.
+    """Describe cloth at rest, or as near to it as was reached.
 
     Attributes:
         nodes: Positions [m], shape [node_count, 3].
         residual: Largest force on a node, relative to the mean weight of a node.
-        iterations: Matrices factored; each serves `SimulateSettings.steps_per_factor` steps.
-        converged: True where the residual is within the tolerance or nothing moves any more.
+        iterations: Matrices factored before the last leg; each serves `SolveSettings.steps_per_factor` steps.
         energy: Energy at the end [J].
-        outcome: Key of `MESSAGES`.
-        message: What that means and what to do.
+        outcome: How the search ended.
         anchors: Where friction holds each node [m], shape [node_count, 3].
         rotation: The rotation in which it rests, or None for cloth at rest under its weight alone.
     """
@@ -68,88 +57,116 @@ class Drape:
     nodes: np.ndarray
     residual: float
     iterations: int
-    converged: bool
     energy: float
-    outcome: str
-    message: str
+    outcome: Outcome
     anchors: np.ndarray
     rotation: SteadyRotation | None = None
 
+    @property
+    def converged(self) -> bool:
+        """Return whether the residual is within the tolerance or nothing moves any more."""
+        return self.outcome.converged
+
+
+@dataclass
+class _Progress:
+    """Follow a search for an equilibrium leg by leg, and judge when it ends.
+
+    Attributes:
+        settings: Its limits.
+        stop: The caller's wish to end it, or None.
+        legs: Legs after which it went on.
+        follows: Whether friction's normal forces still follow the cloth.
+        calm: Legs in a row in which nothing moved.
+        least: Smallest motion of a leg yet [m].
+        since: Legs since that was undercut by a tenth.
+        started: CPU time at the start [s].
+    """
+
+    settings: SolveSettings
+    stop: Stop | None
+    legs: int = 0
+    follows: bool = True
+    calm: int = 0
+    least: float = np.inf
+    since: int = 0
+    started: float = field(default_factory=time.process_time)
+
+    def judge(self, leg: Leg, arrived: bool) -> Outcome | None:
+        """Return the outcome if the search ends with this leg, else None; `arrived`: all pins are where they belong."""
+        self.least, self.since = (leg.motion, 0) if leg.motion < 0.9 * self.least else (self.least, self.since + 1)
+        self.follows = self.follows and leg.motion > _SETTLED and self.since < _CHASE
+        self.calm = self.calm + 1 if leg.motion < self.settings.still and arrived else 0
+        if leg.steps == 0 and arrived:
+            return Outcome.STUCK
+        if self.calm >= 3:
+            return Outcome.STILL
+        if self.stop is not None and self.stop(self.legs + 1, leg.nodes):
+            return Outcome.STOPPED
+        limit = self.settings.max_cpu_seconds
+        if limit is not None and time.process_time() - self.started > limit:
+            return Outcome.TIME
+        self.legs += 1
+        return None
+
 
 def equilibrium(
-    topology: Topology,
-    fabric: Fabric,
+    scene: Scene,
     nodes: np.ndarray,
     *,
-    grid: DistanceGrid | None = None,
-    pins: Pins | None = None,
-    gravity: tuple[float, float, float] = GRAVITY,
-    settings: SimulateSettings = SimulateSettings(),  # noqa: B008 - frozen
-    hooks: Hooks = SILENT,
     anchors: np.ndarray | None = None,
     solver: Solver | None = None,
-    rotation: SteadyRotation | None = None,
-    leave: Callable[[int, np.ndarray], bool] | None = None,
-    bending_friction: BendingFriction | None = None,
+    settings: SolveSettings = SolveSettings(),  # noqa: B008 - frozen
+    hooks: Hooks = SILENT,
+    stop: Stop | None = None,
 ) -> Drape:
-    """Find positions at which no force is left on any node, from nodes [m], shape [node_count, 3].
+    """Find positions at which no force is left on any node of a scene, from nodes [m], shape [node_count, 3].
 
     Descent on E in legs: factor the PSD Hessian, then a few quasi-Newton steps from it (`descend`). Friction's normal
     forces are taken anew before each leg, so that at rest they are those of where the cloth rests; only where that
     makes the cloth creep on by less than `_SETTLED` a leg, or where the two chase each other for `_CHASE` legs, are
-    they left as they are. With `bending_friction` folds stay where they are until more than the yarns' friction
-    bends them. `leave` is asked after each leg, with how many there were and the nodes, whether to leave off.
+    they left as they are. With bending friction folds stay where they are until more than the yarns' friction bends
+    them.
 
-    **Deviation** from numerics 1 (Newton with the exact Hessian): see `docs/adr`, "Descend by quasi-Newton steps".
+    **Deviation** from Newton with the exact Hessian: see `docs/adr`, "Descend by quasi-Newton steps".
+
+    Args:
+        scene: The cloth and what acts on it.
+        nodes: Where to start.
+        anchors: Where friction holds each node [m], shape [node_count, 3]; at the start where None.
+        solver: Analysed for the topology; a new one where None.
+        settings: Limits and steps.
+        hooks: Asked for cancellation before each leg.
+        stop: Asked after each leg whether to stop.
 
     Raises:
         NodesBad: where the nodes do not fit the mesh or are not finite.
     """
     nodes = np.array(nodes, dtype=np.float64)
-    if nodes.shape != (topology.node_count, 3) or not np.isfinite(nodes).all():
+    if nodes.shape != (scene.topology.node_count, 3) or not np.isfinite(nodes).all():
         raise NodesBad()
     anchors = nodes.copy() if anchors is None else anchors
-    solver = solver or make_solver(topology)
-    energy = Energy(
-        topology, fabric, grid, pins, gravity, settings, rotation=rotation, bending_friction=bending_friction
-    )
-    started, calm, outcome, done, lagging = time.process_time(), 0, "iterations", 0, True
-    least, since = np.inf, 0
-    for done in range(settings.max_iterations + 1):
+    solver = solver or make_solver(scene.topology)
+    energy, progress, outcome = Energy(scene), _Progress(settings, stop), None
+    while outcome is None:
         hooks.check()
-        held = move_pins(nodes, pins, settings.max_step)
-        arrived, nodes = bool((held == nodes).all()), held
-        if lagging:
-            energy = replace(energy, friction=lag_friction(energy, nodes, anchors))
+        pinned = move_pins(nodes, scene.pins, settings.max_step)
+        arrived, nodes = bool((pinned == nodes).all()), pinned
+        if progress.follows:
+            energy = replace(energy, friction=lag_friction(scene, nodes, anchors))
         start, gradient, blocks = energy.hessian(nodes, False)
-        if relative_residual(energy, gradient) <= settings.tolerance and arrived:
-            outcome = "converged"
-            break
-        if done == settings.max_iterations:
-            break
-        if factor_blend(energy, solver, nodes, blocks, 0.0) < 0:
-            outcome = "stuck"
-            break
-        leg = descend(
-            energy, solver, nodes, start, gradient, steps=settings.steps_per_factor, residual=settings.tolerance
-        )
-        nodes = leg.nodes
-        least, since = (leg.motion, 0) if leg.motion < 0.9 * least else (least, since + 1)
-        lagging = lagging and leg.motion > _SETTLED and since < _CHASE
-        calm = calm + 1 if leg.motion < settings.still and arrived else 0
-        if leg.steps == 0 and arrived:
-            outcome = "stuck"
-            break
-        if calm >= 3:
-            outcome = "still"
-            break
-        if leave is not None and leave(done + 1, nodes):
-            outcome = "left"
-            break
-        if settings.max_cpu_seconds is not None and time.process_time() - started > settings.max_cpu_seconds:
-            outcome = "time"
-            break
+        if scene.relative_residual(gradient) <= settings.tolerance and arrived:
+            outcome = Outcome.CONVERGED
+        elif progress.legs == settings.max_iterations:
+            outcome = Outcome.ITERATIONS
+        elif factor_regularised(energy, solver, nodes, blocks, 0.0) < 0:
+            outcome = Outcome.STUCK
+        else:
+            leg = descend(
+                energy, solver, nodes, start, gradient,
+                steps=settings.steps_per_factor, residual=settings.tolerance, max_step=settings.max_step,
+            )  # fmt: skip
+            nodes, outcome = leg.nodes, progress.judge(leg, arrived)
     end, gradient = energy.gradient(nodes)
     slid = anchors if energy.friction is None else energy.friction.slide(nodes)
-    residual, converged = relative_residual(energy, gradient), outcome in ("converged", "still")
-    return Drape(nodes, residual, done, converged, end, outcome, MESSAGES[outcome], slid, rotation)
+    return Drape(nodes, scene.relative_residual(gradient), progress.legs, end, outcome, slid, scene.rotation)

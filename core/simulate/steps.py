@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .energy import Energy, Inertia
+from .friction import Friction
+from .scene import Scene
 from .sensitivity import Sensitivity
 from .solver import Solver, make_solver
 
@@ -19,7 +21,7 @@ class TimeSteps(ABC):
     Attributes:
         steps: How many.
         dt: Length of a step [s]; the thesis has 0.05.
-        damping: Share of velocity kept from one step to the next; the thesis has 1. `SimulateSettings.damping` is for
+        damping: Share of velocity kept from one step to the next; the thesis has 1. `SolveSettings.damping` is for
             coming to rest, this for targets in motion. At rest 0.6 takes a sway of a second just critically out of 20
             steps of 0.05 s, and the gradient is that of `Implicit`; undamped it still swings (docs/simulate.md).
     """
@@ -29,14 +31,20 @@ class TimeSteps(ABC):
     damping: float = 1.0
 
     def solve(
-        self, energy: Energy, nodes: np.ndarray, solver: Solver | None = None, velocities: np.ndarray | None = None
+        self,
+        scene: Scene,
+        nodes: np.ndarray,
+        solver: Solver | None = None,
+        *,
+        friction: Friction | None = None,
+        velocities: np.ndarray | None = None,
     ) -> InMotion:
-        """Take the steps from nodes [m] and velocities [m/s], both [node_count, 3]; energy's friction stays as it is.
+        """Take the steps from nodes [m] and velocities [m/s], both [node_count, 3]; the friction stays as it is.
 
         Raises:
             NotAtRest: where a step cannot be taken; take shorter ones.
         """
-        solver = solver or make_solver(energy.topology)
+        energy, solver = Energy(scene, friction), solver or make_solver(scene.topology)
         start = np.array(nodes, dtype=np.float64)
         path = [start if velocities is None else start - self.dt * np.asarray(velocities), start]
         for _ in range(self.steps):
@@ -60,7 +68,7 @@ class TimeSteps(ABC):
 
 @dataclass(frozen=True)
 class InMotion:
-    """Hold the way that cloth took.
+    """Describe the way that cloth took.
 
     Attributes:
         energy: The energy without inertia.
@@ -85,17 +93,17 @@ class InMotion:
         `upstream` by the last positions, shape [node_count, 3], or by those after every step (a target in motion),
         shape [steps, node_count, 3].
         """
-        way, path, energy = self.way, self.path, self.energy
+        way, path, scene = self.way, self.path, self.energy.scene
         bars = np.zeros_like(path)
         if np.ndim(upstream) == 3:
             bars[2:] = upstream
         else:
             bars[-1] = upstream
-        held = 0 if energy.pins is None else len(energy.pins.nodes)
-        rest, fabric, pins = np.zeros_like(energy.topology.rest), np.zeros(6), np.zeros((held, 3))
-        tied = (energy.masses / way.dt**2)[:, None]
+        pinned = 0 if scene.pins is None else len(scene.pins.nodes)
+        rest, fabric, pins = np.zeros_like(scene.topology.rest), np.zeros(6), np.zeros((pinned, 3))
+        tied = (scene.masses / way.dt**2)[:, None]
         for t in range(len(path) - 1, 1, -1):
-            step = way.energy_of_step(energy, path[t - 2], path[t - 1])
+            step = way.energy_of_step(self.energy, path[t - 2], path[t - 1])
             weights, found = way.pull_step(step, path[t - 1], path[t], bars[t], self.solver)
             rest, fabric, pins = rest + found.rest, fabric + found.fabric, pins + found.pins
             bars[t - 1] += found.start + (1.0 + way.damping) * tied * weights

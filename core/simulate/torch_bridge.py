@@ -9,7 +9,8 @@ import numpy as np
 import torch
 
 from .derivative import Derivative
-from .energy import Energy
+from .friction import Friction
+from .scene import Scene
 from .sensitivity import FABRIC
 
 
@@ -21,14 +22,12 @@ class _Drape(torch.autograd.Function):
         ctx: Any, rest: torch.Tensor, fabric: torch.Tensor, pins: torch.Tensor, start: torch.Tensor, given: Any
     ) -> torch.Tensor:
         """Bring the cloth to where `given`'s derivative is taken."""
-        energy, derivative, solver = given
+        scene, derivative, frozen = given
         values = dict(zip(FABRIC, _array(fabric).tolist(), strict=True))
-        energy = replace(
-            energy, topology=energy.topology.reshape(_array(rest)), fabric=replace(energy.fabric, **values)
-        )
-        if energy.pins is not None:
-            energy = replace(energy, pins=replace(energy.pins, points=_array(pins)))
-        ctx.response = derivative.solve(energy, _array(start), solver)
+        scene = replace(scene, topology=scene.topology.reshape(_array(rest)), fabric=replace(scene.fabric, **values))
+        if scene.pins is not None:
+            scene = replace(scene, pins=replace(scene.pins, points=_array(pins)))
+        ctx.response = derivative.solve(scene, _array(start), friction=frozen)
         return torch.from_numpy(ctx.response.nodes.copy())
 
     @staticmethod
@@ -39,25 +38,27 @@ class _Drape(torch.autograd.Function):
 
 
 def drape_tensor(
-    energy: Energy,
+    scene: Scene,
     derivative: Derivative,
     start: torch.Tensor,
     *,
+    friction: Friction | None = None,
     rest: torch.Tensor | None = None,
     fabric: torch.Tensor | None = None,
     pins: torch.Tensor | None = None,
 ) -> torch.Tensor:
-    """Give draped positions [m], shape [node_count, 3], float64, through which torch can differentiate.
+    """Return draped positions [m], shape [node_count, 3], float64, through which torch can differentiate.
 
-    What is not given is taken from the energy. `rest`: flat triangles [m], shape [face_count, 3, 2], as `map_rest`
-    makes them from uv. `fabric`: the values of `FABRIC`, shape [6]. `pins`: held points [m], shape [held_count, 3].
+    What is not given is taken from the scene; friction is taken as given. `rest`: flat triangles [m], shape
+    [face_count, 3, 2], as `map_rest` makes them from uv. `fabric`: the values of `FABRIC`, shape [6]. `pins`: pinned
+    points [m], shape [pin_count, 3].
     Each call has a solver of its own, so that several may be in one graph; a graph can be walked back once or often.
     """
-    points = np.zeros((0, 3)) if energy.pins is None else np.asarray(energy.pins.points, dtype=np.float64)
-    values = np.array([getattr(energy.fabric, name) for name in FABRIC])
-    given = [(rest, energy.topology.rest), (fabric, values), (pins, points)]
+    points = np.zeros((0, 3)) if scene.pins is None else np.asarray(scene.pins.points, dtype=np.float64)
+    values = np.array([getattr(scene.fabric, name) for name in FABRIC])
+    given = [(rest, scene.topology.rest), (fabric, values), (pins, points)]
     tensors = [torch.from_numpy(np.array(value)) if tensor is None else tensor for tensor, value in given]
-    return _Drape.apply(*tensors, start, (energy, derivative, None))  # type: ignore[no-any-return, no-untyped-call]
+    return _Drape.apply(*tensors, start, (scene, derivative, friction))  # type: ignore[no-any-return, no-untyped-call]
 
 
 def _array(tensor: torch.Tensor) -> np.ndarray:

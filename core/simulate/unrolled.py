@@ -39,7 +39,7 @@ class Unrolled(TimeSteps):
 
     def _advance(self, step: Energy, nodes: np.ndarray, solver: Solver) -> np.ndarray:
         assert step.inertia is not None
-        guess = min((place_pinned(step, nodes), place_pinned(step, step.inertia.target)), key=step.value)
+        guess = min((place_pinned(step.scene, x) for x in (nodes, step.inertia.target)), key=step.value)
         return find_rest(step, guess, solver, self.tolerance, self.max_iterations)
 
     def pull_step(
@@ -47,6 +47,6 @@ class Unrolled(TimeSteps):
     ) -> tuple[np.ndarray, Sensitivity]:
         """See `TimeSteps`: the step depends on where it starts through y alone."""
         blocks = step.hessian(end)[2]
-        weights = adjoint(step, factor(step, blocks, solver), bar)
+        weights = adjoint(step.scene, factor(step, blocks, solver), bar)
         rest, fabric = pull_forces(step, end, weights)
-        return weights, Sensitivity(-rest, -fabric, pull_pins(step, blocks, weights, bar), np.zeros_like(weights))
+        return weights, Sensitivity(-rest, -fabric, pull_pins(step.scene, blocks, weights, bar), np.zeros_like(weights))

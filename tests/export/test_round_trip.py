@@ -13,9 +13,9 @@ from garmentq.core.export import save_pattern
 from garmentq.core.measure import measure_distance
 from garmentq.core.pattern import Garment, equalise_seams, load_pattern, load_template
 from garmentq.core.segment import Target
-from garmentq.core.simulate import SimulateSettings, get_fabric
+from garmentq.core.simulate import SolveSettings, get_fabric
 
-COARSE = DrapeSettings(template_vertices=500, simulate=SimulateSettings(max_iterations=150))
+COARSE = DrapeSettings(template_vertices=500, solve=SolveSettings(max_iterations=150))
 FABRIC = get_fabric("cotton_poplin")
 
 

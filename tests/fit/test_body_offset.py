@@ -8,7 +8,7 @@ from garmentq.core.body import builtin_body
 from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template
 from garmentq.core.fit import ShapeProblem, ShapeSettings, estimate_body_offset, is_estimated
 from garmentq.core.pattern import load_template
-from garmentq.core.simulate import Topology, equilibrium, get_fabric, soften
+from garmentq.core.simulate import Scene, Topology, equilibrium, get_fabric, soften
 
 
 def test_cloth_on_a_body_guessed_too_thin_hangs_where_it_was_scanned() -> None:
@@ -17,7 +17,7 @@ def test_cloth_on_a_body_guessed_too_thin_hangs_where_it_was_scanned() -> None:
     assert not is_estimated(wearer.body)
     pattern, fabric = load_template("tank"), soften(get_fabric("cotton_poplin"))
     worn = drape_template(pattern, wearer, settings=DrapeSettings(template_vertices=400))
-    scanned = worn.at(equilibrium(Topology.from_garment(worn), fabric, worn.nodes, grid=wearer.grid).nodes)
+    scanned = worn.at(equilibrium(Scene(Topology.from_garment(worn), fabric, wearer.grid), worn.nodes).nodes)
     problem = ShapeProblem.of(scanned, pattern, fabric, wearer.grid.shrunk(0.012), None, ShapeSettings())
 
     def fall(drape: np.ndarray) -> float:
@@ -25,7 +25,7 @@ def test_cloth_on_a_body_guessed_too_thin_hangs_where_it_was_scanned() -> None:
 
     sunk = fall(problem.drape(pattern, scanned.nodes).nodes)
     raised = estimate_body_offset(problem)
-    hung = equilibrium(Topology.from_garment(scanned), fabric, scanned.nodes, grid=raised).nodes
+    hung = equilibrium(Scene(Topology.from_garment(scanned), fabric, raised), scanned.nodes).nodes
     assert sunk > 5e-3 and abs(fall(hung)) < 0.3 * sunk
     # far from the cloth nothing is known, and nothing moves
     head = wearer.body.vertices[wearer.body.vertices[:, 1].argmax()][None]

@@ -46,19 +46,20 @@ from garmentq.core.simulate import (
     Fabric,
     Implicit,
     Pins,
-    SimulateSettings,
+    Scene,
+    SolveSettings,
     SteadyRotation,
     Topology,
     equilibrium,
     get_fabric,
-    with_friction_frozen,
+    lag_friction,
 )
 
-FINE = SimulateSettings(max_iterations=150)
+FINE = SolveSettings(max_iterations=150)
 
 
 @dataclass(frozen=True)
-class Scene:
+class Worn:
     """A worn skirt: the template's drape, and the drape of a true pattern 3 % wider and 5 % longer."""
 
     template: Pattern
@@ -73,13 +74,13 @@ class Scene:
 
 
 def bring_to_rest(garment: Garment, fabric: Fabric, grid: DistanceGrid, pins: Pins) -> np.ndarray:
-    drape = equilibrium(Topology.from_garment(garment), fabric, garment.nodes, grid=grid, pins=pins, settings=FINE)
+    drape = equilibrium(Scene(Topology.from_garment(garment), fabric, grid, pins), garment.nodes, settings=FINE)
     assert drape.converged
     return drape.nodes
 
 
 @pytest.fixture(scope="module")
-def scene() -> Scene:
+def scene() -> Worn:
     template = load_template("skirt")
     wearer = WearerGeometry(builtin_body("builtin:female,height=1.70"))
     fabric = get_fabric("cotton_poplin")
@@ -93,10 +94,10 @@ def scene() -> Scene:
     normals = vertex_normals(registered, worn.faces)
     contours = name_contours(registered, worn.faces, wearer.body)[0]
     target = Target(registered, worn.faces, normals, contours, (), "skirt")
-    return Scene(template, true, worn, registered, fabric, wearer.body, wearer.grid, pins, target)
+    return Worn(template, true, worn, registered, fabric, wearer.body, wearer.grid, pins, target)
 
 
-def state(scene: Scene, settings: ShapeSettings | None = None) -> ShapeProblem:
+def state(scene: Worn, settings: ShapeSettings | None = None) -> ShapeProblem:
     """Pose the problem from the template's own pattern: nothing of the truth but its drape."""
     at = scene.worn.at(scene.registered)
     return ShapeProblem.of(at, scene.template, scene.fabric, scene.grid, scene.pins, settings or ShapeSettings())
@@ -107,7 +108,7 @@ def area_errors(pattern: Pattern, true: Pattern) -> np.ndarray:
     return np.array([abs(panel_area(ours) / panel_area(theirs) - 1.0) for ours, theirs in pairs])
 
 
-def test_gradient_of_the_registered_loss(scene: Scene) -> None:
+def test_gradient_of_the_registered_loss(scene: Worn) -> None:
     """A weight that is not symmetric, or a lost factor, breaks this; on a quadratic quotients are exact."""
     loss = RegisteredLoss.of(scene.worn, 0.1)
     rng = np.random.default_rng(0)
@@ -120,30 +121,30 @@ def test_gradient_of_the_registered_loss(scene: Scene) -> None:
     assert curvature == pytest.approx(second, rel=1e-9)
 
 
-def test_gradient_by_control_points_and_bending(scene: Scene) -> None:
+def test_gradient_by_control_points_and_bending(scene: Worn) -> None:
     """A wrong control map, symmetry or Jacobian breaks this: the whole chain against fully converged differences."""
     problem = state(scene).fitting_bending(0.3)
     pattern = scene.template
     drape = problem.drape(pattern, scene.worn.nodes)
-    frozen = with_friction_frozen(problem.energy(pattern), drape.nodes, drape.anchors)
+    cloth = problem.scene(pattern)
+    friction = lag_friction(cloth, drape.nodes, drape.anchors)
     implicit = Implicit(tolerance=0.0)
-    at = implicit.solve(frozen, drape.nodes)
+    at = implicit.solve(cloth, drape.nodes, friction=friction)
     gradient = problem.linearise(pattern, replace(drape, nodes=at.nodes))[0]
     rng = np.random.default_rng(1)
     count = problem.parameters.count
     for way in (1e-7 * rng.normal(size=count), 1e-7 * rng.normal(size=count), 1e-5 * np.eye(count)[-1]):
-        ends = [implicit.solve(problem.parameters.move(frozen, s * way), at.nodes).nodes for s in (1.0, -1.0)]
+        moved = [problem.parameters.move(cloth, s * way) for s in (1.0, -1.0)]
+        ends = [implicit.solve(each, at.nodes, friction=friction).nodes for each in moved]
         change = 0.5 * (problem.loss.value(ends[0]) - problem.loss.value(ends[1]))
         assert float(gradient @ way) == pytest.approx(change, rel=1e-3)
 
 
-def test_cloth_in_motion_is_fitted_in_motion(scene: Scene) -> None:
+def test_cloth_in_motion_is_fitted_in_motion(scene: Worn) -> None:
     """Breaks if the fit forgets the rotation in which the cloth was scanned: the pattern would answer for the swing."""
     turning = SteadyRotation(10.0, tuple(float(value) for value in scene.body.joint("pelvis")))
-    turned = equilibrium(
-        Topology.from_garment(scene.worn), scene.fabric, scene.worn.nodes,
-        grid=scene.grid, pins=scene.pins, rotation=turning, settings=FINE,
-    )  # fmt: skip
+    cloth = Scene(Topology.from_garment(scene.worn), scene.fabric, scene.grid, scene.pins, turning)
+    turned = equilibrium(cloth, scene.worn.nodes, settings=FINE)
     at = scene.worn.at(turned.nodes)
     misfits = []
     for rotation in (turning, None):
@@ -156,7 +157,7 @@ def test_cloth_in_motion_is_fitted_in_motion(scene: Scene) -> None:
     assert np.linalg.norm(turned.nodes - scene.worn.nodes, axis=1).max() > 0.02
 
 
-def test_isometry_finds_a_larger_pattern(scene: Scene) -> None:
+def test_isometry_finds_a_larger_pattern(scene: Worn) -> None:
     """A joint step that goes the wrong way, loses a seam or leaves the target breaks this: area 1.5 % from 8 % off."""
     found = fit_isometry(scene.worn, scene.registered, scene.target, scene.body, scene.template)
     assert area_errors(scene.template, scene.true).max() > 0.07
@@ -166,7 +167,7 @@ def test_isometry_finds_a_larger_pattern(scene: Scene) -> None:
     assert away.mean() < 2e-3
 
 
-def test_proportions_are_those_of_the_base_pattern(scene: Scene) -> None:
+def test_proportions_are_those_of_the_base_pattern(scene: Worn) -> None:
     """A rate with a wrong sign, or of the wrong panel, breaks this: differences of a pattern of straight edges."""
     kept = find_proportions(scene.template)
     assert kept.sisters and kept.edges and kept.directed
@@ -178,7 +179,7 @@ def test_proportions_are_those_of_the_base_pattern(scene: Scene) -> None:
     np.testing.assert_allclose(rates @ way.ravel(), ends[1] - ends[0], rtol=0.1, atol=2e-7)
 
 
-def test_the_pattern_of_our_own_drape_is_recovered(scene: Scene) -> None:
+def test_the_pattern_of_our_own_drape_is_recovered(scene: Worn) -> None:
     """Breaks where metric and simulator miss the truth from the template: area 2 % (8 % at first); drape 3.5 mm"""
     wearer = WearerGeometry(scene.body)
     found = fit_pattern(scene.worn, scene.registered, scene.target, scene.template, scene.fabric, wearer)
@@ -189,7 +190,7 @@ def test_the_pattern_of_our_own_drape_is_recovered(scene: Scene) -> None:
     np.testing.assert_array_equal(found.garment.nodes, found.detail.nodes)
 
 
-def test_the_simulator_corrects_a_wrong_pattern(scene: Scene) -> None:
+def test_the_simulator_corrects_a_wrong_pattern(scene: Worn) -> None:
     """Breaks where Gauss-Newton does not lower the misfit, loses the symmetry or opens a seam."""
     fit = fit_shape(state(scene, ShapeSettings(iterations=3, spread=0.01)))
     assert len(fit.misfits) > 1
@@ -201,7 +202,7 @@ def test_the_simulator_corrects_a_wrong_pattern(scene: Scene) -> None:
     assert seam_mismatch(fit.pattern) < 1e-5
 
 
-def test_a_step_that_promises_too_little_is_not_tried(scene: Scene) -> None:
+def test_a_step_that_promises_too_little_is_not_tried(scene: Worn) -> None:
     """Breaks where an equilibrium is spent on too little a gain: with no gain that counts one drape is all."""
     problem = state(scene, ShapeSettings(plateau=1e3))
     fit = fit_shape(problem)
@@ -211,7 +212,7 @@ def test_a_step_that_promises_too_little_is_not_tried(scene: Scene) -> None:
     np.testing.assert_array_equal(fit.nodes, first.nodes)
 
 
-def test_a_step_keeps_its_promise(scene: Scene) -> None:
+def test_a_step_keeps_its_promise(scene: Worn) -> None:
     """Breaks where the promise is not that of the objective: a small step gains what it promises within a tenth."""
     problem = state(scene)
     drape = problem.drape(scene.template, scene.worn.nodes)
@@ -225,7 +226,7 @@ def test_a_step_keeps_its_promise(scene: Scene) -> None:
     assert promised > 0.0 and gained == pytest.approx(promised, rel=0.1)
 
 
-def test_pattern_and_bending_are_told_apart(scene: Scene) -> None:
+def test_pattern_and_bending_are_told_apart(scene: Worn) -> None:
     """Breaks where the pattern answers for a wrong k: cloth twice as stiff, whose pattern is 8 % larger."""
     stiff = replace(scene.fabric, k=2.0 * scene.fabric.k)
     target = bring_to_rest(move_pattern(scene.worn, scene.true).at(scene.registered), stiff, scene.grid, scene.pins)
@@ -237,7 +238,7 @@ def test_pattern_and_bending_are_told_apart(scene: Scene) -> None:
     assert alone.fabric == scene.fabric
 
 
-def test_the_prior_keeps_front_and_back_in_proportion(scene: Scene) -> None:
+def test_the_prior_keeps_front_and_back_in_proportion(scene: Worn) -> None:
     """Breaks where a front may be widened without its back at the price of a few points that move."""
     problem = state(scene)
 
@@ -254,7 +255,7 @@ def test_the_prior_keeps_front_and_back_in_proportion(scene: Scene) -> None:
     assert abs(extra(whole)) < 0.1 * extra(front)
 
 
-def test_steps_keep_seams_equal(scene: Scene) -> None:
+def test_steps_keep_seams_equal(scene: Worn) -> None:
     """A basis that lets a seam open to first order breaks this."""
     symmetry = find_symmetry(scene.template)
     free = keep_seams(scene.template, scene.template, symmetry)
@@ -265,13 +266,13 @@ def test_steps_keep_seams_equal(scene: Scene) -> None:
         assert seam_mismatch(moved) < 1e-6
 
 
-def test_a_fit_can_be_cancelled(scene: Scene) -> None:
+def test_a_fit_can_be_cancelled(scene: Worn) -> None:
     """A loop that never asks its hooks breaks this."""
     with pytest.raises(Cancelled):
         fit_shape(state(scene), Hooks(is_cancelled=lambda: True))
 
 
-def test_a_fit_killed_after_any_step_ends_at_the_same_pattern(scene: Scene) -> None:
+def test_a_fit_killed_after_any_step_ends_at_the_same_pattern(scene: Worn) -> None:
     """Breaks where a checkpoint loses what goes on from it: pattern, k, drape, friction, damping, the end."""
     problem, kept = state(scene, ShapeSettings(plateau=0.1, spread=0.02)).fitting_bending(0.3), []
 
@@ -289,7 +290,7 @@ def test_a_fit_killed_after_any_step_ends_at_the_same_pattern(scene: Scene) -> N
         assert resumed.outcome == whole.outcome
 
 
-def test_bending_is_found_on_another_mesh(scene: Scene) -> None:
+def test_bending_is_found_on_another_mesh(scene: Worn) -> None:
     """A measure of folding that depends on the mesh, or a prior that outweighs it, breaks this: k within 1.5."""
     stiff = replace(scene.fabric, k=8.0 * scene.fabric.k)
     target = bring_to_rest(scene.worn.at(scene.registered), stiff, scene.grid, scene.pins)
@@ -306,7 +307,7 @@ def test_bending_is_found_on_another_mesh(scene: Scene) -> None:
     assert estimate.std < 0.5 * estimate.prior_std
 
 
-def test_bending_that_a_drape_does_not_tell_stays_as_given(scene: Scene) -> None:
+def test_bending_that_a_drape_does_not_tell_stays_as_given(scene: Worn) -> None:
     """Breaks where a guess that the drape does not support goes into the simulation: a T-shirt as stiff as a tube."""
     unsure = MaterialSettings(values=3, least_std=10.0)
     fabric, estimate = fit_bending(state(scene), unsure)
@@ -314,7 +315,7 @@ def test_bending_that_a_drape_does_not_tell_stays_as_given(scene: Scene) -> None
     assert not estimate.identifiable and estimate.value == scene.fabric.k and estimate.std >= 10.0
 
 
-def test_bending_that_folds_and_misfit_contradict_is_not_known(scene: Scene) -> None:
+def test_bending_that_folds_and_misfit_contradict_is_not_known(scene: Worn) -> None:
     """Breaks where a stiff tube counts as the cloth of a scan full of wrinkles, for it is the nearest drape."""
     stiff = replace(scene.fabric, k=30.0 * scene.fabric.k)
     target = bring_to_rest(scene.worn, stiff, scene.grid, scene.pins)
@@ -345,7 +346,7 @@ def test_bands_stay_nearly_as_they_are() -> None:
     assert cost(~bands) == pytest.approx((1e-3 / settings.spread) ** 2, rel=1e-6)
 
 
-def test_what_a_drape_does_not_tell_is_said(scene: Scene) -> None:
+def test_what_a_drape_does_not_tell_is_said(scene: Worn) -> None:
     """Breaks where weight or membrane stiffness is claimed from one drape, or the posterior exceeds the prior."""
     problem = state(scene)
     drape = problem.drape(scene.template, scene.registered)
@@ -363,7 +364,7 @@ def test_what_a_drape_does_not_tell_is_said(scene: Scene) -> None:
     assert nearest_fabrics(scene.fabric)[0] == scene.fabric.name
 
 
-def test_locked_panels_stay(scene: Scene) -> None:
+def test_locked_panels_stay(scene: Worn) -> None:
     """Breaks where the metric, seams or the simulator move a locked panel, or an unknown one is passed over."""
     name = scene.template.panels[0].name
     held = find_held(scene.template, scene.template, (f"panel:{name}",))
@@ -377,7 +378,7 @@ def test_locked_panels_stay(scene: Scene) -> None:
         find_held(scene.template, scene.template, ("panel:nowhere",))
 
 
-def test_locked_points_stay_exactly(scene: Scene) -> None:
+def test_locked_points_stay_exactly(scene: Worn) -> None:
     """Breaks where a step or the seams move a locked point, or a panel that only lies elsewhere is bent."""
     name = scene.template.panels[0].name
     held = find_held(scene.template, scene.template, (f"point:{name}/1",))
@@ -398,7 +399,7 @@ def test_locked_points_stay_exactly(scene: Scene) -> None:
             find_held(scene.template, scene.template, (wrong,))
 
 
-def test_left_and_right_may_be_freed(scene: Scene) -> None:
+def test_left_and_right_may_be_freed(scene: Worn) -> None:
     """Breaks where a freed pattern is still forced to be symmetric, or a symmetric one is not."""
     front = scene.template.panels[0]
     middle = float(front.points[:, 0].mean())

@@ -18,13 +18,13 @@ from garmentq.core.pattern import Garment, Pattern, find_symmetry, load_template
 from garmentq.core.segment import Target, name_contours
 from garmentq.core.segment.loop import find_loops
 from garmentq.core.segment.target import Contour
-from garmentq.core.simulate import Fabric, Implicit, Pins, SimulateSettings, Topology, equilibrium, get_fabric
+from garmentq.core.simulate import Fabric, Implicit, Pins, Scene, SolveSettings, Topology, equilibrium, get_fabric
 
 SHORT = InverseSettings(iterations=4, fabric_iterations=3, patience=100, keep_every=3)
 
 
 @dataclass(frozen=True)
-class Scene:
+class Worn:
     """The template at rest, and what hangs from a pattern whose hem dips by 3 cm in the middle of both panels."""
 
     template: Pattern
@@ -36,14 +36,14 @@ class Scene:
 
 
 def bring_to_rest(garment: Garment, fabric: Fabric, pins: Pins) -> Garment:
-    settings = SimulateSettings(max_iterations=200)
-    drape = equilibrium(Topology.from_garment(garment), fabric, garment.nodes, pins=pins, settings=settings)
+    settings = SolveSettings(max_iterations=200)
+    drape = equilibrium(Scene(Topology.from_garment(garment), fabric, pins=pins), garment.nodes, settings=settings)
     assert drape.converged
     return garment.at(drape.nodes)
 
 
 @pytest.fixture(scope="module")
-def scene() -> Scene:
+def scene() -> Worn:
     template = load_template("skirt")
     garment = mesh_pattern(template, 200)
     height, angle = np.zeros(len(garment.nodes)), np.zeros(len(garment.nodes))
@@ -65,10 +65,10 @@ def scene() -> Scene:
     draped = bring_to_rest(other.at(worn.nodes), fabric, pins)
     normals = vertex_normals(draped.nodes, other.faces)
     target = Target(draped.nodes, other.faces, normals, contours, (), "skirt")
-    return Scene(template, true, worn, target, fabric, pins)
+    return Worn(template, true, worn, target, fabric, pins)
 
 
-def state(scene: Scene, settings: InverseSettings = SHORT, locks: tuple[str, ...] = ()) -> DescentProblem:
+def state(scene: Worn, settings: InverseSettings = SHORT, locks: tuple[str, ...] = ()) -> DescentProblem:
     held = find_held(scene.template, scene.template, locks)
     return DescentProblem.of(scene.worn, scene.target, scene.template, scene.fabric, None, scene.pins, settings, held)
 
@@ -83,7 +83,7 @@ def test_adam_steps_are_as_large_as_its_rates() -> None:
     np.testing.assert_allclose(move, [-1e-3, 2e-3, 0.0], rtol=1e-9)
 
 
-def test_gradient_through_the_simulator(scene: Scene) -> None:
+def test_gradient_through_the_simulator(scene: Worn) -> None:
     """A term's gradient that is lost on the way to control points and fabric breaks this: the whole chain."""
     problem = state(scene)
     rng = np.random.default_rng(0)
@@ -91,19 +91,19 @@ def test_gradient_through_the_simulator(scene: Scene) -> None:
     at[: len(problem.held)] += 2e-3 * rng.normal(size=len(problem.held))
     at[-1] = problem.material.high[-1] + 0.5
     implicit = Implicit(tolerance=0.0)
-    rest = implicit.solve(problem.energy(at), problem.drape(at, scene.worn.nodes, None, Hooks())[0])
+    rest = implicit.solve(problem.scene(at), problem.drape(at, scene.worn.nodes, None, Hooks())[0])
     _, gradient = problem.evaluate(at, rest.nodes, rest.nodes)
     scale = np.concatenate([np.full(len(problem.held), 1e-6), np.full(len(STIFFNESSES), 1e-4)])
     for _ in range(3):
         way = scale * rng.normal(size=len(at))
         ends = []
         for sign in (1.0, -1.0):
-            nodes = implicit.solve(problem.energy(at + sign * way), rest.nodes).nodes
+            nodes = implicit.solve(problem.scene(at + sign * way), rest.nodes).nodes
             ends.append(problem.evaluate(at + sign * way, nodes, nodes)[0])
         assert float(gradient @ way) == pytest.approx(0.5 * (ends[0] - ends[1]), rel=2e-3)
 
 
-def test_a_perturbed_control_point_is_recovered(scene: Scene) -> None:
+def test_a_perturbed_control_point_is_recovered(scene: Worn) -> None:
     """Breaks where the descent goes astray: the hem's middle, 3 cm off, comes within 3 mm, and the fabric stays."""
     problem = state(scene, InverseSettings(iterations=60, fabric_iterations=0, contour=1.0, panel=0.0))
     found = descend(problem)
@@ -128,14 +128,14 @@ def kept() -> list[dict[str, Arrays]]:
 
 
 @pytest.fixture(scope="module")
-def whole(scene: Scene, kept: list[dict[str, Arrays]]) -> Descent:
+def whole(scene: Worn, kept: list[dict[str, Arrays]]) -> Descent:
     def keep(name: str, arrays: Arrays) -> None:
         kept.append({name: {key: np.array(value) for key, value in arrays.items()}})
 
     return descend(state(scene), Hooks(save_checkpoint=keep))
 
 
-def test_the_fabric_joins_in_later(scene: Scene, whole: Descent) -> None:
+def test_the_fabric_joins_in_later(scene: Worn, whole: Descent) -> None:
     """Breaks where stiffnesses move in the first stage, never, or out of what cloth can be."""
     problem = state(scene)
     assert whole.first == SHORT.iterations + 1
@@ -150,7 +150,7 @@ def test_the_fabric_joins_in_later(scene: Scene, whole: Descent) -> None:
 
 @pytest.mark.parametrize("which", [0, 1])
 def test_a_killed_descent_ends_at_the_same_pattern(
-    scene: Scene, whole: Descent, kept: list[dict[str, Arrays]], which: int
+    scene: Worn, whole: Descent, kept: list[dict[str, Arrays]], which: int
 ) -> None:
     """Breaks where a checkpoint loses the optimiser's state, the stage, the drape or the best so far."""
     assert set(kept[which]) == {"fit.inverse"}
@@ -161,20 +161,20 @@ def test_a_killed_descent_ends_at_the_same_pattern(
     np.testing.assert_allclose(resumed.losses, whole.losses, rtol=1e-6)
 
 
-def test_another_start_is_not_taken_up(scene: Scene, whole: Descent, kept: list[dict[str, Arrays]]) -> None:
+def test_another_start_is_not_taken_up(scene: Worn, whole: Descent, kept: list[dict[str, Arrays]]) -> None:
     """Breaks where a checkpoint of another drape is believed."""
     other = {"fit.inverse": {**kept[-1]["fit.inverse"], "start": scene.worn.nodes + 1e-3}}
     again = descend(state(scene, replace(SHORT, iterations=2, fabric_iterations=0)), Hooks(load_checkpoint=other.get))
     np.testing.assert_allclose(again.losses[:3], whole.losses[:3], rtol=1e-9)
 
 
-def test_a_descent_can_be_cancelled(scene: Scene) -> None:
+def test_a_descent_can_be_cancelled(scene: Worn) -> None:
     """A loop that never asks its hooks breaks this."""
     with pytest.raises(Cancelled):
         descend(state(scene), Hooks(is_cancelled=lambda: True))
 
 
-def test_locks_are_honoured(scene: Scene) -> None:
+def test_locks_are_honoured(scene: Worn) -> None:
     """Breaks where a locked panel, or a locked fabric, moves."""
     name = scene.template.panels[0].name
     problem = state(scene, replace(SHORT, iterations=3), (f"panel:{name}",))
@@ -196,13 +196,8 @@ def test_the_whole_method_on_a_body() -> None:
     waist = waist_loop(worn)
     assert waist is not None
     longer = template.with_points(template.points * [1.0, 1.04])
-    drape = equilibrium(
-        Topology.from_garment(move_pattern(worn, longer)),
-        fabric,
-        worn.nodes,
-        grid=wearer.grid,
-        pins=Pins(waist, worn.nodes[waist]),
-    )
+    topology, pins = Topology.from_garment(move_pattern(worn, longer)), Pins(waist, worn.nodes[waist])
+    drape = equilibrium(Scene(topology, fabric, wearer.grid, pins), worn.nodes)
     normals = vertex_normals(drape.nodes, worn.faces)
     contours = name_contours(drape.nodes, worn.faces, wearer.body)[0]
     target = Target(drape.nodes, worn.faces, normals, contours, (), "skirt")
@@ -211,7 +206,7 @@ def test_the_whole_method_on_a_body() -> None:
         iterations=15,
         fabric_iterations=0,
         contour=0.5,
-        simulate=SimulateSettings(max_iterations=8),
+        solve=SolveSettings(max_iterations=8),
     )
     found = fit_inverse(worn, target, template, fabric, wearer, vertex_count=300, settings=settings)
     assert found.simulation.shape == found.graded.shape == found.garment.nodes.shape

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.body import DistanceGrid
-from garmentq.core.simulate import BendingFriction, Energy, Fabric, Friction, Inertia, Pins, Topology
+from garmentq.core.simulate import BendingFriction, Energy, Fabric, Friction, Inertia, Pins, Scene, Topology
 
 
 def make_sheet(columns: int, rows: int, width: float, height: float) -> tuple[np.ndarray, np.ndarray]:
@@ -59,6 +59,4 @@ def everything(crumpled, cloth, grid_of):
     friction = Friction(nodes + rng.normal(0, 3e-4, nodes.shape), normals, np.full(len(nodes), 0.01), 5e-4)
     pins = Pins(np.array([0, 3]), nodes[[0, 3]] + 0.01, 5.0, (1.0, 0.5, 1.0))
     folds = BendingFriction.at(topology, nodes + rng.normal(0, 3e-4, nodes.shape), 3e-4)
-    return Energy(
-        topology, cloth, grid, pins, friction=friction, inertia=Inertia(nodes + 0.01, 400.0), bending_friction=folds
-    )
+    return Energy(Scene(topology, cloth, grid, pins, bending_friction=folds), friction, Inertia(nodes + 0.01, 400.0))

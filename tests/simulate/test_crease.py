@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from garmentq.core.body import DistanceGrid
 from garmentq.core.pattern import Edge, Panel, Pattern, mesh_pattern
-from garmentq.core.simulate import Topology, equilibrium, get_fabric, soften
+from garmentq.core.simulate import Scene, Topology, equilibrium, get_fabric, soften
 
 SIDE = 0.3
 """Side of the cloth [m]."""
@@ -25,6 +25,6 @@ def test_cloth_in_a_crease_comes_to_rest() -> None:
     flat = np.zeros((len(cloth.nodes), 2))
     flat[cloth.uv_node] = cloth.uv
     nodes = np.stack([flat[:, 0] * np.cos(STEEP), np.abs(flat[:, 0]) * np.sin(STEEP) + 0.006, flat[:, 1]], axis=1)
-    drape = equilibrium(Topology.from_garment(cloth), soften(get_fabric("cotton_poplin")), nodes, grid=grid)
+    drape = equilibrium(Scene(Topology.from_garment(cloth), soften(get_fabric("cotton_poplin")), grid), nodes)
     assert drape.converged and drape.iterations < 60
     assert drape.residual < 0.1

@@ -8,22 +8,26 @@ import numpy as np
 import pytest
 from garmentq.core.simulate import (
     FABRIC,
+    Derivative,
     Energy,
+    Friction,
     Implicit,
     Inertia,
     NotAtRest,
     Parameters,
     Pins,
-    SimulateSettings,
+    Scene,
+    SolveSettings,
     Topology,
     Unrolled,
+    contact_forces,
     equilibrium,
     fabric_forces,
+    lag_friction,
     make_solver,
     pull_forces,
     push_forces,
     settle,
-    with_friction_frozen,
 )
 from scipy.sparse import csr_matrix
 
@@ -33,39 +37,46 @@ thousandth of the fabric. At ten times that a quotient near a fold is off by up 
 
 
 @dataclass(frozen=True)
-class Scene:
-    """A sheet at rest on a ball, two of its nodes held, friction on."""
+class Sheet:
+    """A sheet at rest on a ball, two of its nodes pinned, friction on."""
 
-    energy: Energy
+    scene: Scene
+    friction: Friction
     nodes: np.ndarray
     parameters: Parameters
     upstream: np.ndarray
 
+    def solve(self, derivative: Derivative, scene: Scene, nodes: np.ndarray, solver=None):
+        """Solve with this sheet's friction."""
+        return derivative.solve(scene, nodes, solver, friction=self.friction)
 
-def lay(sheet, grid_of, cloth, count: int) -> Scene:
+
+def lay(sheet, grid_of, cloth, count: int) -> Sheet:
     """Lay a rectangle off-centre over a ball, pull two corners up, and bring it to rest."""
     flat, faces = sheet(count, count, 0.30, 0.28)
     middle = flat - [0.13, 0.15]
     grid = grid_of(lambda p: np.linalg.norm(p, axis=-1) - 0.1, -0.25, 0.25)
     nodes = np.column_stack([middle[:, 0], np.full(len(flat), 0.103), -middle[:, 1]])
     topology = Topology.from_mesh(faces, flat[faces])
-    moving = settle(topology, cloth, nodes, grid=grid, steps=15)
+    scene = Scene(topology, cloth, grid)
+    moving = settle(scene, nodes, steps=15)
     held = np.array([0, count - 1])
     pins = Pins(held, moving.nodes[held] + [0.0, 0.01, 0.0])
-    settings = SimulateSettings(max_iterations=300, still=0.0)
-    drape = equilibrium(topology, cloth, moving.nodes, grid=grid, pins=pins, anchors=moving.anchors, settings=settings)
+    settings = SolveSettings(max_iterations=300, still=0.0)
+    scene = replace(scene, pins=pins)
+    drape = equilibrium(scene, moving.nodes, anchors=moving.anchors, settings=settings)
     assert drape.converged
-    energy = with_friction_frozen(Energy(topology, cloth, grid, pins), drape.nodes, drape.anchors)
+    friction = lag_friction(scene, drape.nodes, drape.anchors)
     u, v = (middle / 0.15).T
     # the rest shape's directions: wider, longer, sheared, and a dart-like swelling
     fields = [(u, 0 * u), (0 * u, v), (v, 0 * u), (u * v, v * v)]
     shape = np.stack([np.stack(field, axis=1)[faces].ravel() for field in fields], axis=1)
     upstream = np.sin(9 * drape.nodes[:, [1, 2, 0]] + [0.3, 0.5, 0.7])
-    return Scene(energy, drape.nodes, Parameters(csr_matrix(shape), FABRIC), upstream)
+    return Sheet(scene, friction, drape.nodes, Parameters(csr_matrix(shape), FABRIC), upstream)
 
 
 @pytest.fixture(scope="module")
-def scene(sheet, grid_of, cloth):
+def large(sheet, grid_of, cloth):
     return lay(sheet, grid_of, cloth, 32)
 
 
@@ -74,12 +85,13 @@ def small(sheet, grid_of, cloth):
     return lay(sheet, grid_of, cloth, 12)
 
 
-def differ(scene: Scene, derivative, energy: Energy, nodes: np.ndarray, steps: np.ndarray) -> np.ndarray:
+def differ(sheet: Sheet, derivative, scene: Scene, nodes: np.ndarray, steps: np.ndarray) -> np.ndarray:
     """Give the central differences of upstream . x by every parameter."""
-    solver, found = make_solver(energy.topology), []
+    solver, found = make_solver(scene.topology), []
     for direction in np.diag(steps):
-        ends = [derivative.solve(scene.parameters.move(energy, s * direction), nodes, solver).nodes for s in (1, -1)]
-        found.append(float((scene.upstream * (ends[0] - ends[1])).sum()) / (2 * direction.sum()))
+        moved = [sheet.parameters.move(scene, s * direction) for s in (1, -1)]
+        ends = [sheet.solve(derivative, each, nodes, solver).nodes for each in moved]
+        found.append(float((sheet.upstream * (ends[0] - ends[1])).sum()) / (2 * direction.sum()))
     return np.array(found)
 
 
@@ -94,24 +106,24 @@ def test_forces_follow_rest_shape_and_fabric(crumpled, cloth, grid_of):
     topology, nodes, _ = crumpled
     grid = grid_of(lambda p: p[..., 1] + 0.001)
     rng = np.random.default_rng(2)
-    energy = Energy(topology, cloth, grid, inertia=Inertia(nodes + rng.normal(0, 1e-2, nodes.shape), 400.0))
-    assert (energy.touch(nodes)[0] > 0).sum() > 10
+    scene, inertia = Scene(topology, cloth, grid), Inertia(nodes + rng.normal(0, 1e-2, nodes.shape), 400.0)
+    energy = Energy(scene, inertia=inertia)
+    assert (contact_forces(scene, nodes)[0] > 0).sum() > 10
     weights = rng.normal(size=nodes.shape)
     rest, fabric = pull_forces(energy, nodes, weights)
     ways = rng.normal(0, 1e-3, (*topology.rest.shape, 3))
     pushed = push_forces(energy, nodes, ways)
     for n in range(3):
-        ends = [
-            (weights * replace(energy, topology=topology.reshape(topology.rest + s * ways[..., n])).gradient(nodes)[1])
-            for s in (1e-4, -1e-4)
-        ]
+        moved = [replace(scene, topology=topology.reshape(topology.rest + s * ways[..., n])) for s in (1e-4, -1e-4)]
+        ends = [weights * Energy(each, inertia=inertia).gradient(nodes)[1] for each in moved]
         expected = float((ends[0] - ends[1]).sum()) / 2e-4
         assert (rest * ways[..., n]).sum() == pytest.approx(expected, rel=1e-6)
         assert (pushed[..., n] * weights).sum() == pytest.approx(expected, rel=1e-6)
     forces = fabric_forces(energy, nodes)
     for n, name in enumerate(FABRIC):
         value = getattr(cloth, name)
-        ends = [replace(energy, fabric=replace(cloth, **{name: s * value})).gradient(nodes)[1] for s in (1.1, 0.9)]
+        moved = [replace(scene, fabric=replace(cloth, **{name: s * value})) for s in (1.1, 0.9)]
+        ends = [Energy(each, inertia=inertia).gradient(nodes)[1] for each in moved]
         np.testing.assert_allclose(forces[:, :, n] * value, (ends[0] - ends[1]) / 0.2, rtol=1e-8, atol=1e-9)
         assert fabric[n] == pytest.approx(float((forces[:, :, n] * weights).sum()), rel=1e-9)
 
@@ -126,48 +138,48 @@ def test_reshape_equals_a_new_topology(crumpled):
 
 
 @pytest.mark.slow
-def test_implicit_against_central_differences(scene):
-    """A wrong adjoint, Hessian or dg/dp breaks this: 1K nodes, contact, friction and hold on, every parameter kind."""
+def test_implicit_against_central_differences(large):
+    """A wrong adjoint, Hessian or dg/dp breaks this: 1K nodes, contact, friction and pins on, every parameter kind."""
     implicit = Implicit(tolerance=0.0)
-    rest = implicit.solve(scene.energy, scene.nodes)
-    assert (scene.energy.touch(rest.nodes)[0] > 0).sum() > 50
-    found = scene.parameters.pull(scene.energy, rest.pull(scene.upstream))
-    expected = differ(scene, implicit, scene.energy, rest.nodes, step_sizes(scene.parameters, SHAPE_STEP, LOG_STEP))
+    rest = large.solve(implicit, large.scene, large.nodes)
+    assert (contact_forces(large.scene, rest.nodes)[0] > 0).sum() > 50
+    found = large.parameters.pull(large.scene, rest.pull(large.upstream))
+    expected = differ(large, implicit, large.scene, rest.nodes, step_sizes(large.parameters, SHAPE_STEP, LOG_STEP))
     np.testing.assert_allclose(found, expected, rtol=1e-5)
 
 
-def test_push_and_pull_are_transposes(scene):
+def test_push_and_pull_are_transposes(large):
     """A push that forgets a term of the pull, or fixed nodes that move, break this."""
-    rest = Implicit().solve(scene.energy, scene.nodes)
-    moves = rest.push(*scene.parameters.rates(scene.energy))
-    found = scene.parameters.pull(scene.energy, rest.pull(scene.upstream))
-    np.testing.assert_allclose(np.einsum("vd,vdp->p", scene.upstream, moves), found, rtol=1e-9)
-    assert not moves[scene.energy.fixed].any()
+    rest = large.solve(Implicit(), large.scene, large.nodes)
+    moves = rest.push(*large.parameters.rates(large.scene))
+    found = large.parameters.pull(large.scene, rest.pull(large.upstream))
+    np.testing.assert_allclose(np.einsum("vd,vdp->p", large.upstream, moves), found, rtol=1e-9)
+    assert not moves[large.scene.fixed].any()
 
 
-def hold_differences(energy: Energy, derivative, nodes: np.ndarray, upstream: np.ndarray) -> np.ndarray:
-    """Give the central differences of upstream . x by the held points."""
-    pins, solver = energy.pins, make_solver(energy.topology)
+def pin_differences(sheet: Sheet, scene: Scene, derivative, nodes: np.ndarray) -> np.ndarray:
+    """Give the central differences of upstream . x by the pinned points."""
+    pins, solver = scene.pins, make_solver(scene.topology)
     found = np.zeros_like(pins.points)
     for place in np.ndindex(found.shape):
         ends = []
         for sign in (1, -1):
             points = pins.points.copy()
             points[place] += sign * SHAPE_STEP
-            held = replace(energy, pins=replace(pins, points=points))
-            ends.append(derivative.solve(held, nodes, solver).nodes)
-        found[place] = float((upstream * (ends[0] - ends[1])).sum()) / (2 * SHAPE_STEP)
+            moved = replace(scene, pins=replace(pins, points=points))
+            ends.append(sheet.solve(derivative, moved, nodes, solver).nodes)
+        found[place] = float((sheet.upstream * (ends[0] - ends[1])).sum()) / (2 * SHAPE_STEP)
     return found
 
 
 @pytest.mark.parametrize("stiffness", [None, 5.0])
-def test_hold_differentiates(small, stiffness):
-    """A held point whose pull on its neighbours is forgotten, or a spring of the wrong sign, breaks this."""
-    energy = replace(small.energy, pins=replace(small.energy.pins, stiffness=stiffness))
+def test_pins_differentiate(small, stiffness):
+    """A pinned point whose pull on its neighbours is forgotten, or a spring of the wrong sign, breaks this."""
+    scene = replace(small.scene, pins=replace(small.scene.pins, stiffness=stiffness))
     implicit = Implicit(tolerance=0.0)
-    rest = implicit.solve(energy, small.nodes)
+    rest = small.solve(implicit, scene, small.nodes)
     found = rest.pull(small.upstream).pins
-    expected = hold_differences(energy, implicit, rest.nodes, small.upstream)
+    expected = pin_differences(small, scene, implicit, rest.nodes)
     np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-5 * np.abs(expected).max())
 
 
@@ -175,7 +187,7 @@ def test_loose_cloth_has_no_derivative(crumpled, cloth):
     """A derivative of cloth that falls for ever would be noise; it must be refused."""
     topology, nodes, _ = crumpled
     with pytest.raises(NotAtRest):
-        Implicit(max_iterations=5).solve(Energy(topology, cloth), nodes)
+        Implicit(max_iterations=5).solve(Scene(topology, cloth), nodes)
 
 
 def test_unrolled_against_central_differences(small):
@@ -185,46 +197,46 @@ def test_unrolled_against_central_differences(small):
     and a quotient's two ends may part.
     """
     start = small.nodes
-    energy = small.parameters.move(small.energy, np.array([0.01, -0.01, 0.005, 0.01] + 6 * [0.0]))
+    scene = small.parameters.move(small.scene, np.array([0.01, -0.01, 0.005, 0.01] + 6 * [0.0]))
     unrolled = Unrolled(steps=6, dt=0.0125, tolerance=0.0)
-    moved = unrolled.solve(energy, start)
+    moved = small.solve(unrolled, scene, start)
     assert np.abs(moved.nodes - start).max() > 1e-2
     found = moved.pull(small.upstream)
     # the third derivative is large: 1e-7 m and 1e-5 keep its share under 1e-6; 1e-9 is the quotients' round-off
-    expected = differ(small, unrolled, energy, start, step_sizes(small.parameters, 1e-7, 1e-5))
-    np.testing.assert_allclose(small.parameters.pull(energy, found), expected, rtol=1e-6, atol=1e-9)
+    expected = differ(small, unrolled, scene, start, step_sizes(small.parameters, 1e-7, 1e-5))
+    np.testing.assert_allclose(small.parameters.pull(scene, found), expected, rtol=1e-6, atol=1e-9)
     way = 1e-7 * np.sin(np.arange(start.size)).reshape(start.shape)
-    ends = [unrolled.solve(energy, start + s * way).nodes for s in (1, -1)]
+    ends = [small.solve(unrolled, scene, start + s * way).nodes for s in (1, -1)]
     change = float((small.upstream * (ends[0] - ends[1])).sum()) / 2
     assert float((found.start * way).sum()) == pytest.approx(change, rel=1e-5)
 
 
 def test_unrolled_sums_losses_along_the_way(small):
     """A loss on every step must be the sum of losses on single steps (targets in motion)."""
-    energy = small.parameters.move(small.energy, np.array([0.01, 0.0, 0.0, 0.0] + 6 * [0.0]))
-    moved = Unrolled(steps=3).solve(energy, small.nodes)
+    scene = small.parameters.move(small.scene, np.array([0.01, 0.0, 0.0, 0.0] + 6 * [0.0]))
+    moved = small.solve(Unrolled(steps=3), scene, small.nodes)
     every = moved.pull(np.stack([small.upstream, 0 * small.upstream, 2 * small.upstream]))
-    first = Unrolled(steps=1).solve(energy, small.nodes).pull(small.upstream)
+    first = small.solve(Unrolled(steps=1), scene, small.nodes).pull(small.upstream)
     last = moved.pull(2 * small.upstream)
     np.testing.assert_allclose(every.rest, first.rest + last.rest, atol=1e-6 * np.abs(every.rest).max())
 
 
 def test_both_agree_on_a_settled_drape(small):
     """The two ways disagree where one of them is wrong: 20 steps at rest give the equilibrium's gradient."""
-    rest = Implicit(tolerance=0.0).solve(small.energy, small.nodes)
-    one = small.parameters.pull(small.energy, rest.pull(small.upstream))
-    moved = Unrolled(steps=20).solve(small.energy, rest.nodes)
-    two = small.parameters.pull(small.energy, moved.pull(small.upstream))
+    rest = small.solve(Implicit(tolerance=0.0), small.scene, small.nodes)
+    one = small.parameters.pull(small.scene, rest.pull(small.upstream))
+    moved = small.solve(Unrolled(steps=20), small.scene, rest.nodes)
+    two = small.parameters.pull(small.scene, moved.pull(small.upstream))
     assert one @ two / np.linalg.norm(one) / np.linalg.norm(two) > 0.9999
 
 
 def test_damped_steps_swing_into_the_gradient_at_rest(small):
     """Breaks where damping is lost on the way back: what undamped steps leave of the difference falls to a tenth."""
-    rest = Implicit(tolerance=0.0).solve(small.energy, small.nodes)
+    rest = small.solve(Implicit(tolerance=0.0), small.scene, small.nodes)
     expected = rest.pull(small.upstream).rest
     off = []
     for damping in (1.0, 0.6):
-        moved = Unrolled(steps=20, damping=damping).solve(small.energy, rest.nodes)
+        moved = small.solve(Unrolled(steps=20, damping=damping), small.scene, rest.nodes)
         off.append(np.linalg.norm(moved.pull(small.upstream).rest - expected) / np.linalg.norm(expected))
     assert off[1] < 0.1 * off[0]
     assert off[1] < 1e-2

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sparse
 import torch
-from garmentq.core.simulate import Energy, Pins, Topology, TopologyBad
+from garmentq.core.simulate import Energy, Pins, Scene, Topology, TopologyBad, contact_forces
 from garmentq.core.simulate.bending_friction import measure_angles
 from scipy.spatial.transform import Rotation
 
@@ -20,7 +20,7 @@ def dense(topology: Topology, data: np.ndarray) -> np.ndarray:
 def test_gradient_against_differences(everything, crumpled):
     """A wrong sign or factor in any term's force, contact and friction included, breaks this."""
     _, nodes, _ = crumpled
-    assert everything.touch(nodes)[0].max() > 0.1  # contact is on
+    assert contact_forces(everything.scene, nodes)[0].max() > 0.1  # contact is on
     _, gradient = everything.gradient(nodes)
     measured = np.zeros(nodes.size)
     for i in range(nodes.size):
@@ -35,7 +35,7 @@ def test_hessian_against_differences(everything, crumpled):
     """A missing curvature term (of a hinge, of the distance) or a block in the wrong slot breaks this."""
     topology, nodes, _ = crumpled
     _, _, blocks = everything.hessian(nodes)
-    matrix = dense(topology, topology.assemble(blocks, everything.fixed))
+    matrix = dense(topology, topology.assemble(blocks, everything.scene.fixed))
     assert np.abs(matrix - matrix.T).max() < 1e-12 * np.abs(matrix).max()
     measured = np.zeros_like(matrix)
     for i in range(nodes.size):
@@ -49,9 +49,9 @@ def test_hessian_against_differences(everything, crumpled):
 def test_psd_form_has_no_negative_direction(everything, crumpled):
     """A projection that leaves compression in breaks this: the exact form has negative eigenvalues here."""
     topology, nodes, _ = crumpled
-    bare = replace(everything, inertia=None, pins=None)
-    psd = dense(topology, topology.assemble(bare.hessian(nodes, exact=False)[2], bare.fixed))
-    exact = dense(topology, topology.assemble(bare.hessian(nodes)[2], bare.fixed))
+    bare = replace(everything, inertia=None, scene=replace(everything.scene, pins=None))
+    psd = dense(topology, topology.assemble(bare.hessian(nodes, exact=False)[2], bare.scene.fixed))
+    exact = dense(topology, topology.assemble(bare.hessian(nodes)[2], bare.scene.fixed))
     scale = np.abs(psd).max()
     assert np.linalg.eigvalsh(psd).min() > -1e-9 * scale
     assert np.linalg.eigvalsh(exact).min() < -1e-3 * scale
@@ -93,14 +93,14 @@ def test_against_torch_oracle(crumpled, cloth, grid_of):
     topology, nodes, _ = crumpled
     centre = np.array([0.06, -0.1, 0.05])
     grid = grid_of(lambda p: np.linalg.norm(p - centre, axis=-1) - 0.1, -0.15, 0.25)
-    ours = Energy(topology, cloth, grid)
+    ours = Energy(Scene(topology, cloth, grid))
     x = torch.tensor(nodes, requires_grad=True)
     theirs = torch_energy(x, topology, cloth, torch.tensor(centre), 0.1, 4e-3, 1e8)
     theirs.backward()
     value, gradient = ours.gradient(nodes)
     # the grid's distance is not the exact one: 1e-3 in contact, round-off without it
     assert value == pytest.approx(theirs.item(), rel=1e-3)
-    bare = replace(ours, grid=None)
+    bare = Energy(Scene(topology, cloth))
     y = torch.tensor(nodes, requires_grad=True)
     free = torch_energy(y, topology, cloth, torch.tensor(centre) - 9.0, 0.1, 4e-3, 1e8)
     free.backward()
@@ -113,7 +113,7 @@ def test_against_torch_oracle(crumpled, cloth, grid_of):
 def test_rigid_motion_costs_nothing(crumpled, cloth, seed):
     """An energy that sees the frame of reference breaks this; forces must turn with the cloth."""
     topology, nodes, _ = crumpled
-    energy = Energy(topology, cloth, gravity=(0.0, 0.0, 0.0))
+    energy = Energy(Scene(topology, cloth, gravity=(0.0, 0.0, 0.0)))
     rng = np.random.default_rng(seed)
     turn = Rotation.random(random_state=rng).as_matrix()
     moved = nodes @ turn.T + rng.normal(0, 1, 3)
@@ -128,7 +128,7 @@ def test_rest_shape_is_at_rest(crumpled, cloth):
     """A prestressed rest shape breaks this: flat cloth without weight has no energy and no force."""
     topology, _, flat = crumpled
     nodes = np.column_stack([flat, np.zeros(len(flat))])
-    value, gradient = Energy(topology, cloth, gravity=(0.0, 0.0, 0.0)).gradient(nodes)
+    value, gradient = Energy(Scene(topology, cloth, gravity=(0.0, 0.0, 0.0))).gradient(nodes)
     assert abs(value) < 1e-20
     assert np.abs(gradient).max() < 1e-10
 
@@ -140,7 +140,7 @@ def test_cylinder_costs_half_of_k(sheet, cloth):
     radius = 0.2
     nodes = np.column_stack([radius * np.sin(flat[:, 0] / radius), flat[:, 1], radius * np.cos(flat[:, 0] / radius)])
     bare = replace(cloth, H00=0.0, H01=0.0, H11=0.0, H22=0.0)
-    energy = Energy(topology, bare, gravity=(0.0, 0.0, 0.0)).value(nodes)
+    energy = Energy(Scene(topology, bare, gravity=(0.0, 0.0, 0.0))).value(nodes)
     inner = 79 / 80  # the first and last half cell have no hinge
     assert energy == pytest.approx(cloth.k / radius**2 / 4 * 0.4 * 0.02 * inner, rel=2e-3)
 
@@ -158,7 +158,7 @@ def test_one_hinge_folds_as_its_formula_says(cloth, angle, rest):
     assert abs(measured) == pytest.approx(abs(angle), rel=1e-8)
     expected = 4.0 * cloth.k * topology.hinge_scale[0] * np.sin(0.25 * (measured - rest)) ** 2
     flat_out = replace(cloth, H00=1e-30, H01=0.0, H11=1e-30, H22=1e-30)
-    energy = Energy(topology, flat_out, gravity=(0.0, 0.0, 0.0))
+    energy = Energy(Scene(topology, flat_out, gravity=(0.0, 0.0, 0.0)))
     # the formula's period is two turns: an angle that has passed half a turn against its rest is still told
     assert energy.value(nodes) == pytest.approx(expected, rel=1e-9)
 
@@ -166,9 +166,9 @@ def test_one_hinge_folds_as_its_formula_says(cloth, angle, rest):
 def test_fixed_nodes_feel_nothing(crumpled, cloth):
     """A fixed node whose row leaks into the system breaks this."""
     topology, nodes, _ = crumpled
-    energy = Energy(topology, cloth, pins=Pins(np.array([4, 9]), nodes[[4, 9]]))
+    energy = Energy(Scene(topology, cloth, pins=Pins(np.array([4, 9]), nodes[[4, 9]])))
     _, gradient, blocks = energy.hessian(nodes)
-    matrix = dense(topology, topology.assemble(blocks, energy.fixed))
+    matrix = dense(topology, topology.assemble(blocks, energy.scene.fixed))
     rows = (3 * np.array([[4], [9]]) + np.arange(3)).ravel()
     assert not gradient[[4, 9]].any()
     assert np.array_equal(matrix[rows], np.eye(len(matrix))[rows])

@@ -9,11 +9,14 @@ import pytest
 from garmentq.core.errors import Cancelled
 from garmentq.core.hooks import Hooks
 from garmentq.core.simulate import (
+    ContactSettings,
     NodesBad,
+    Outcome,
     Pins,
     PinsBad,
-    SimulateSettings,
-    SimulateSettingsBad,
+    Scene,
+    SettingsBad,
+    SolveSettings,
     Topology,
     equilibrium,
     settle,
@@ -21,7 +24,7 @@ from garmentq.core.simulate import (
 from scipy.integrate import solve_bvp
 from scipy.optimize import brentq
 
-EXACT = SimulateSettings(tolerance=1e-6, still=0.0, max_iterations=300)
+EXACT = SolveSettings(tolerance=1e-6, still=0.0, max_iterations=300)
 
 
 def test_hanging_strip_stretches_as_computed(sheet, cloth):
@@ -31,7 +34,7 @@ def test_hanging_strip_stretches_as_computed(sheet, cloth):
     topology = Topology.from_mesh(faces, flat[faces])
     nodes = np.column_stack([flat[:, 0], flat[:, 1], np.zeros(len(flat))])
     top = np.flatnonzero(flat[:, 1] > length - 1e-9)
-    drape = equilibrium(topology, cloth, nodes, pins=Pins(top, nodes[top]), settings=EXACT)
+    drape = equilibrium(Scene(topology, cloth, pins=Pins(top, nodes[top])), nodes, settings=EXACT)
     assert drape.converged
     stiffness = cloth.H11 - cloth.H01**2 / cloth.H00  # the width is free to shrink
     below = (np.arange(400) + 0.5) / 400 * length
@@ -74,8 +77,9 @@ def test_cantilever_droops_as_peirce_says(sheet, cloth, angle):
     nodes = np.column_stack([flat[:, 0] - 2 * step, np.zeros(len(flat)), -flat[:, 1]])
     clamp = np.flatnonzero(nodes[:, 0] < 1e-9)
     pins = Pins(clamp, nodes[clamp])
-    moving = settle(topology, cloth, nodes, pins=pins, steps=10, dt=0.02)
-    drape = equilibrium(topology, cloth, moving.nodes, pins=pins, settings=EXACT)
+    scene = Scene(topology, cloth, pins=pins)
+    moving = settle(scene, nodes, steps=10, dt=0.02)
+    drape = equilibrium(scene, moving.nodes, settings=EXACT)
     assert drape.converged
     tip = drape.nodes[nodes[:, 0] > nodes[:, 0].max() - 1e-9].mean(0) + [step / 2, 0.0, 0.0]
     measured = np.arctan2(-tip[1], tip[0])
@@ -92,18 +96,18 @@ def on_sphere(sheet, cloth, grid_of):
     grid = grid_of(lambda p: np.linalg.norm(p, axis=-1) - 0.1, -0.25, 0.25)
     nodes = np.column_stack([flat[:, 0] - 0.15, np.full(len(flat), 0.105), 0.15 - flat[:, 1]])
     nodes[:, 1] += np.random.default_rng(0).normal(0, 1e-4, len(nodes))
-    state = settle(topology, cloth, nodes, grid=grid, steps=15, dt=0.04)
-    return topology, grid, state
+    scene = Scene(topology, cloth, grid)
+    return scene, settle(scene, nodes, steps=15, dt=0.04)
 
 
 def test_sheet_rests_on_sphere(on_sphere, cloth):
     """Cloth that falls through, sinks in or never comes to rest breaks this."""
-    topology, grid, state = on_sphere
-    drape = equilibrium(topology, cloth, state.nodes, grid=grid, anchors=state.anchors)
-    assert drape.converged, drape.message
+    scene, state = on_sphere
+    drape = equilibrium(scene, state.nodes, anchors=state.anchors)
+    assert drape.converged, drape.outcome.advice
     assert np.isfinite(drape.nodes).all()
     distance = np.linalg.norm(drape.nodes, axis=1) - 0.1
-    centres = np.linalg.norm(drape.nodes[topology.faces].mean(1), axis=1) - 0.1
+    centres = np.linalg.norm(drape.nodes[scene.topology.faces].mean(1), axis=1) - 0.1
     assert distance.min() > 0.002
     assert centres.min() > 0.0
     assert drape.nodes[:, 1].max() == pytest.approx(0.1 + 0.004, abs=1e-3)
@@ -111,43 +115,53 @@ def test_sheet_rests_on_sphere(on_sphere, cloth):
 
 def test_same_input_same_drape(on_sphere, cloth):
     """Anything random or dependent on time or order breaks this."""
-    topology, grid, state = on_sphere
-    settings = SimulateSettings(max_iterations=5)
-    one, two = (equilibrium(topology, cloth, state.nodes, grid=grid, settings=settings) for _ in range(2))
+    scene, state = on_sphere
+    settings = SolveSettings(max_iterations=5)
+    one, two = (equilibrium(scene, state.nodes, settings=settings) for _ in range(2))
     assert np.array_equal(one.nodes, two.nodes)
     assert one.residual == two.residual
 
 
+def test_every_outcome_carries_its_advice():
+    """An outcome without a word on what to do, or one that is read back as another, breaks this."""
+    for outcome in Outcome:
+        assert Outcome(str(outcome)) is outcome
+        assert outcome.advice.startswith("at rest" if outcome.converged else ("not at rest", "no step"))
+    assert [outcome for outcome in Outcome if outcome.converged] == [Outcome.CONVERGED, Outcome.STILL]
+
+
 def test_outcomes_carry_advice(on_sphere, cloth):
     """A search that ends early without saying what to do breaks this."""
-    topology, grid, state = on_sphere
-    few = SimulateSettings(max_iterations=1, still=0.0, tolerance=1e-12)
-    drape = equilibrium(topology, cloth, state.nodes, grid=grid, settings=few)
-    assert (drape.outcome, drape.converged) == ("iterations", False)
-    assert "max_iterations" in drape.message
+    scene, state = on_sphere
+    few = SolveSettings(max_iterations=1, still=0.0, tolerance=1e-12)
+    drape = equilibrium(scene, state.nodes, settings=few)
+    assert (drape.outcome, drape.converged) == (Outcome.ITERATIONS, False)
+    assert "max_iterations" in drape.outcome.advice
     hurried = replace(few, max_iterations=50, max_cpu_seconds=0.0)
-    assert equilibrium(topology, cloth, state.nodes, grid=grid, settings=hurried).outcome == "time"
-    left = equilibrium(topology, cloth, state.nodes, grid=grid, leave=lambda legs, nodes: legs == 2)
-    assert (left.outcome, left.converged) == ("left", False)
+    assert equilibrium(scene, state.nodes, settings=hurried).outcome is Outcome.TIME
+    stopped = equilibrium(scene, state.nodes, stop=lambda legs, nodes: legs == 2)
+    assert (stopped.outcome, stopped.converged) == (Outcome.STOPPED, False)
 
 
 def test_equilibrium_can_be_cancelled(on_sphere, cloth):
     """A cancelled job that runs to its end breaks this."""
-    topology, grid, state = on_sphere
+    scene, state = on_sphere
     with pytest.raises(Cancelled):
-        equilibrium(topology, cloth, state.nodes, grid=grid, hooks=Hooks(is_cancelled=lambda: True))
+        equilibrium(scene, state.nodes, hooks=Hooks(is_cancelled=lambda: True))
 
 
 def test_bad_input_is_refused(on_sphere, cloth):
     """NaN, a wrong count of nodes or a negative setting has to end in one clear error."""
-    topology, _, state = on_sphere
+    scene, state = on_sphere
     broken = state.nodes.copy()
     broken[3, 1] = np.nan
     for nodes in (broken, state.nodes[:-1]):
         with pytest.raises(NodesBad):
-            equilibrium(topology, cloth, nodes)
-    with pytest.raises(SimulateSettingsBad):
-        SimulateSettings(thickness=-1.0)
+            equilibrium(scene, nodes)
+    with pytest.raises(SettingsBad):
+        ContactSettings(thickness=-1.0)
+    with pytest.raises(SettingsBad):
+        SolveSettings(max_iterations=0)
     with pytest.raises(PinsBad):
         Pins(np.array([0]), np.zeros((1, 3)), None, (0.0, 1.0, 0.0))
 
@@ -158,21 +172,23 @@ def test_collapsed_start_gives_no_nan(sheet, cloth):
     topology = Topology.from_mesh(faces, flat[faces])
     start = np.zeros((25, 3))
     pins = Pins(np.array([0, 4]), np.array([[0, 0, 0], [0, 0, 0.1]]))
-    drape = equilibrium(topology, cloth, start, pins=pins, settings=SimulateSettings(max_iterations=20))
+    scene = Scene(topology, cloth, pins=pins)
+    drape = equilibrium(scene, start, settings=SolveSettings(max_iterations=20))
     assert np.isfinite(drape.nodes).all()
-    state = settle(topology, cloth, start, pins=pins, steps=3)
+    state = settle(scene, start, steps=3)
     assert np.isfinite(state.nodes).all()
 
 
-def test_fixed_nodes_go_where_they_are_held(sheet, cloth):
-    """A hold that jumps (and tears the cloth), or never arrives, breaks this."""
+def test_fixed_nodes_go_where_they_are_pinned(sheet, cloth):
+    """Pins that jump (and tears the cloth), or never arrive, break this."""
     flat, faces = sheet(6, 6, 0.1, 0.1)
     topology = Topology.from_mesh(faces, flat[faces])
     nodes = np.column_stack([flat[:, 0], np.zeros(36), -flat[:, 1]])
     pins = Pins(np.arange(6), nodes[:6] + [0.0, 0.12, 0.0])
-    first = settle(topology, cloth, nodes, pins=pins, steps=1)
+    scene = Scene(topology, cloth, pins=pins)
+    first = settle(scene, nodes, steps=1)
     assert np.abs(first.nodes[:6, 1] - 0.05).max() < 1e-12  # at most max_step at once
-    drape = equilibrium(topology, cloth, nodes, pins=pins)
+    drape = equilibrium(scene, nodes)
     assert np.array_equal(drape.nodes[:6], pins.points)
 
 
@@ -183,7 +199,7 @@ def test_springs_hold_one_direction(sheet, cloth):
     nodes = np.column_stack([flat[:, 0], flat[:, 1], np.zeros(36)])
     top = np.flatnonzero(flat[:, 1] > 0.099)
     pins = Pins(top, nodes[top] + [0.5, 0.0, 0.0], 50.0, (0.0, 1.0, 0.0))
-    state = settle(topology, cloth, nodes, pins=pins, steps=10)
+    state = settle(Scene(topology, cloth, pins=pins), nodes, steps=10)
     weight = cloth.density * 0.01 * 9.81
     assert np.abs(state.nodes[top, 0] - nodes[top, 0]).max() < 1e-3
     sag = (nodes[top, 1] - state.nodes[top, 1]).mean()

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.simulate import SimulateSettings, Topology, equilibrium, settle
+from garmentq.core.simulate import ContactSettings, Scene, SolveSettings, Topology, equilibrium, settle
 
 MU = 0.4  # atan(0.4) = 21.8 degrees
 
@@ -36,11 +36,12 @@ def test_stays_below_the_friction_angle(sheet, grid_of, cloth, kind):
     """Friction that creeps breaks this: after a second at 18 degrees the sheet is where it was within `slip`."""
     fabric = fabrics(cloth)[kind]
     topology, grid, nodes, down = on_slope(sheet, grid_of, fabric, 18.0)
-    state = settle(topology, fabric, nodes, grid=grid, steps=25, dt=0.04)
+    scene = Scene(topology, fabric, grid)
+    state = settle(scene, nodes, steps=25, dt=0.04)
     assert np.abs((state.nodes - nodes) @ down).max() < 6e-4
-    later = settle(topology, fabric, state.nodes, state.velocities, grid=grid, steps=10, dt=0.04, anchors=state.anchors)
+    later = settle(scene, state.nodes, state.velocities, steps=10, dt=0.04, anchors=state.anchors)
     assert np.abs((later.nodes - state.nodes) @ down).max() < 5e-5
-    drape = equilibrium(topology, fabric, nodes, grid=grid)
+    drape = equilibrium(scene, nodes)
     assert drape.converged
     assert np.abs((drape.nodes - nodes) @ down).max() < 6e-4
 
@@ -50,8 +51,8 @@ def test_slides_above_the_friction_angle(sheet, grid_of, cloth, kind):
     """Friction that sticks, or exceeds mu N, breaks this: s = g (sin - mu cos) t^2 / 2 at 28 degrees."""
     fabric = fabrics(cloth)[kind]
     topology, grid, nodes, down = on_slope(sheet, grid_of, fabric, 28.0)
-    settings = SimulateSettings(damping=1.0)
-    state = settle(topology, fabric, nodes, grid=grid, steps=40, dt=0.01, settings=settings)
+    settings = SolveSettings(damping=1.0)
+    state = settle(Scene(topology, fabric, grid), nodes, steps=40, dt=0.01, settings=settings)
     angle, time = np.deg2rad(28.0), 0.4
     expected = 9.81 * (np.sin(angle) - MU * np.cos(angle)) * time**2 / 2
     # implicit Euler runs ahead by half a step (2.5 %), the first `slip` is braked less
@@ -62,6 +63,6 @@ def test_no_friction_slides_at_once(sheet, grid_of, cloth):
     """A switch that does nothing breaks this."""
     fabric = fabrics(cloth)["cloth"]
     topology, grid, nodes, down = on_slope(sheet, grid_of, fabric, 18.0)
-    settings = SimulateSettings(friction=False)
-    state = settle(topology, fabric, nodes, grid=grid, steps=10, dt=0.04, settings=settings)
+    scene = Scene(topology, fabric, grid, contact=ContactSettings(friction=False))
+    state = settle(scene, nodes, steps=10, dt=0.04)
     assert ((state.nodes - nodes) @ down).mean() > 0.05

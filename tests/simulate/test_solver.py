@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scipy.sparse as sparse
-from garmentq.core.simulate import Energy, Inertia, SuperLU, Topology, make_solver
+from garmentq.core.simulate import Energy, Inertia, Scene, SuperLU, Topology, make_solver
 
 
 @pytest.fixture(scope="module")
@@ -13,8 +13,8 @@ def system(sheet, cloth):
     flat, faces = sheet(24, 17, 0.3, 0.2)
     topology = Topology.from_mesh(faces, flat[faces])
     nodes = np.column_stack([flat[:, 0], 0.01 * np.sin(30 * flat[:, 0]), flat[:, 1]])
-    energy = Energy(topology, cloth, inertia=Inertia(nodes, 100.0))
-    data = topology.assemble(energy.hessian(nodes, exact=False)[2], energy.fixed)
+    energy = Energy(Scene(topology, cloth), inertia=Inertia(nodes, 100.0))
+    data = topology.assemble(energy.hessian(nodes, exact=False)[2], energy.scene.fixed)
     matrix = sparse.csc_matrix((data, topology.indices, topology.indptr))
     return topology, data, matrix
 
@@ -46,8 +46,8 @@ def test_two_pieces_of_cloth(sheet, cloth):
     both = np.concatenate([faces, faces + len(flat)])
     topology = Topology.from_mesh(both, np.concatenate([flat, flat])[both])
     nodes = np.column_stack([np.concatenate([flat, flat + 0.2]), np.zeros(2 * len(flat))])
-    energy = Energy(topology, cloth, inertia=Inertia(nodes, 100.0))
-    data = topology.assemble(energy.hessian(nodes, exact=False)[2], energy.fixed)
+    energy = Energy(Scene(topology, cloth), inertia=Inertia(nodes, 100.0))
+    data = topology.assemble(energy.hessian(nodes, exact=False)[2], energy.scene.fixed)
     matrix = sparse.csc_matrix((data, topology.indices, topology.indptr))
     solver = make_solver(topology)
     assert solver.factor(data)

@@ -1,0 +1,31 @@
+"""The ways in which the search for an equilibrium ends, each with what to do about it."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+
+class Outcome(StrEnum):
+    """State how the search for an equilibrium ended.
+
+    Attributes:
+        advice: What that means and what to do.
+        converged: True where the forces are within the tolerance or nothing moves any more.
+    """
+
+    advice: str
+    converged: bool
+
+    CONVERGED = "converged", "at rest: all forces are balanced.", True
+    STILL = "still", "at rest to the eye, forces not fully balanced: set still to 0 for more.", True
+    STUCK = "stuck", "no step lowers the energy: settle for longer first, or soften contact."
+    ITERATIONS = "iterations", "not at rest: raise max_iterations, settle for longer, or pin a contour that slides."
+    TIME = "time", "not at rest: raise max_cpu_seconds or take fewer vertices."
+    STOPPED = "stopped", "not at rest: the search was stopped by the caller."
+
+    def __new__(cls, value: str, advice: str = "", converged: bool = False) -> Outcome:
+        """Make a member whose value is its name in lower case."""
+        member = str.__new__(cls, value)
+        member._value_ = value
+        member.advice, member.converged = advice, converged
+        return member

@@ -1,0 +1,91 @@
+"""The scene of a simulation: cloth and all that acts on it, the operand of every solver and derivative."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..body import DistanceGrid
+from .bending_friction import BendingFriction
+from .fabric import Fabric
+from .pins import Pins
+from .settings import GRAVITY, ContactSettings
+from .topology import Topology
+
+LEVEL = np.array([1.0, 0.0, 1.0])
+"""Part of a vector that lies level: y is up."""
+
+
+@dataclass(frozen=True)
+class SteadyRotation:
+    """Turn the cloth with its wearer about a vertical axis: in that frame each mass is drawn outwards by omega^2 r.
+
+    Attributes:
+        rate: Angular velocity omega [rad/s].
+        centre: A point of the axis [m], shape [3].
+    """
+
+    rate: float
+    centre: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Describe cloth and what acts on it: all that a drape depends on but where it starts.
+
+    `equilibrium`, `settle`, the derivatives and the fits take the same scene; what changes in each of their steps
+    (lagged friction, inertia) is not in it.
+
+    Attributes:
+        topology: The mesh with its rest shape.
+        fabric: What it is made of.
+        body: Signed distance to the body, or None.
+        pins: Pinned nodes, or None.
+        rotation: For cloth in steady rotation, or None.
+        bending_friction: Internal friction of bending, or None.
+        gravity: Acceleration [m/s2], shape [3].
+        contact: How the cloth touches the body.
+    """
+
+    topology: Topology
+    fabric: Fabric
+    body: DistanceGrid | None = None
+    pins: Pins | None = None
+    rotation: SteadyRotation | None = None
+    bending_friction: BendingFriction | None = None
+    gravity: tuple[float, float, float] = GRAVITY
+    contact: ContactSettings = field(default_factory=ContactSettings)
+
+    @property
+    def masses(self) -> np.ndarray:
+        """Return the lumped mass of each node [kg], shape [node_count]."""
+        return self.fabric.density * self.topology.node_areas
+
+    @property
+    def mean_weight(self) -> float:
+        """Return the mean weight of a node under standard gravity [N]: the unit of residuals."""
+        return float(self.masses.mean()) * 9.81
+
+    @property
+    def fixed(self) -> np.ndarray:
+        """Return which nodes are fixed, shape [node_count]."""
+        fixed = np.zeros(self.topology.node_count, dtype=bool)
+        if self.pins is not None and self.pins.stiffness is None:
+            fixed[self.pins.nodes] = True
+        return fixed
+
+    def acceleration(self, nodes: np.ndarray) -> np.ndarray:
+        """Compute weight and centrifugal force of a unit of mass at nodes [m], both of shape [node_count, 3] [m/s2].
+
+        a = g + omega^2 r,  r the vector from the vertical axis. At rest it is g. Coriolis forces vanish at rest in the
+        frame that turns.
+        """
+        found = np.tile(np.asarray(self.gravity, dtype=np.float64), (len(nodes), 1))
+        if self.rotation is not None:
+            found += self.rotation.rate**2 * LEVEL * (nodes - np.asarray(self.rotation.centre))
+        return found
+
+    def relative_residual(self, gradient: np.ndarray) -> float:
+        """Return the largest force [N] of a gradient, shape [node_count, 3], relative to the mean weight of a node."""
+        return float(np.sqrt((gradient**2).sum(1).max())) / self.mean_weight
