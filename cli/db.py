@@ -34,7 +34,7 @@ def upgrade(home: Path | None, as_json: bool) -> None:
     """
     from ..service.database import open_database, read_revision
     from ..service.settings import hide_password, read_settings
-    from ..service.store import open_store
+    from ..service.stores import open_store
     from .terminal import note, print_json
 
     settings = read_settings(home=home)

@@ -165,7 +165,7 @@ def _check_store(settings: ServiceSettings) -> Iterator[Finding]:
 
     from ..core.errors import GarmentqError
     from ..service.settings import hide_password
-    from ..service.store import open_store
+    from ..service.stores import open_store
 
     try:
         open_store(settings).put_bytes(b"garmentq doctor was here\n")

@@ -28,7 +28,7 @@ def command(job: str, names: tuple[str, ...], out: Path, home: Path | None, as_j
     """
     from ..service.anywhere import export_files, find_job, open_database
     from ..service.settings import read_settings
-    from ..service.store import open_store
+    from ..service.stores import open_store
     from .terminal import print_json
 
     settings = read_settings(home=home)

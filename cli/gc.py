@@ -37,7 +37,7 @@ def command(is_delete: bool, grace_hours: float, home: Path | None, as_json: boo
     from ..service.database import open_database
     from ..service.garbage import collect_garbage
     from ..service.settings import read_settings
-    from ..service.store import open_store
+    from ..service.stores import open_store
     from .terminal import note, print_json
 
     settings = read_settings(home=home)

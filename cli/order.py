@@ -12,7 +12,7 @@ from ..service.anywhere import Place
 from ..service.database import Database
 from ..service.ordering import FileUnreadable, check_order
 from ..service.settings import ServiceSettings
-from ..service.store import open_store
+from ..service.stores import open_store
 from ..service.submission import Order
 
 __all__ = ["FileUnreadable", "make_order", "split_garments", "typed_order"]

@@ -53,7 +53,7 @@ def command(
     """
     from ..service.anywhere import is_remote, open_database, submit
     from ..service.settings import read_settings
-    from ..service.store import open_store
+    from ..service.stores import open_store
     from ..workers.embedded import ensure_services
     from .order import make_order, split_garments
     from .terminal import note
@@ -111,7 +111,7 @@ def wait_and_show(
         Exit status.
     """
     from ..service.anywhere import describe_job, export_files
-    from ..service.store import open_store
+    from ..service.stores import open_store
     from .follow import WaitTimedOut, follow
     from .summary import print_result
     from .terminal import note, print_error, print_json

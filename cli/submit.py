@@ -49,7 +49,7 @@ def command(
     from ..core.errors import GarmentqError
     from ..service.anywhere import open_database, submit
     from ..service.settings import read_settings
-    from ..service.store import open_store
+    from ..service.stores import open_store
     from .order import make_order, split_garments
     from .terminal import print_error, print_json
 

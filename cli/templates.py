@@ -121,7 +121,7 @@ def export_command(name: str, out: Path, home: Path | None) -> None:
 def _open(home: Path | None) -> tuple[Any, Any]:
     from ..service.anywhere import open_database
     from ..service.settings import read_settings
-    from ..service.store import open_store
+    from ..service.stores import open_store
 
     settings = read_settings(home=home)
     return open_database(settings), open_store(settings)

@@ -21,7 +21,8 @@ from ..core.errors import BadInput
 from .database import Database
 from .garbage import find_references
 from .settings import ServiceSettings
-from .store import ArtifactMissing, Store, open_store
+from .store import ArtifactMissing, Store
+from .stores import open_store
 
 DATABASE = "garmentq.db"
 BLOBS = "store/"

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import BinaryIO
 
 from ..core.errors import GarmentqError
-from .settings import ServiceSettings
 
 BLOCK = 1 << 20
 """Bytes read at a time."""
@@ -69,19 +68,6 @@ class Kept:
     sha256: str
     size: int
     modified: float
-
-
-def open_store(settings: ServiceSettings) -> Store:
-    """Open the store that GARMENTQ_STORE names: `s3://bucket/prefix`, or a folder.
-
-    Raises:
-        DriverMissing: where an S3 store is named and boto3 is missing.
-    """
-    if settings.is_store_remote:
-        from .s3 import S3Store
-
-        return S3Store(settings.store, settings.s3_endpoint, settings.home / "cache")
-    return Store(settings.store_path)
 
 
 def check_key(sha256: str) -> str:

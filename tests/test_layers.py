@@ -5,6 +5,9 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
+from collections.abc import Iterator
+from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -12,24 +15,55 @@ import pytest
 ROOT = Path(__file__).parents[1]
 LAYERS = ("core", "service", "workers", "cli")
 """From the lowest to the highest."""
+ROOMS = (
+    "errors", "hooks", "settings", "limited", "npy", "mesh", "body", "scan", "segment", "pattern", "simulate", "drape",
+    "grade", "deform", "fit", "recovery", "measure", "export", "checkpoints", "pipeline",
+)  # fmt: skip
+"""The rooms of core, from the lowest to the highest; a new one takes its place here."""
+
+Module = tuple[str, ...]
+
+
+def find_modules() -> dict[Module, Path]:
+    """Return the file of every module of all layers; a package stands for its `__init__`."""
+    found = {}
+    for layer in LAYERS:
+        for path in (ROOT / layer).rglob("*.py"):
+            parts = path.relative_to(ROOT).with_suffix("").parts
+            found[parts[:-1] if parts[-1] == "__init__" else parts] = path
+    return found
 
 
 def find_imports(path: Path) -> set[str]:
-    """Give the layers that a module imports, wherever in it."""
+    """Return the layers that a module imports, wherever in it."""
+    names = list(read_imports(path))
+    found = {name[1] for name in names if len(name) > 1 and name[0] == "garmentq"}
+    return found | {f"bare {name[0]}" for name in names if name and name[0] in LAYERS}
+
+
+def read_imports(path: Path) -> Iterator[Module]:
+    """Yield every imported name of a module with all its parts, those in functions and for types too."""
     package = ("garmentq", *path.relative_to(ROOT).parts[:-1])
-    found = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom):
             base = package[: len(package) - node.level + 1] if node.level else ()
-            parts = (*base, *(node.module or "").split(".")) if node.module else base
-            names = [parts] if len(parts) > 1 else [(*parts, alias.name) for alias in node.names]
+            base = (*base, *node.module.split(".")) if node.module else base
+            yield from ((*base, alias.name) for alias in node.names)
         elif isinstance(node, ast.Import):
-            names = [tuple(alias.name.split(".")) for alias in node.names]
-        else:
-            continue
-        found |= {name[1] for name in names if len(name) > 1 and name[0] == "garmentq"}
-        found |= {f"bare {name[0]}" for name in names if name and name[0] in LAYERS}
-    return found
+            yield from (tuple(alias.name.split(".")) for alias in node.names)
+
+
+@cache
+def import_graph() -> dict[Module, set[Module]]:
+    """Return the modules that importing each module runs: what it names, and the packages around that but its own."""
+    modules = find_modules()
+    graph = {}
+    for module, path in modules.items():
+        named = {name[1:] for name in read_imports(path) if name[0] == "garmentq"}
+        targets = {name if name in modules else name[:-1] for name in named}
+        around = {name[:k] for name in targets for k in range(1, len(name)) if module[:k] != name[:k]}
+        graph[module] = ((targets | around) & set(modules)) - {module}
+    return graph
 
 
 @pytest.mark.parametrize("layer", LAYERS)
@@ -48,6 +82,29 @@ def test_the_reader_of_imports_sees_them():
     assert {"service", "core"} <= find_imports(ROOT / "workers" / "recovery.py")
     assert "workers" in find_imports(ROOT / "cli" / "run.py")
     assert "migrations" in find_imports(ROOT / "service" / "database.py")
+    assert ("core", "mesh") in import_graph()["core", "segment", "loop"]
+    assert ("core", "mesh", "geometry") in import_graph()["core", "mesh", "surface"]
+    assert ("core", "segment") in import_graph()["core", "pattern", "templates"]
+
+
+def test_rooms_know_only_lower_rooms():
+    """Broken where a room of core imports one above it, or a new room has no place in the order."""
+    assert {module[1] for module in find_modules() if module[0] == "core" and len(module) > 1} == set(ROOMS)
+    wrong = {
+        f"{'.'.join(module)} -> {'.'.join(other)}"
+        for module, others in import_graph().items()
+        for other in others
+        if module[0] == other[0] == "core" and min(len(module), len(other)) > 1
+        if ROOMS.index(other[1]) > ROOMS.index(module[1])
+    }
+    assert wrong == set()
+
+
+def test_no_circle_of_imports():
+    """Broken where modules import each other in a circle, even within functions or for types only."""
+    with pytest.raises(CycleError):
+        TopologicalSorter({1: {2}, 2: {1}}).prepare()
+    TopologicalSorter(import_graph()).prepare()
 
 
 @pytest.mark.parametrize("module", ["cli.main", "service.jobs", "workers.embedded", "core.recovery"])

@@ -28,7 +28,8 @@ from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, re
 from ..service.results import CHECKPOINT, PREVIOUS, load_checkpoint, save_checkpoint, store_recovery
 from ..service.settings import ServiceSettings
 from ..service.states import State
-from ..service.store import ArtifactDamaged, ArtifactMissing, Store, open_store
+from ..service.store import ArtifactDamaged, ArtifactMissing, Store
+from ..service.stores import open_store
 from .threads import limit_threads
 from .watch import JobTooLong, Watch
 

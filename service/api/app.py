@@ -9,7 +9,7 @@ from fastapi import Depends, FastAPI
 from ... import __version__
 from ..database import open_database
 from ..settings import ServiceSettings
-from ..store import open_store
+from ..stores import open_store
 from . import batches, events, health, jobs, keys, materials, questions, results, templates, uploads
 from .access import Rooms, refuse_unknown
 from .answers import Problem

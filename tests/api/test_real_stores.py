@@ -11,7 +11,7 @@ import pytest
 from api_client import serving
 from api_work import ask, code_of, finish, make_key, make_ply, upload
 from garmentq.service.database import open_database
-from garmentq.service.store import open_store
+from garmentq.service.stores import open_store
 from garmentq_home import DATABASES
 
 JSON = {"content-type": "application/json"}

@@ -11,7 +11,7 @@ from garmentq.service.backup import BackupDamaged, BackupRefused, make_backup, r
 from garmentq.service.database import open_database
 from garmentq.service.jobs import claim, find_job, list_jobs
 from garmentq.service.results import export_files, load_checkpoint, save_checkpoint, store_recovery
-from garmentq.service.store import open_store
+from garmentq.service.stores import open_store
 from garmentq_home import make_settings
 from garmentq_standin import make_recovery
 

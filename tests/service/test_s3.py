@@ -10,7 +10,8 @@ import time
 import pytest
 from garmentq.service.database import DriverMissing
 from garmentq.service.settings import ServiceSettingBad
-from garmentq.service.store import ArtifactMissing, Store, StoreUnreachable, open_store
+from garmentq.service.store import ArtifactMissing, Store, StoreUnreachable
+from garmentq.service.stores import open_store
 from garmentq_home import make_settings
 
 AGES = time.time() + 1e6

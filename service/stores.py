@@ -1,0 +1,18 @@
+"""Which store holds the files: a folder or an S3 bucket, by its address."""
+
+from __future__ import annotations
+
+from .s3 import S3Store
+from .settings import ServiceSettings
+from .store import Store
+
+
+def open_store(settings: ServiceSettings) -> Store:
+    """Open the store that GARMENTQ_STORE names: `s3://bucket/prefix`, or a folder.
+
+    Raises:
+        DriverMissing: where an S3 store is named and boto3 is missing.
+    """
+    if settings.is_store_remote:
+        return S3Store(settings.store, settings.s3_endpoint, settings.home / "cache")
+    return Store(settings.store_path)
