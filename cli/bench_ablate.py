@@ -10,10 +10,18 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .bench_lines import Line, append_lines, keep_failure
 from .terminal import print_table
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ..core.case import Case, GradedDrape
+    from ..core.deform import DeformSettings
+    from ..core.measure import Pack
+    from ..core.pattern import Garment
 
 SAMPLES = 10_000
 """Samples of each surface for the distances: they then scatter by about a per cent."""
@@ -92,7 +100,8 @@ def ablate_pack(order: dict[str, Any], write: Callable[[Line], None]) -> None:
     """
     from ..core.measure import read_packs
 
-    pack, stage, line = read_packs(Path(order["pack"]))[0], None, empty_line(Path(order["pack"]).name)
+    pack, line = read_packs(Path(order["pack"]))[0], empty_line(Path(order["pack"]).name)
+    stage: _Stage | None = None
     with keep_failure(line):
         stage = _Stage.of(pack, order["preset"])
     if stage is None:
@@ -114,64 +123,48 @@ def _run(stage: _Stage, switch: Switch) -> Line:
 
 @dataclass(frozen=True)
 class _Stage:
-    """Hold what all rows of a pack share."""
+    """What all rows of a pack share: the graded drape, and that of the base pattern beside it."""
 
-    pack: Any
-    base: Any
-    wearer: Any
-    target: Any
-    fabric: Any
-    graded: Any
-    ungraded: Any
-    preset: Any
+    pack: Pack
+    case: Case
+    graded: GradedDrape
+    ungraded: Garment
+    preset: DeformSettings
 
     @classmethod
-    def of(cls, pack: Any, preset: str) -> _Stage:
+    def of(cls, pack: Pack, preset: str) -> _Stage:
         """Go as far as the graded drape, and drape the base pattern beside it."""
+        from ..core.clock import Clock
         from ..core.deform import DeformSettings
-        from ..core.drape import WearerGeometry, drape_graded, drape_template
-        from ..core.grade import grade_pattern
-        from ..core.hooks import SILENT
-        from ..core.pipeline import GRADINGS, find_body, find_template, read_files
+        from ..core.drape import drape_graded, drape_template
+        from ..core.pipeline import drape_to_scan, make_case
         from ..core.recovery import Request
-        from ..core.segment import segment_garment
         from ..core.settings import RecoverySettings
-        from ..core.simulate import get_fabric
 
         settings = RecoverySettings(method="deform", vertex_count=VERTICES)
-        request = Request(scan=pack.garment, body=pack.body, template=pack.template, settings=settings)
-        pieces = read_files(request)
-        body = find_body(request, pieces, SILENT)
-        target = segment_garment(pieces.garment, body)
-        base = find_template(request, target)[1]
-        wearer, fabric, count = WearerGeometry(body), get_fabric(settings.fabric), settings.vertex_count
-        worn = drape_template(base, wearer, target)
-        garment = worn
-        for _ in range(GRADINGS):
-            garment = grade_pattern(garment, target, body).garment
-        graded = drape_graded(garment, wearer, fabric, target, vertex_count=count)[0]
-        ungraded = drape_graded(worn, wearer, fabric, target, vertex_count=count)[0]
-        chosen = DeformSettings.thesis() if preset == "thesis" else DeformSettings()
-        return cls(pack, base, wearer, target, fabric, graded, ungraded, chosen)
+        clock = Clock()
+        case = make_case(Request(pack.garment, pack.body, template=pack.template, settings=settings), clock)
+        worn = drape_template(case.base, case.wearer, case.target)
+        ungraded = drape_graded(worn, case.wearer, case.fabric, case.target, vertex_count=VERTICES)[0]
+        return cls(pack, case, drape_to_scan(case, clock), ungraded, DeformSettings.of_preset(preset))
 
     def descend(self, switch: Switch) -> dict[str, float | None]:
         """Run the inverse loop and measure its simulation mesh."""
         from ..core.fit import InverseSettings, fit_inverse
 
         few = InverseSettings(iterations=STEPS[0], fabric_iterations=STEPS[1])
-        settings = replace(few, **switch.descent)
-        found = fit_inverse(self.graded, self.target, self.base, self.fabric, self.wearer, settings=settings)
-        return self._measure(found.garment, found.simulation)
+        found = fit_inverse(self.case, self.graded, replace(few, **switch.descent))
+        return self._measure(found.garment, found.garment.nodes)
 
     def deform(self, switch: Switch) -> dict[str, float | None]:
         """Run the deformer and measure the detail mesh."""
         from ..core.deform import deform
 
-        start = self.graded if switch.graded else self.ungraded
+        start = self.graded.garment if switch.graded else self.ungraded
         settings = replace(self.preset, **switch.deforming)
-        return self._measure(start, deform(start, self.target, self.wearer.exposed, settings=settings).nodes)
+        return self._measure(start, deform(start, self.case.target, self.case.wearer.exposed, settings=settings).nodes)
 
-    def _measure(self, garment: Any, nodes: Any) -> dict[str, float | None]:
+    def _measure(self, garment: Garment, nodes: np.ndarray) -> dict[str, float | None]:
         """Measure nodes against the truth as it is in the file."""
         from ..core.measure import (
             chamfer_and_normals,

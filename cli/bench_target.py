@@ -86,7 +86,7 @@ def _recover(order: dict[str, Any]) -> dict[str, Any]:
             "compile_seconds": compiling.seconds,
             "stage_seconds": recovery.stage_seconds,
             "peak_mb": recovery.peak_mb,
-            "vertices": len(recovery.detail),
+            "vertices": len(recovery.meshes.detail),
             "warnings": recovery.warnings,
             "unmatched_panels": unmatched,
             "fabric": fabric,

@@ -1,81 +1,198 @@
-"""Keep the two dear intermediate results, so that a job that is run again goes on where it was stopped."""
+"""Checkpoints: frozen dataclasses as plain arrays and back, bound to the input that they were computed from.
+
+A stage that goes on where a killed run stopped calls `load` first and `save` after each round. What was kept by other
+code (another set of fields), of another input, or is not whole is ignored: the stage then starts anew.
+"""
 
 from __future__ import annotations
 
-from dataclasses import fields
+import hashlib
+import types
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from .body import Body
 from .hooks import Arrays, Hooks
-from .pattern import Garment, Pattern, mesh_pattern
-from .segment import name_contours
-from .simulate import Drape, Outcome, SteadyRotation
 
-_BODY_ARRAYS = tuple(f.name for f in fields(Body) if f.name not in ("parameters", "source", "fit_rms"))
+T = TypeVar("T")
 
+FORMAT, INPUTS = "format", "inputs"
+"""Keys beside the fields: a hash of the type's structure, and of what the content was computed from."""
 
-def keep_body(hooks: Hooks, body: Body) -> None:
-    """Save a registered body under the name `body`."""
-    arrays = {name: getattr(body, name) for name in _BODY_ARRAYS}
-    arrays |= {f"parameter.{name}": np.asarray(value) for name, value in body.parameters.items()}
-    hooks.save_checkpoint("body", {**arrays, "source": _text(body.source), "fit_rms": np.array(body.fit_rms)})
+_NUMBERS: dict[Any, type] = {bool: np.bool_, int: np.int64, float: np.float64}
 
 
-def kept_body(hooks: Hooks) -> Body | None:
-    """Give the body that an earlier run of the job registered, or None."""
-    kept = hooks.load_checkpoint("body")
-    if kept is None:
-        return None
-    parameters = {name.partition(".")[2]: kept[name] for name in kept if name.startswith("parameter.")}
-    arrays = {name: kept[name] for name in _BODY_ARRAYS}
-    return Body(**arrays, parameters=parameters, source=_read(kept["source"]), fit_rms=float(kept["fit_rms"]))
+_TEXTS = tuple[str, ...]
 
 
-def keep_drape(hooks: Hooks, garment: Garment, drape: Drape, warnings: list[str]) -> None:
-    """Save the graded pattern's control points and its drape under the name `drape`."""
-    hooks.save_checkpoint(
-        "drape",
-        {
-            "points": garment.pattern.points,
-            "garment": garment.nodes,
-            "nodes": drape.nodes,
-            "anchors": drape.anchors,
-            "numbers": np.array([drape.residual, drape.iterations, drape.energy]),
-            "spin": np.zeros(0) if drape.rotation is None else np.array([drape.rotation.rate, *drape.rotation.centre]),
-            "texts": _text("\n".join([drape.outcome, *warnings])),
-        },
-    )
+class NotWhole(ValueError):
+    """Arrays are not those that `pack` made of the type."""
 
 
-def kept_drape(hooks: Hooks, base: Pattern, vertex_count: int, body: Body) -> tuple[Garment, Drape, list[str]] | None:
-    """Give the garment, drape and warnings that an earlier run of the job reached, or None.
+def save(hooks: Hooks, name: str, state: Any, *inputs: Any) -> None:
+    """Keep a dataclass under a name.
 
-    The mesh is made again: the same control points and vertex count give the same mesh.
+    Args:
+        hooks: Keep the arrays.
+        name: Of the checkpoint.
+        state: What to keep.
+        inputs: Arrays and numbers that `state` was computed from.
     """
-    kept: Arrays | None = hooks.load_checkpoint("drape")
-    if kept is None:
+    hooks.save_checkpoint(name, {**pack(state), INPUTS: _write(_digest(inputs))})
+
+
+def load(hooks: Hooks, name: str, kind: type[T], *inputs: Any) -> T | None:
+    """Return what an earlier run of the job kept under a name, or None where nothing fits type and inputs."""
+    kept = hooks.load_checkpoint(name)
+    if kept is None or not np.array_equal(kept.get(INPUTS, ()), _write(_digest(inputs))):
         return None
-    garment = mesh_pattern(base.with_points(kept["points"]), vertex_count)
-    contours, _ = name_contours(kept["garment"], garment.faces, body)
-    residual, iterations, energy = kept["numbers"]
-    outcome, *warnings = _read(kept["texts"]).split("\n")
-    rotation = [float(value) for value in kept.get("spin", ())]
-    drape = Drape(
-        nodes=kept["nodes"],
-        residual=float(residual),
-        iterations=int(iterations),
-        energy=float(energy),
-        outcome=Outcome(outcome),
-        anchors=kept["anchors"],
-        rotation=SteadyRotation(rotation[0], (rotation[1], rotation[2], rotation[3])) if rotation else None,
-    )
-    return garment.at(kept["garment"], contours), drape, warnings
+    return unpack(kind, {key: kept[key] for key in kept if key != INPUTS})
 
 
-def _text(text: str) -> np.ndarray:
+def pack(value: Any) -> dict[str, np.ndarray]:
+    """Return a dataclass as arrays by dotted names.
+
+    Fields may be arrays, numbers, texts, enums, dataclasses of such, tuples and dictionaries by text of one kind of
+    them, and each of them or None.
+
+    Raises:
+        TypeError: where a field is of another type.
+    """
+    arrays = {FORMAT: _write(fingerprint(type(value)))}
+    _put(type(value), value, "", arrays)
+    return arrays
+
+
+def unpack(kind: type[T], arrays: Arrays) -> T | None:
+    """Return the dataclass that was packed, or None where the arrays are another type's, another version's or cut."""
+    left = dict(arrays)
+    try:
+        if _read(left.pop(FORMAT)) != fingerprint(kind):
+            return None
+        value: T = _take(kind, "", left)
+    except (KeyError, ValueError):
+        return None
+    return None if left else value
+
+
+def fingerprint(kind: type) -> str:
+    """Return a hash of a type's fields, their names and types, all the way down."""
+    return hashlib.sha256(_describe(kind).encode()).hexdigest()
+
+
+def _describe(kind: Any) -> str:
+    if is_dataclass(kind):
+        return f"({', '.join(f'{name}: {_describe(hint)}' for name, hint in _fields(kind))})"
+    if isinstance(kind, type) and issubclass(kind, Enum):
+        return f"[{', '.join(kind.__members__)}]"
+    inner = get_args(kind)
+    return f"{get_origin(kind)}<{', '.join(map(_describe, inner))}>" if inner else repr(kind)
+
+
+def _fields(kind: Any) -> list[tuple[str, Any]]:
+    hints = get_type_hints(kind)
+    return [(field.name, hints[field.name]) for field in fields(kind)]
+
+
+def _put(kind: Any, value: Any, at: str, arrays: dict[str, np.ndarray]) -> None:
+    """Add a value of a type to arrays, under names that begin with `at`."""
+    if (inner := _optional(kind)) is not None:
+        arrays[f"{at}?"] = np.array(value is not None)
+        if value is not None:
+            _put(inner, value, at, arrays)
+    elif is_dataclass(kind):
+        for name, hint in _fields(kind):
+            _put(hint, getattr(value, name), f"{at}.{name}" if at else name, arrays)
+    elif get_origin(kind) is tuple:
+        for index, (hint, each) in enumerate(zip(_items(kind, len(value)), value, strict=True)):
+            _put(hint, each, f"{at}.{index}", arrays)
+        arrays[f"{at}#"] = np.array(len(value))
+    elif get_origin(kind) in (dict, Mapping):
+        _put(_TEXTS, tuple(value), f"{at}:", arrays)
+        _put(_many(get_args(kind)[1]), tuple(value.values()), at, arrays)
+    elif kind is np.ndarray:
+        if (array := np.asarray(value)).dtype == object:
+            raise TypeError(f"{at} holds Python objects")
+        arrays[at] = array
+    elif kind in _NUMBERS:
+        arrays[at] = np.array(value, dtype=_NUMBERS[kind])
+    elif kind is str:
+        arrays[at] = _write(value)
+    elif isinstance(kind, type) and issubclass(kind, Enum):
+        arrays[at] = _write(value.name)
+    else:
+        raise TypeError(f"{at} is of type {kind}, which no checkpoint holds")
+
+
+def _take(kind: Any, at: str, arrays: dict[str, np.ndarray]) -> Any:
+    """Remove a value of a type from arrays; the reverse of `_put`."""
+    if (inner := _optional(kind)) is not None:
+        return _take(inner, at, arrays) if _number(bool, f"{at}?", arrays) else None
+    if is_dataclass(kind):
+        values = {name: _take(hint, f"{at}.{name}" if at else name, arrays) for name, hint in _fields(kind)}
+        return kind(**values)  # type: ignore[operator]
+    if get_origin(kind) is tuple:
+        hints = _items(kind, _number(int, f"{at}#", arrays))
+        return tuple(_take(hint, f"{at}.{index}", arrays) for index, hint in enumerate(hints))
+    if get_origin(kind) in (dict, Mapping):
+        names = _take(_TEXTS, f"{at}:", arrays)
+        return dict(zip(names, _take(_many(get_args(kind)[1]), at, arrays), strict=True))
+    if kind in _NUMBERS:
+        return _number(kind, at, arrays)
+    if kind is str:
+        return _read(arrays.pop(at))
+    if isinstance(kind, type) and issubclass(kind, Enum):
+        return kind[_read(arrays.pop(at))]
+    return arrays.pop(at)
+
+
+def _optional(kind: Any) -> Any | None:
+    """Return X of `X | None`, or None for another type."""
+    inner = get_args(kind)
+    if get_origin(kind) not in (Union, types.UnionType) or len(inner) != 2 or type(None) not in inner:
+        return None
+    return inner[0] if inner[1] is type(None) else inner[1]
+
+
+def _many(kind: Any) -> Any:
+    """Return the type of a tuple of any length of a type."""
+    return types.GenericAlias(tuple, (kind, ...))
+
+
+def _items(kind: Any, count: int) -> tuple[Any, ...]:
+    """Return the types of a tuple's items."""
+    inner = get_args(kind)
+    items = inner[:1] * count if inner[-1] is Ellipsis else inner
+    if len(items) != count:
+        raise NotWhole(f"{count} items of a {kind}")
+    return items
+
+
+def _number(kind: type, at: str, arrays: dict[str, np.ndarray]) -> Any:
+    array = np.asarray(arrays.pop(at))
+    if array.shape != () or array.dtype != _NUMBERS[kind]:
+        raise NotWhole(f"{at} is no {kind.__name__}")
+    return array.item()
+
+
+def _digest(inputs: tuple[Any, ...]) -> str:
+    """Return a hash of arrays and numbers: their types, shapes and every bit."""
+    found = hashlib.sha256()
+    for each in inputs:
+        array = np.ascontiguousarray(each)
+        found.update(f"{array.dtype.str}{array.shape}".encode())
+        found.update(array.tobytes())
+    return found.hexdigest()
+
+
+def _write(text: str) -> np.ndarray:
     return np.frombuffer(text.encode(), dtype=np.uint8)
 
 
 def _read(codes: np.ndarray) -> str:
-    return bytes(np.asarray(codes, dtype=np.uint8)).decode()
+    if (array := np.asarray(codes)).dtype != np.uint8:
+        raise NotWhole("no text")
+    return array.tobytes().decode()

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import platform
 import resource
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -15,20 +12,20 @@ from typing import Any
 import numpy as np
 
 from .body import Body, BodyMissing, builtin_body, is_builtin, is_smpl, load_smpl, register_body
-from .checkpoints import keep_body, keep_drape, kept_body, kept_drape
-from .deform import Deformation, DeformSettings, deform
+from .case import Case, GradedDrape
+from .checkpoints import load, save
+from .clock import Clock
 from .drape import WearerGeometry, describe_motion, drape_as_scanned, drape_template, redrape
-from .errors import Cancelled, GarmentqError
-from .fit import InverseFit, PatternFit, find_held, fit_inverse, fit_pattern
+from .fit import METHODS, Fit, find_held
 from .grade import choose_template, grade_pattern, slide_seams
 from .hooks import SILENT, Hooks
-from .measure import judge, measure_fit, measure_knowledge, measure_seams
-from .pattern import Garment, Pattern, list_templates, load_pattern, load_template
+from .measure import Reference, judge, measure_fit, measure_knowledge, measure_seams
+from .pattern import Garment, Pattern, list_templates, load_pattern, load_template, mesh_pattern
 from .recovery import Recovery, Request
-from .scan import Pieces, Scan, load_pieces
-from .segment import CATEGORIES, Target, segment_garment
-from .settings import RecoverySettings, SettingsBad
-from .simulate import Drape, Fabric, get_fabric
+from .scan import Pieces, load_pieces
+from .segment import CATEGORIES, Target, name_contours, segment_garment
+from .settings import SettingsBad
+from .simulate import Drape, get_fabric
 
 PACKAGES = ("garmentq", "torch", "numpy", "scipy", "numba", "trimesh", "libigl")
 """The packages whose versions decide the digits of a result; the manifest names them."""
@@ -36,29 +33,6 @@ PACKAGES = ("garmentq", "torch", "numpy", "scipy", "numba", "trimesh", "libigl")
 GRADINGS = 2
 """Times the pattern is graded: the second starts from the first's mesh on the target and takes out what symmetry and
 seams left over; a third moved no panel of the patterns we tried by more than 1 mm."""
-
-
-class Clock:
-    """Measure CPU seconds by stage and tell the hooks which stage runs."""
-
-    def __init__(self, hooks: Hooks) -> None:
-        self.hooks = hooks
-        self.seconds: dict[str, float] = {}
-        self.start = time.process_time()
-
-    @contextmanager
-    def stage(self, name: str, message: str) -> Iterator[Hooks]:
-        """Time one stage; the hooks it hands out report fractions under the stage's name."""
-        self.hooks.progress(name, 0.0, message)
-        before = time.process_time()
-        yield replace(self.hooks, on_progress=lambda _, fraction, text: self.hooks.on_progress(name, fraction, text))
-        self.seconds[name] = time.process_time() - before
-        self.hooks.progress(name, 1.0, message)
-
-    @property
-    def total(self) -> float:
-        """Give the CPU seconds since the start."""
-        return time.process_time() - self.start
 
 
 def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
@@ -72,139 +46,113 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         BadInput: where a file or a setting cannot be used; the code says why.
         Cancelled: as soon as the hooks say so.
     """
+    clock = Clock(hooks)
+    case = make_case(request, clock)
+    drape = drape_to_scan(case, clock)
+    fit = METHODS[request.settings.method].fit(case, drape, clock)
+    if fit.meshes.simulation is not None:
+        fit = redrape_pattern(case, drape, fit, clock)
+    with clock.stage("measure", "measuring the result"):
+        metrics = measure(case, drape, fit)
+    return Recovery(
+        scan=case.scan,
+        body=case.body,
+        target=case.target,
+        template=case.template,
+        pattern=fit.garment.pattern,
+        fabric=fit.fabric,
+        garment=fit.garment,
+        meshes=fit.meshes,
+        metrics=metrics,
+        gates=judge(metrics),
+        warnings=tuple(dict.fromkeys((*case.scan.repairs, *drape.warnings, *fit.warnings))),
+        stage_seconds=clock.seconds,
+        cpu_seconds=clock.total,
+        peak_mb=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
+        manifest=describe(case),
+        estimates=fit.estimates,
+        nearest_fabrics=fit.nearest,
+        point_std=fit.point_std,
+    )
+
+
+def make_case(request: Request, clock: Clock) -> Case:
+    """Read the files, find the wearer, name the garment's contours and choose its base pattern."""
     settings = request.settings
     fabric = get_fabric(settings.fabric)
-    clock = Clock(hooks)
     with clock.stage("scan", "reading the scan"):
         pieces = read_files(request)
-        scan = pieces.garment
-    with clock.stage("body", "finding the wearer's joints") as inner:
-        body = find_body(request, pieces, inner)
+    with clock.stage("body", "finding the wearer's joints") as hooks:
+        body = find_body(request, pieces, hooks)
     with clock.stage("segment", "naming the open contours"):
-        target = segment_garment(scan, body)
+        target = segment_garment(pieces.garment, body)
         if settings.garment is not None:
             target = replace(target, category=check_category(settings.garment))
     template, base = find_template(request, target)
     base = replace(base, symmetric=settings.free != "symmetry")
     find_held(base, base, settings.locks)  # a lock of nothing is refused now, not after the drape
-    wearer = WearerGeometry(body)
-    garment, drape, notes = drape_to_scan(base, wearer, target, settings, clock)
-    warnings = [*scan.repairs, *notes]
-    simulation: np.ndarray | None = None
-    fitted: PatternFit | InverseFit | None = None
-    graded = garment.nodes
-    # cloth in motion tells nothing of its fabric
-    locks = settings.locks if drape.rotation is None else (*settings.locks, "fabric")
-    if settings.method == "inverse":
-        with clock.stage("fit", "descending through the simulator") as inner:
-            fitted = fit_inverse(
-                garment, target, base, fabric, wearer,
-                vertex_count=settings.vertex_count, locks=locks, rotation=drape.rotation, hooks=inner,
-            )  # fmt: skip
-        fabric, garment, graded, simulation = fitted.fabric, fitted.garment, fitted.graded, fitted.simulation
-        warnings += fitted.warnings
-    with clock.stage("deform", "deforming the drape onto the scan") as inner:
-        preset = DeformSettings.thesis() if settings.preset == "thesis" else DeformSettings()
-        detail = deform(garment, target, wearer.exposed, settings=preset, hooks=inner)
-        warnings += detail.warnings
-    garment = garment.at(graded)
-    if settings.method == "hybrid":
-        with clock.stage("fit", "fitting the pattern through the simulator") as inner:
-            found = refit(
-                garment, detail.nodes, target, base, fabric, wearer,
-                vertex_count=settings.vertex_count, deforming=preset, locks=locks, rotation=drape.rotation, hooks=inner,
-            )  # fmt: skip
-        if isinstance(found, PatternFit):
-            fitted, fabric, detail = found, found.fabric, found.detail
-            garment, simulation = found.garment.at(found.graded), found.simulation
-            warnings += found.warnings
-        else:
-            warnings.append(found)
-    redraped = None
-    known: dict[str, float | None] = {}
-    if fitted is not None:
-        known = measure_knowledge(fitted.estimates, getattr(fitted, "point_std", None))
-        with clock.stage("redrape", "dressing the body in the recovered pattern") as inner:
-            redraped, again = redrape(garment, wearer, fabric, target, rotation=drape.rotation, hooks=inner)
-        if not again.converged:
-            warnings.append(f"the re-draped mesh is {again.outcome.advice}")
-        known |= {"redrape.residual": again.residual, "redrape.iterations": float(again.iterations)}
-    with clock.stage("measure", "measuring the result"):
-        metrics = known | measure(scan, target, garment, detail, simulation, drape, wearer, settings, redraped)
-    return Recovery(
-        scan=scan,
-        body=body,
-        target=target,
-        template=template,
-        pattern=garment.pattern,
-        fabric=fabric,
-        garment=garment.at(detail.nodes),
-        graded=garment.nodes,
-        detail=detail.nodes,
-        simulation=simulation,
-        metrics=metrics,
-        gates=judge(metrics),
-        warnings=tuple(dict.fromkeys(warnings)),
-        stage_seconds=clock.seconds,
-        cpu_seconds=clock.total,
-        peak_mb=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
-        manifest=describe(request, scan, body, template, target),
-        estimates=() if fitted is None else fitted.estimates,
-        nearest_fabrics=() if fitted is None else fitted.nearest,
-        point_std=fitted.point_std if isinstance(fitted, PatternFit) else None,
-        redraped=redraped,
-    )
+    return Case(request, pieces.garment, WearerGeometry(body), target, template, base, fabric)
 
 
-def refit(
-    garment: Garment,
-    registered: np.ndarray,
-    target: Target,
-    base: Pattern,
-    fabric: Fabric,
-    wearer: WearerGeometry,
-    **options: Any,
-) -> PatternFit | str:
-    """Recover the pattern through the simulator; where that fails, say why: the graded pattern then stands."""
-    try:
-        return fit_pattern(garment, registered, target, base, fabric, wearer, **options)
-    except Cancelled:
-        raise
-    except (GarmentqError, np.linalg.LinAlgError) as error:
-        return f"the pattern is the graded one, for it could not be fitted through the simulator: {error}"
+@dataclass(frozen=True)
+class _KeptDrape:
+    """The checkpoint `drape`: the same control points and vertex count give the same mesh, so that is not in it.
+
+    Attributes:
+        points: Control points of the graded pattern [m], shape [point_count, 2].
+        nodes: Of the garment on the wearer [m], shape [node_count, 3].
+        drape: The equilibrium.
+        warnings: What the user should know.
+    """
+
+    points: np.ndarray
+    nodes: np.ndarray
+    drape: Drape
+    warnings: tuple[str, ...]
 
 
-def drape_to_scan(
-    base: Pattern, wearer: WearerGeometry, target: Target, settings: RecoverySettings, clock: Clock
-) -> tuple[Garment, Drape, list[str]]:
-    """Dress the wearer in a base pattern, grade it to the target and drape what was graded.
+def drape_to_scan(case: Case, clock: Clock) -> GradedDrape:
+    """Dress the wearer in the base pattern, grade it to the target and drape what was graded."""
+    base, count = case.base, case.settings.vertex_count
+    kept = load(clock.hooks, "drape", _KeptDrape, base.points, count)
+    if kept is not None:
+        garment = mesh_pattern(base.with_points(kept.points), count)
+        contours, _ = name_contours(kept.nodes, garment.faces, case.body)
+        return GradedDrape(garment.at(kept.nodes, contours), kept.drape, kept.warnings)
+    with clock.stage("template", "dressing the body in the template") as hooks:
+        worn = drape_template(base, case.wearer, case.target, hooks=hooks)
+    with clock.stage("grade", "grading the pattern to the scan") as hooks:
+        graded, notes = grade(case, worn, hooks)
+    with clock.stage("drape", "draping the graded pattern") as hooks:
+        garment, drape = drape_as_scanned(
+            graded, case.wearer, case.fabric, case.target, vertex_count=count, hooks=hooks
+        )
+    motion = () if drape.rotation is None else (describe_motion(drape.rotation),)
+    warnings = (*notes, *motion, *(() if drape.converged else (drape.outcome.advice,)))
+    save(clock.hooks, "drape", _KeptDrape(garment.pattern.points, garment.nodes, drape, warnings), base.points, count)
+    return GradedDrape(garment, drape, warnings)
+
+
+def grade(case: Case, worn: Garment, hooks: Hooks) -> tuple[Garment, tuple[str, ...]]:
+    """Grade a worn base pattern to the target, and slide its seams to where they lie on the body.
 
     Returns:
-        The graded garment at rest, its drape, and what the user should know.
+        The graded garment on the target, and what the user should know.
     """
-    body = wearer.body
-    kept = kept_drape(clock.hooks, base, settings.vertex_count, body)
-    if kept is not None:
-        return kept
-    with clock.stage("template", "dressing the body in the template") as inner:
-        worn = drape_template(base, wearer, target, hooks=inner)
-    with clock.stage("grade", "grading the pattern to the scan") as inner:
-        grading = grade_pattern(worn, target, body, hooks=inner)
-        for _ in range(GRADINGS - 1):
-            grading = grade_pattern(grading.garment, target, body, hooks=inner)
-        graded = slide_seams(grading.garment, target, body, base, hooks=inner)
-    warnings = list(grading.warnings)
-    with clock.stage("drape", "draping the graded pattern") as inner:
-        fabric = get_fabric(settings.fabric)
-        garment, drape = drape_as_scanned(
-            graded, wearer, fabric, target, vertex_count=settings.vertex_count, hooks=inner
-        )
-    if drape.rotation is not None:
-        warnings.append(describe_motion(drape.rotation))
-    if not drape.converged:
-        warnings.append(drape.outcome.advice)
-    keep_drape(clock.hooks, garment, drape, warnings)
-    return garment, drape, warnings
+    grading = grade_pattern(worn, case.target, case.body, hooks=hooks)
+    for _ in range(GRADINGS - 1):
+        grading = grade_pattern(grading.garment, case.target, case.body, hooks=hooks)
+    return slide_seams(grading.garment, case.target, case.body, case.base, hooks=hooks), tuple(grading.warnings)
+
+
+def redrape_pattern(case: Case, drape: GradedDrape, fit: Fit, clock: Clock) -> Fit:
+    """Return the fit with its pattern draped anew from its rest placement, in the graded drape's rotation if any."""
+    with clock.stage("redrape", "dressing the body in the recovered pattern") as hooks:
+        rotation = drape.drape.rotation
+        nodes, again = redrape(fit.garment, case.wearer, fit.fabric, case.target, rotation=rotation, hooks=hooks)
+    warnings = () if again.converged else (f"the re-draped mesh is {again.outcome.advice}",)
+    meshes = replace(fit.meshes, redraped=nodes)
+    return replace(fit, meshes=meshes, redrape=again, warnings=(*fit.warnings, *warnings))
 
 
 def read_files(request: Request) -> Pieces:
@@ -229,11 +177,10 @@ def find_body(request: Request, pieces: Pieces, hooks: Hooks) -> Body:
         return builtin_body(str(request.body))
     if request.body is not None and is_smpl(request.body):
         return load_smpl(Path(request.body))
-    kept = kept_body(hooks)
-    if kept is not None:
-        return kept
-    body = register_body(wearer.vertices, wearer.faces, cloth=pieces.cloth, name=wearer.name, hooks=hooks)
-    keep_body(hooks, body)
+    body = load(hooks, "body", Body)
+    if body is None:
+        body = register_body(wearer.vertices, wearer.faces, cloth=pieces.cloth, name=wearer.name, hooks=hooks)
+        save(hooks, "body", body)
     return body
 
 
@@ -258,47 +205,32 @@ def check_category(name: str) -> str:
     return name
 
 
-def measure(
-    scan: Scan,
-    target: Target,
-    garment: Garment,
-    detail: Deformation,
-    simulation: np.ndarray | None,
-    drape: Drape,
-    wearer: WearerGeometry,
-    settings: RecoverySettings,
-    redraped: np.ndarray | None = None,
-) -> dict[str, float | None]:
-    """Measure all meshes against the scan; the truth is what the user gave."""
-    metrics = measure_fit(
-        garment,
-        garment.nodes,
-        detail.nodes,
-        simulation,
-        scan.vertices,
-        scan.faces,
-        target.contours,
-        wearer.exposed,
-        seed=settings.seed,
-        redraped=redraped,
-    )
-    metrics |= measure_seams(garment.pattern)
-    metrics["drape.residual"] = drape.residual
-    metrics["drape.iterations"] = float(drape.iterations)
-    metrics["drape.spin_rad_s"] = 0.0 if drape.rotation is None else drape.rotation.rate
-    metrics["body.fit_rms_mm"] = 1e3 * wearer.body.fit_rms
+def measure(case: Case, drape: GradedDrape, fit: Fit) -> dict[str, float | None]:
+    """Measure all meshes against the scan, the truth that the user gave, and what the fit knows."""
+    scan = case.scan
+    truth = Reference(scan.vertices, scan.faces, case.target.contours, case.wearer.exposed, case.settings.seed)
+    metrics = measure_knowledge(fit.estimates, fit.point_std)
+    if fit.redrape is not None:
+        metrics |= {"redrape.residual": fit.redrape.residual, "redrape.iterations": float(fit.redrape.iterations)}
+    metrics |= measure_fit(fit.garment, fit.meshes, truth)
+    metrics |= measure_seams(fit.garment.pattern)
+    metrics["drape.residual"] = drape.drape.residual
+    metrics["drape.iterations"] = float(drape.drape.iterations)
+    metrics["drape.spin_rad_s"] = 0.0 if drape.drape.rotation is None else drape.drape.rotation.rate
+    metrics["body.fit_rms_mm"] = 1e3 * case.body.fit_rms
     return metrics
 
 
-def describe(request: Request, scan: Scan, body: Body, template: str, target: Target) -> dict[str, Any]:
-    """Give what reproduces the result: versions, hashes, settings and what was understood of the input."""
+def describe(case: Case) -> dict[str, Any]:
+    """Return what reproduces the result: versions, hashes, settings and what was understood of the input."""
+    scan, body = case.scan, case.body
     return {
         "versions": {name: _version(name) for name in PACKAGES} | {"python": platform.python_version()},
         "scan": {"name": scan.name, "sha256": scan.sha256, "units": scan.units, "up": scan.up_axis},
         "body": {"source": body.source, "fit_rms_m": float(np.round(body.fit_rms, 6))},
-        "template": template,
-        "category": target.category,
-        "settings": request.settings.as_dict(),
+        "template": case.template,
+        "category": case.target.category,
+        "settings": case.settings.as_dict(),
     }
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .meshes import Meshes
 from .scan import Selection
 from .settings import RecoverySettings
 
@@ -93,9 +94,7 @@ class Recovery:
         pattern: The recovered pattern: graded, and with the method `hybrid` fitted.
         fabric: The fabric.
         garment: The recovered pattern meshed and sewn; its nodes are the detail mesh.
-        graded: Nodes of the graded drape, before deforming [m], shape [node_count, 3].
-        detail: Nodes of the detail mesh [m], shape [node_count, 3].
-        simulation: Nodes of the simulation mesh [m], shape [node_count, 3], or None where the method makes none.
+        meshes: Node positions of graded drape, detail, simulation and re-draped mesh.
         metrics: Flat dotted names to numbers; None where a metric does not apply.
         gates: The verdicts.
         warnings: What the user should know, one sentence each.
@@ -106,8 +105,6 @@ class Recovery:
         estimates: What the fit knows of each parameter of the fabric; empty where the method fits none.
         nearest_fabrics: Fabrics of the library that bend most alike, by name; empty likewise.
         point_std: Posterior standard deviation of the control points [m], shape [point_count, 2], or None.
-        redraped: Nodes of the recovered pattern draped anew from its rest placement [m], shape [node_count, 3], or None
-            where the method makes no simulation mesh.
     """
 
     scan: Scan
@@ -117,9 +114,7 @@ class Recovery:
     pattern: Pattern
     fabric: Fabric
     garment: Garment
-    graded: np.ndarray
-    detail: np.ndarray
-    simulation: np.ndarray | None
+    meshes: Meshes
     metrics: dict[str, float | None]
     gates: tuple[Gate, ...]
     warnings: tuple[str, ...]
@@ -130,4 +125,3 @@ class Recovery:
     estimates: tuple[FabricEstimate, ...] = ()
     nearest_fabrics: tuple[str, ...] = ()
     point_std: np.ndarray | None = None
-    redraped: np.ndarray | None = None

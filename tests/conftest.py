@@ -8,6 +8,7 @@ import functools
 import numpy as np
 import pytest
 from garmentq.core.body import JOINTS, Body
+from garmentq.core.meshes import Meshes
 from garmentq.core.pattern import Edge, EdgeRef, Panel, Pattern, Seam, mesh_pattern
 from garmentq.core.recovery import Recovery
 from garmentq.core.scan import Scan
@@ -77,7 +78,7 @@ def tube_recovery():
     """Give the maker of finished recoveries of a tube; keyword arguments replace its fields."""
     import trimesh
     from garmentq.core.body import ExposedSurface
-    from garmentq.core.measure import judge, measure_fit, measure_seams
+    from garmentq.core.measure import Reference, judge, measure_fit, measure_seams
 
     @functools.cache
     def base(names: tuple[str, str]) -> Recovery:
@@ -89,7 +90,8 @@ def tube_recovery():
         detail = garment.nodes * np.stack([swell, np.ones_like(swell), swell], axis=1)
         target = Target(garment.nodes, garment.faces, garment.nodes, garment.contours, (), "skirt")
         graded, faces, contours = garment.nodes * 1.01, garment.faces, garment.contours
-        metrics = measure_fit(garment, graded, detail, None, garment.nodes, faces, contours, skin, samples=2000)
+        meshes = Meshes(graded, detail)
+        metrics = measure_fit(garment, meshes, Reference(garment.nodes, faces, contours, skin, samples=2000))
         metrics |= measure_seams(garment.pattern)
         values = {
             "scan": Scan(garment.nodes, faces, name="tube"),
@@ -99,9 +101,7 @@ def tube_recovery():
             "pattern": garment.pattern,
             "fabric": Fabric("cotton", 500.0, 100.0, 500.0, 100.0, 1e-5, 0.12, title="cotton, 120 g/m2"),
             "garment": garment,
-            "graded": graded,
-            "detail": detail,
-            "simulation": None,
+            "meshes": meshes,
             "metrics": metrics,
             "gates": judge(metrics),
             "warnings": ("The scan's hem was frayed.",),

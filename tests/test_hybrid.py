@@ -10,11 +10,13 @@ import pytest
 import trimesh
 from garmentq.core import pipeline
 from garmentq.core.body import builtin_body
+from garmentq.core.clock import Clock
 from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template
 from garmentq.core.errors import Cancelled, GarmentqError
 from garmentq.core.export import write_recovery
-from garmentq.core.fit import LockUnknown
-from garmentq.core.pattern import load_pattern, load_template, panel_area, seam_mismatch
+from garmentq.core.fit import METHODS, Fit, LockUnknown, methods
+from garmentq.core.meshes import Meshes
+from garmentq.core.pattern import load_pattern, load_template, mesh_pattern, panel_area, seam_mismatch
 from garmentq.core.pipeline import recover
 from garmentq.core.recovery import STAGES, Recovery, Request
 from garmentq.core.settings import RecoverySettings
@@ -75,8 +77,8 @@ def test_a_strangers_pattern_is_the_base(recovered: Recovery, tmp_path: Path) ->
 def test_fit_and_new_drape_are_reported_beside_each_other(recovered: Recovery) -> None:
     """Breaks if a mesh has another topology, or the new drape or what is known of the cloth stays unmeasured."""
     count = len(recovered.garment.nodes)
-    assert recovered.simulation is not None and recovered.redraped is not None
-    assert recovered.simulation.shape == recovered.redraped.shape == recovered.detail.shape == (count, 3)
+    assert [name for name, _ in recovered.meshes] == ["graded", "detail", "simulation", "redrape"]
+    assert all(nodes.shape == (count, 3) for _, nodes in recovered.meshes)
     for prefix, limit in (("", 3.0), ("sim.", 25.0), ("redrape.", 40.0)):
         for way in ("s2t", "t2s"):
             value = recovered.metrics[f"{prefix}surface_rms_mm.{way}"]
@@ -94,14 +96,20 @@ def test_a_fit_that_fails_leaves_the_graded_pattern(monkeypatch: pytest.MonkeyPa
     def fail(*arguments: object, **options: object) -> None:
         raise error
 
-    monkeypatch.setattr(pipeline, "fit_pattern", fail)
-    nothing = [None] * 6
+    garment = mesh_pattern(load_template("skirt"), 300)
+    graded = Fit(garment, None, Meshes(garment.nodes, garment.nodes), warnings=("the hem is frayed",))
+    monkeypatch.setattr(methods.Graded, "fit", lambda *arguments: graded)
+    monkeypatch.setattr(methods, "fit_pattern", fail)
     for error in (GarmentqError("the cloth is knotted."), np.linalg.LinAlgError("singular")):
-        found = pipeline.refit(*nothing)
-        assert isinstance(found, str) and str(error) in found
+        clock = Clock()
+        found = METHODS["hybrid"].fit(None, None, clock)
+        assert found.garment.pattern is garment.pattern and found.meshes.simulation is None
+        assert found.warnings[0] == "the hem is frayed"
+        assert "the pattern is the graded one" in found.warnings[1] and str(error) in found.warnings[1]
+        assert "fit" in clock.seconds
     error = Cancelled()
     with pytest.raises(Cancelled):
-        pipeline.refit(*nothing)
+        METHODS["hybrid"].fit(None, None, Clock())
 
 
 def test_a_lock_of_nothing_is_refused_before_the_drape(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,12 +11,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from garmentq.core import settings
 from garmentq.core.body import Body, BodyMissing, builtin_body
-from garmentq.core.checkpoints import keep_body, kept_body
+from garmentq.core.checkpoints import load, save
+from garmentq.core.clock import Clock
 from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template
-from garmentq.core.hooks import Hooks
+from garmentq.core.fit import METHODS, Graded, Hybrid, Inverse, InverseSettings, ShapeSettings
+from garmentq.core.hooks import Arrays, Hooks
 from garmentq.core.pattern import load_template
-from garmentq.core.pipeline import recover
+from garmentq.core.pipeline import drape_to_scan, make_case, recover
 from garmentq.core.recovery import STAGES, Recovery, Request
 from garmentq.core.settings import RecoverySettings
 
@@ -36,9 +39,15 @@ def request_of_a_skirt(tmp_path_factory: pytest.TempPathFactory) -> Request:
 
 
 @pytest.fixture(scope="module")
-def straight(request_of_a_skirt: Request) -> Recovery:
+def kept() -> dict[str, Arrays]:
+    """The checkpoints of the uninterrupted run, by name."""
+    return {}
+
+
+@pytest.fixture(scope="module")
+def straight(request_of_a_skirt: Request, kept: dict[str, Arrays]) -> Recovery:
     """Recover it without interruption."""
-    return recover(request_of_a_skirt)
+    return recover(request_of_a_skirt, Hooks(save_checkpoint=kept.__setitem__))
 
 
 @pytest.mark.slow
@@ -99,10 +108,56 @@ def test_resumed_run_ends_where_an_uninterrupted_one_does(
 
     resumed = recover(request_of_a_skirt, Hooks(on_progress=note, load_checkpoint=kept.get))
     assert "grade" not in stages, "the graded drape was kept"
-    assert np.abs(resumed.detail - straight.detail).max() < 1e-6
-    assert np.abs(resumed.graded - straight.graded).max() < 1e-6
+    assert np.abs(resumed.meshes.detail - straight.meshes.detail).max() < 1e-6
+    assert np.abs(resumed.meshes.graded - straight.meshes.graded).max() < 1e-6
     assert np.abs(resumed.pattern.points - straight.pattern.points).max() < 1e-6
     assert resumed.metrics["drape.residual"] == straight.metrics["drape.residual"]
+
+
+METHODS_TOLD = {
+    "deform": (Graded(), {"deform"}, set()),
+    "inverse": (
+        Inverse(InverseSettings(vertices=200, iterations=2, fabric_iterations=1)),
+        {"fit", "deform"},
+        {"estimates", "nearest", "simulation"},
+    ),
+    "hybrid": (
+        Hybrid(ShapeSettings(vertices=500, iterations=1)),
+        {"deform", "fit"},
+        {"estimates", "nearest", "simulation", "point_std"},
+    ),
+}
+"""Each method in fewer steps, the stages that it times, and what its fit has beyond garment, fabric and meshes."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", METHODS)
+def test_every_method_ends_at_a_fit(
+    request_of_a_skirt: Request, straight: Recovery, kept: dict[str, Arrays], name: str
+) -> None:
+    """Breaks if a method leaves out what it promises, times other stages, or is known to settings or door alone."""
+    assert set(METHODS_TOLD) == set(METHODS) == set(settings.METHODS)
+    method, stages, promised = METHODS_TOLD[name]
+    assert isinstance(METHODS[name], type(method))
+    clock = Clock(Hooks(load_checkpoint=kept.get))
+    case = make_case(request_of_a_skirt, clock)
+    drape = drape_to_scan(case, clock)
+    before = set(clock.seconds)
+    fit = method.fit(case, drape, clock)
+    assert set(clock.seconds) - before == stages and "drape" not in before
+    np.testing.assert_array_equal(fit.garment.nodes, fit.meshes.detail)
+    assert {contour.name for contour in fit.garment.contours} == {"waist", "hem"}
+    has = {
+        "estimates": fit.estimates != (),
+        "nearest": fit.nearest != (),
+        "point_std": fit.point_std is not None,
+        "simulation": fit.meshes.simulation is not None,
+    }
+    assert {part for part, is_there in has.items() if is_there} == promised
+    assert all(nodes.shape == fit.garment.nodes.shape for _, nodes in fit.meshes)
+    assert fit.meshes.redraped is None and fit.redrape is None
+    if fit.point_std is not None:
+        assert fit.point_std.shape == fit.garment.pattern.points.shape
 
 
 def test_body_is_kept_whole() -> None:
@@ -112,10 +167,10 @@ def test_body_is_kept_whole() -> None:
         save_checkpoint=lambda name, arrays: kept.update({name: dict(arrays)}),
         load_checkpoint=lambda name: kept.get(name),
     )
-    assert kept_body(hooks) is None
+    assert load(hooks, "body", Body) is None
     body = replace(builtin_body(WEARER), fit_rms=0.003)
-    keep_body(hooks, body)
-    found = kept_body(hooks)
+    save(hooks, "body", body)
+    found = load(hooks, "body", Body)
     assert isinstance(found, Body)
     for field in fields(Body):
         ours, theirs = getattr(body, field.name), getattr(found, field.name)

@@ -113,6 +113,11 @@ class DeformSettings:
         )
 
     @classmethod
+    def of_preset(cls, name: str) -> DeformSettings:
+        """Return the settings of a preset: `default`, or `thesis` for the published ones."""
+        return cls.thesis() if name == "thesis" else cls()
+
+    @classmethod
     def thesis(cls) -> DeformSettings:
         """Give the published setting in the reading that works.
 

@@ -78,9 +78,7 @@ def drape_as_scanned(
     coarse = replace(motion, vertices=min(motion.vertices, vertex_count))
     found: list[SteadyRotation | None] = []
 
-    def drape_at(
-        rotation: SteadyRotation | None, stop: Stop | None = None
-    ) -> tuple[Garment, Drape]:
+    def drape_at(rotation: SteadyRotation | None, stop: Stop | None = None) -> tuple[Garment, Drape]:
         quiet = hooks if rotation is None else hooks.quiet()
         return drape_graded(
             graded, wearer, fabric, target, mesh=mesh, rotation=rotation, stop=stop, settings=settings, hooks=quiet

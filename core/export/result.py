@@ -12,7 +12,7 @@ import numpy as np
 from ..body import JOINTS, PARENTS, Body
 from ..pattern import write_pattern
 from ..recovery import Recovery
-from .meshes import write_meshes, write_ply
+from .meshes import KINDS, write_meshes, write_ply
 from .pattern_svg import write_svg
 from .report import report_html
 
@@ -30,13 +30,10 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
         report.html.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    garment = recovery.garment
-    files = write_meshes(garment, recovery.graded, folder, "graded", ("ply",))
-    files += write_meshes(garment, recovery.detail, folder, "detail")
-    if recovery.simulation is not None:
-        files += write_meshes(garment, recovery.simulation, folder, "simulation", ("ply",))
-    if recovery.redraped is not None:
-        files += write_meshes(garment, recovery.redraped, folder, "redrape", ("ply",))
+    files: list[Path] = []
+    for name, nodes in recovery.meshes:
+        kinds = KINDS if name == "detail" else ("ply",)
+        files += write_meshes(recovery.garment, nodes, folder, name, kinds)
     files.append(write_ply(recovery.body.vertices, recovery.body.faces, folder / "body.ply"))
     files.append(_write_json(_joints(recovery.body), folder / "body_joints.json"))
     files.append(_write_json(write_pattern(recovery.pattern), folder / "pattern.json"))

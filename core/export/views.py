@@ -59,17 +59,17 @@ def render_views(recovery: Recovery) -> tuple[tuple[View, ...], float]:
         The rows, and the end of the error map's colour bar [mm].
     """
     scan, body, faces = recovery.scan, recovery.body, recovery.garment.faces
-    distance = TriangleSurface(scan.vertices, scan.faces).closest(recovery.detail).distance
+    distance = TriangleSurface(scan.vertices, scan.faces).closest(recovery.meshes.detail).distance
     millimetres = 1e3 * distance
     end = float(np.ceil(max(LEAST_RANGE_MM, float(np.quantile(millimetres, 0.99)))))
     person = ColouredMesh(body.vertices, body.faces, SKIN)
     scanned = ColouredMesh(scan.vertices, scan.faces, SCANNED if scan.colours is None else scan.colours)
-    result = ColouredMesh(recovery.detail, faces, CLOTH)
-    error = ColouredMesh(recovery.detail, faces, colour_of(np.minimum(millimetres / end, 1.0)))
+    result = ColouredMesh(recovery.meshes.detail, faces, CLOTH)
+    error = ColouredMesh(recovery.meshes.detail, faces, colour_of(np.minimum(millimetres / end, 1.0)))
     shown = [scanned, result, error]
-    if recovery.simulation is not None:
-        shown.append(ColouredMesh(recovery.simulation, faces, DRAPED))
-    both = np.concatenate([recovery.target.vertices, recovery.detail])
+    if recovery.meshes.simulation is not None:
+        shown.append(ColouredMesh(recovery.meshes.simulation, faces, DRAPED))
+    both = np.concatenate([recovery.target.vertices, recovery.meshes.detail])
     low, high = both.min(axis=0), both.max(axis=0)
     aspect = (high[1] - low[1]) / max(float(np.hypot(high[0] - low[0], high[2] - low[2])), 1e-6)
     height = int(WIDTH * np.clip(aspect, WIDEST, SLIMMEST))

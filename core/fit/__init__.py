@@ -3,28 +3,35 @@
 from ..grade import IsometrySettings, move_pattern
 from .body_offset import estimate_body_offset, is_estimated
 from .descent import Descent, DescentProblem, InverseSettings, descend
-from .hybrid import PatternFit, fit_pattern
+from .hybrid import fit_pattern
 from .independence import count_independent
 from .inverse import InverseFit, fit_inverse
 from .isometry import fit_isometry
 from .locks import LockUnknown, find_held, keep_held
 from .losses import ChamferLoss, ContourLoss, PanelLoss, PlaneLoss, RangeLoss, RegisteredLoss, SeamLoss
 from .material import fit_bending, folding, nearest_fabrics, posterior, ratio_prior
+from .methods import METHODS, Graded, Hybrid, Inverse, Method
+from .result import Fit
 from .settings import MaterialSettings, ShapeSettings
 from .shape import ShapeFit, ShapeProblem, fit_shape, keep_seams
 
 __all__ = [
+    "METHODS",
     "ChamferLoss",
     "ContourLoss",
     "Descent",
     "DescentProblem",
+    "Fit",
+    "Graded",
+    "Hybrid",
+    "Inverse",
     "InverseFit",
     "InverseSettings",
     "IsometrySettings",
     "LockUnknown",
     "MaterialSettings",
+    "Method",
     "PanelLoss",
-    "PatternFit",
     "PlaneLoss",
     "RangeLoss",
     "RegisteredLoss",

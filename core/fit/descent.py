@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..body import DistanceGrid
+from ..checkpoints import load, save
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, Symmetry, check_outline, equalise_seams, find_symmetry, map_controls
 from ..pattern.errors import PanelCrossing, PanelDegenerate
@@ -276,7 +277,7 @@ def descend(problem: DescentProblem, hooks: Hooks = SILENT, fit_fabric: bool = T
     step starts from the last one's rest, with its friction.
     """
     settings = problem.settings
-    state = _kept(problem, hooks) or _begin(problem, hooks)
+    state = load(hooks, "fit.inverse", Descent, problem.garment.nodes) or _begin(problem, hooks)
     while state.stage < 2:
         if state.reaches_end(settings):
             state = _next_stage(problem, state, hooks, fit_fabric)
@@ -285,7 +286,7 @@ def descend(problem: DescentProblem, hooks: Hooks = SILENT, fit_fabric: bool = T
         hooks.progress("fit", 0.9 * done, f"loss {1e6 * state.losses[-1]:.0f} mm2")
         state = _step(problem, state, hooks)
         if len(state.losses) % settings.keep_every == 0:
-            _keep(problem, state, hooks)
+            save(hooks, "fit.inverse", state, problem.garment.nodes)
     return state
 
 
@@ -333,27 +334,3 @@ def _next_stage(problem: DescentProblem, state: Descent, hooks: Hooks, fit_fabri
         first=len(state.losses),
         stage=1,
     )
-
-
-_ARRAYS = ("variables", "nodes", "anchors", "gradient", "best", "best_nodes", "best_anchors", "losses")
-
-
-def _keep(problem: DescentProblem, state: Descent, hooks: Hooks) -> None:
-    """Save everything that the next step depends on under the name `fit.inverse`."""
-    arrays = {name: getattr(state, name) for name in _ARRAYS}
-    numbers = np.array([state.first, state.stage, state.adam.count])
-    hooks.save_checkpoint(
-        "fit.inverse",
-        arrays
-        | {"start": problem.garment.nodes, "first": state.adam.first, "second": state.adam.second, "numbers": numbers},
-    )
-
-
-def _kept(problem: DescentProblem, hooks: Hooks) -> Descent | None:
-    """Give the state that an earlier run of the same fit kept, or None."""
-    kept = hooks.load_checkpoint("fit.inverse")
-    if kept is None or not np.array_equal(kept["start"], problem.garment.nodes):
-        return None
-    first, stage, count = (int(value) for value in kept["numbers"])
-    adam = Adam(kept["first"], kept["second"], count)
-    return Descent(adam=adam, first=first, stage=stage, **{name: kept[name] for name in _ARRAYS})

@@ -2,107 +2,66 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
 import numpy as np
 
 from ..body import project_outside
-from ..deform import Deformation, DeformSettings, deform
-from ..drape import WearerGeometry, pin_waist
+from ..case import Case, GradedDrape
+from ..deform import DeformSettings, deform
+from ..drape import pin_waist
 from ..grade import move_pattern
 from ..hooks import SILENT, Hooks
-from ..pattern import Garment, Pattern, resample
-from ..segment import Target
+from ..meshes import Meshes
+from ..pattern import resample
 from ..simulate import Fabric, FabricEstimate
 from .body_offset import estimate_body_offset, is_estimated
 from .isometry import fit_isometry
 from .locks import find_held, keep_held
 from .material import fit_bending, nearest_fabrics, posterior, refine_bending, state_density
+from .result import Fit
 from .settings import MaterialSettings, ShapeSettings
-from .shape import ShapeFit, ShapeProblem, fit_shape
+from .shape import ShapeProblem, fit_shape
 from .transfer import remesh_and_transfer
-
-if TYPE_CHECKING:
-    from ..simulate import SteadyRotation
-
-
-@dataclass(frozen=True)
-class PatternFit:
-    """Hold what the inverse fit found.
-
-    Attributes:
-        garment: The recovered pattern, meshed anew; nodes registered.
-        graded: The graded pattern's drape on that mesh [m], shape [node_count, 3].
-        detail: The second registration, with the pattern and the place that isometry found.
-        simulation: The recovered pattern's equilibrium on the same mesh [m], shape [node_count, 3].
-        shape: The fit through the simulator.
-        fabric: The cloth, its bending found from the folds, or the given one where it is locked.
-        estimates: What the drape tells of each parameter of the fabric.
-        nearest: Fabrics of the library that bend most alike, by name.
-        point_std: Posterior standard deviation of the control points [m], shape [point_count, 2].
-        warnings: What the user should know, one sentence each.
-    """
-
-    garment: Garment
-    graded: np.ndarray
-    detail: Deformation
-    simulation: np.ndarray
-    shape: ShapeFit
-    fabric: Fabric
-    estimates: tuple[FabricEstimate, ...]
-    nearest: tuple[str, ...]
-    point_std: np.ndarray
-    warnings: tuple[str, ...]
 
 
 def fit_pattern(
-    garment: Garment,
+    case: Case,
+    drape: GradedDrape,
     registered: np.ndarray,
-    target: Target,
-    like: Pattern,
-    fabric: Fabric,
-    wearer: WearerGeometry,
-    *,
-    vertex_count: int | None = None,
-    settings: ShapeSettings | None = None,
-    deforming: DeformSettings | None = None,
-    locks: tuple[str, ...] = (),
-    rotation: SteadyRotation | None = None,
+    settings: ShapeSettings = ShapeSettings(),  # noqa: B008 - frozen
     hooks: Hooks = SILENT,
-) -> PatternFit:
+) -> Fit:
     """Recover the pattern of a registered garment and drape it.
 
     Args:
-        garment: The graded pattern's mesh, nodes at its drape, contours named.
+        case: The scan with named contours, wearer, template and cloth; its settings tell the vertices of the recovered
+            pattern's mesh, how to register again, and what stays as it is given: `fabric`, `panel:NAME` (and its mirror
+            image).
+        drape: The graded pattern's mesh at rest.
         registered: The same nodes on the target [m], shape [node_count, 3].
-        target: The scan's surface with named contours.
-        like: The template: tells symmetry, proportions and gathered seams.
-        fabric: The cloth.
-        wearer: The wearer's geometry.
-        vertex_count: Vertices of the recovered pattern's mesh, or None for as many as there are.
         settings: How to fit through the simulator.
-        deforming: How to register again.
-        locks: What stays as it is given: `fabric`, `panel:NAME` (and its mirror image).
-        rotation: The rotation in which the cloth was scanned, or None for cloth at rest.
         hooks: Progress, cancellation and checkpoints.
+
+    Returns:
+        The fit; its detail mesh is the second registration, with the pattern and the place that isometry found.
 
     Raises:
         LockUnknown: where a lock names no panel of the pattern.
     """
     from ..simulate import BendingFriction, Scene, Topology, equilibrium, soften
 
-    settings, material = settings or ShapeSettings(), MaterialSettings()
-    warnings = []
+    garment, target, wearer, like, fabric = drape.garment, case.target, case.wearer, case.base, case.fabric
+    material, locks, rotation = MaterialSettings(), drape.locks(case.settings), drape.drape.rotation
     held = find_held(garment.pattern, like, locks)
     isometric = fit_isometry(garment, registered, target, wearer.body, like, hooks=hooks)
     pattern = isometric.pattern
     if held.any():
         pattern = keep_held(pattern, garment.pattern, like, held)
-    refitted = remesh_and_transfer(pattern, vertex_count or len(registered), isometric, isometric.nodes, wearer.body)
+    refitted = remesh_and_transfer(pattern, case.settings.vertex_count, isometric, isometric.nodes, wearer.body)
     graded = resample(garment, garment.nodes, refitted)
     hooks.progress("fit", 0.2, "registering again")
-    again = (deforming or DeformSettings()).going_on()
+    again = DeformSettings.of_preset(case.settings.preset).going_on()
     detail = deform(refitted, target, wearer.exposed, settings=again, hooks=hooks.quiet())
     registered = detail.nodes
     refitted = refitted.at(registered)
@@ -137,25 +96,20 @@ def fit_pattern(
         bending = (estimate,)
     estimates = (*bending, *membrane, state_density(fabric))
     recovered = move_pattern(refitted, shape.pattern)
-    drape = shape.drape
-    if problem.garment is not refitted or not drape.converged:
+    rest = shape.drape
+    if problem.garment is not refitted or not rest.converged:
         hooks.progress("fit", 0.9, "draping the recovered pattern")
         topology = Topology.from_garment(recovered)
         folds = BendingFriction.at(topology, registered)
         scene = Scene(topology, soften(fabric), problem.grid, pin_waist(recovered), rotation, folds)
-        drape = equilibrium(scene, registered, hooks=hooks)
-    if not drape.converged:
-        warnings.append(f"the simulation mesh is {drape.outcome.advice}")
-    simulation = project_outside(drape.nodes, wearer.exposed, recovered.faces)
-    return PatternFit(
-        recovered,
-        graded,
-        detail,
-        simulation,
-        shape,
-        fabric,
-        estimates,
-        nearest_fabrics(fabric),
-        point_std,
-        tuple(warnings),
+        rest = equilibrium(scene, registered, hooks=hooks)
+    simulation = project_outside(rest.nodes, wearer.exposed, recovered.faces)
+    return Fit(
+        garment=recovered,
+        fabric=fabric,
+        meshes=Meshes(graded, registered, simulation),
+        estimates=estimates,
+        nearest=nearest_fabrics(fabric),
+        point_std=point_std,
+        warnings=() if rest.converged else (f"the simulation mesh is {rest.outcome.advice}",),
     )

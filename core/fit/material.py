@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..checkpoints import load, save
 from ..hooks import SILENT, Hooks
 from ..pattern import Pattern
 from ..simulate import Fabric, FabricEstimate, load_fabrics
@@ -48,6 +49,17 @@ def folding(problem: ShapeProblem, nodes: np.ndarray) -> float:
     return Energy(Scene(problem.topology, only)).value(nodes)
 
 
+@dataclass(frozen=True)
+class _Tried:
+    """Stiffnesses that were tried: the checkpoint `fit.fabric`.
+
+    Attributes:
+        rows: ln(k / density), ln of the folding, ln of the loss.
+    """
+
+    rows: tuple[tuple[float, float, float], ...]
+
+
 def fit_bending(
     problem: ShapeProblem, settings: MaterialSettings | None = None, hooks: Hooks = SILENT
 ) -> tuple[Fabric, FabricEstimate]:
@@ -73,18 +85,19 @@ def fit_bending(
     ratios = np.log([each.k / each.density for each in load_fabrics()])
     low, high = float(ratios.min()) - settings.below, float(ratios.max()) + settings.above
     wanted = np.log(folding(problem, problem.garment.nodes))
-    kept = hooks.load_checkpoint("fit.fabric")
-    rows: list[tuple[float, float, float]] = []
-    if kept is not None and np.array_equal(kept["start"], problem.garment.nodes):
-        rows = [(float(a), float(b), float(c)) for a, b, c in kept["rows"]]
+    kept = load(hooks, "fit.fabric", _Tried, problem.garment.nodes)
+    rows = [] if kept is None else list(kept.rows)
 
     def sample(at: float) -> None:
         if any(abs(row[0] - at) < 1e-9 for row in rows):
             return
         stiffer = replace(problem, fabric=replace(fabric, k=fabric.density * float(np.exp(at))))
         drape = stiffer.drape(problem.garment.pattern, problem.garment.nodes, hooks)
-        rows.append((at, np.log(folding(problem, drape.nodes)), np.log(problem.loss.value(drape.nodes))))
-        hooks.save_checkpoint("fit.fabric", {"start": problem.garment.nodes, "rows": np.array(rows)})
+        folds, loss = (
+            float(np.log(value)) for value in (folding(problem, drape.nodes), problem.loss.value(drape.nodes))
+        )
+        rows.append((at, folds, loss))
+        save(hooks, "fit.fabric", _Tried(tuple(rows)), problem.garment.nodes)
 
     def cost(fine: np.ndarray) -> np.ndarray:
         from scipy.interpolate import PchipInterpolator

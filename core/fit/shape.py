@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..body import DistanceGrid
+from ..checkpoints import load, save
 from ..grade import find_proportions, mean_width
 from ..hooks import SILENT, Hooks
 from ..pattern import (
@@ -21,14 +22,14 @@ from ..pattern import (
     seam_slopes,
 )
 from ..pattern.errors import PanelCrossing, PanelDegenerate
-from ..simulate import Fabric
+from ..simulate import Drape, Fabric
 from .independence import count_independent
 from .locks import keep_held
 from .losses import RegisteredLoss
 from .settings import ShapeSettings
 
 if TYPE_CHECKING:
-    from ..simulate import AtRest, BendingFriction, Drape, Parameters, Pins, Scene, Solver, SteadyRotation, Topology
+    from ..simulate import AtRest, BendingFriction, Parameters, Pins, Scene, Solver, SteadyRotation, Topology
 
 _DEPENDENT = 1e-6
 """Singular value, relative to the largest, below which a seam's row follows from others (a chain that closes)."""
@@ -269,6 +270,27 @@ def keep_seams(pattern: Pattern, like: Pattern, symmetry: Symmetry, held: np.nda
     return np.asarray(right[int((values > _DEPENDENT * values[0]).sum()) :].T)
 
 
+@dataclass(frozen=True)
+class _Reached:
+    """What the next iteration starts from: the checkpoint `fit.shape`.
+
+    Attributes:
+        points: Control points [m], shape [point_count, 2].
+        k: Of the fabric [N m].
+        drape: Its equilibrium.
+        damping: Of the next step.
+        misfits: As `ShapeFit.misfits`.
+        settled: True where that is all.
+    """
+
+    points: np.ndarray
+    k: float
+    drape: Drape
+    damping: float
+    misfits: tuple[float, ...]
+    settled: bool
+
+
 def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT) -> ShapeFit:
     """Fit control points, and k where the problem asks for it, so that the equilibrium comes to lie on the target.
 
@@ -280,17 +302,16 @@ def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT) -> ShapeFit:
     far to believe it: a drape in other folds than the target's has a large L that is alike over wide stretches, and
     pulls little at the pattern.
     """
-    settings = problem.settings
-    first, outcome, settled = 0, "iterations", False
-    kept = _kept(problem, hooks)
+    settings, outcome = problem.settings, "iterations"
+    inputs = (problem.garment.nodes, problem.fabric.k)
+    kept = load(hooks, "fit.shape", _Reached, *inputs)
     if kept is None:
-        pattern, fabric = problem.garment.pattern, problem.fabric
-        drape = problem.drape(pattern, problem.garment.nodes, hooks)
-        damping = settings.damping
-        misfits = [float(np.sqrt(2.0 * problem.loss.value(drape.nodes)))]
-    else:
-        pattern, fabric, drape, damping, misfits, settled = kept
-        first = len(misfits) - 1
+        drape = problem.drape(problem.garment.pattern, problem.garment.nodes, hooks)
+        misfit = float(np.sqrt(2.0 * problem.loss.value(drape.nodes)))
+        kept = _Reached(problem.garment.pattern.points, problem.fabric.k, drape, settings.damping, (misfit,), False)
+    pattern, fabric = problem.like.with_points(kept.points), replace(problem.fabric, k=kept.k)
+    drape, damping, misfits, settled = kept.drape, kept.damping, list(kept.misfits), kept.settled
+    first = len(misfits) - 1
     for iteration in range(first, settings.iterations):
         if settled:
             break
@@ -310,60 +331,17 @@ def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT) -> ShapeFit:
                 continue
             trial = problem.drape(wanted, drape.nodes, hooks, cloth)
             trial_loss = problem.loss.value(trial.nodes)
-            reached = problem.objective(trial_loss, count, problem.away(wanted, cloth))
-            if reached < before:
+            after = problem.objective(trial_loss, count, problem.away(wanted, cloth))
+            if after < before:
                 pattern, fabric, drape = wanted, cloth, trial
                 misfits.append(float(np.sqrt(2.0 * trial_loss)))
                 # back to the damping that worked, and a fifth of it next
                 damping /= 50.0
-                settled = before - reached < least
-                _keep(problem, hooks, pattern, fabric, drape, damping, misfits, settled)
+                settled = before - after < least
+                reached = _Reached(pattern.points, fabric.k, drape, damping, tuple(misfits), settled)
+                save(hooks, "fit.shape", reached, *inputs)
                 break
         else:
             outcome = "no gain"
             break
     return ShapeFit(pattern, fabric, drape.nodes, tuple(misfits), "plateau" if settled else outcome, drape)
-
-
-def _keep(
-    problem: ShapeProblem,
-    hooks: Hooks,
-    pattern: Pattern,
-    fabric: Fabric,
-    drape: Drape,
-    damping: float,
-    misfits: list[float],
-    settled: bool,
-) -> None:
-    """Save what the next iteration starts from under the name `fit.shape`."""
-    hooks.save_checkpoint(
-        "fit.shape",
-        {
-            "start": problem.garment.nodes,
-            "first_k": np.array(problem.fabric.k),
-            "k": np.array(fabric.k),
-            "points": pattern.points,
-            "nodes": drape.nodes,
-            "anchors": drape.anchors,
-            "damping": np.array(damping),
-            "misfits": np.array(misfits),
-            "settled": np.array(settled),
-            "converged": np.array(drape.converged),
-        },
-    )
-
-
-def _kept(problem: ShapeProblem, hooks: Hooks) -> tuple[Pattern, Fabric, Drape, float, list[float], bool] | None:
-    """Give pattern, cloth, drape, damping, misfits and whether that is all, as an earlier run left them, or None."""
-    from ..simulate import Drape, Outcome
-
-    kept = hooks.load_checkpoint("fit.shape")
-    if kept is None or not np.array_equal(kept["start"], problem.garment.nodes):
-        return None
-    if kept.get("first_k") != problem.fabric.k:
-        return None
-    outcome = Outcome.STILL if kept["converged"] else Outcome.ITERATIONS
-    drape = Drape(kept["nodes"], 0.0, 0, 0.0, outcome, kept["anchors"])
-    pattern, fabric = problem.like.with_points(kept["points"]), replace(problem.fabric, k=float(kept["k"]))
-    misfits = [float(value) for value in kept["misfits"]]
-    return pattern, fabric, drape, float(kept["damping"]), misfits, bool(kept["settled"])

@@ -3,7 +3,7 @@
 from .chamfer import chamfer_and_normals
 from .contours import carry_contours
 from .damage import DAMAGES, Damage
-from .fit import measure_distance, measure_fit
+from .fit import Reference, measure_distance, measure_fit
 from .gates import PRODUCTS, judge, overall, product_of
 from .knowledge import measure_knowledge
 from .matching import PanelPair, is_same_cut, match_panels
@@ -26,6 +26,7 @@ __all__ = [
     "Damage",
     "Pack",
     "PanelPair",
+    "Reference",
     "TruePanel",
     "TruePattern",
     "TrueSeam",

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..body import ExposedSurface, penetration_depth
 from ..mesh import TriangleSurface, self_intersections, vertex_normals
+from ..meshes import Meshes
 from ..pattern import Garment
 from ..segment import Contour
 from .chamfer import chamfer_and_normals, meshing_floor, orientation
@@ -23,52 +25,51 @@ SURFACE_SAMPLES = 50_000
 MM = 1e3
 
 
-def measure_fit(
-    garment: Garment,
-    graded: np.ndarray,
-    detail: np.ndarray,
-    simulation: np.ndarray | None,
-    truth_vertices: np.ndarray,
-    truth_faces: np.ndarray,
-    truth_contours: Sequence[Contour],
-    body: ExposedSurface | None,
-    seed: int = 0,
-    samples: int = SURFACE_SAMPLES,
-    redraped: np.ndarray | None = None,
-) -> dict[str, float | None]:
+@dataclass(frozen=True)
+class Reference:
+    """What recovered meshes are measured against.
+
+    Attributes:
+        vertices: The truth's own vertices, not repaired [m], shape [n, 3].
+        faces: The truth's faces, shape [m, 3].
+        contours: Named contours, indices into `vertices`; only trusted ones are measured.
+        skin: The wearer's exposed skin, which must not be penetrated, or None.
+        seed: Seeds the samples and the floor.
+        samples: Surface samples per direction.
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    contours: Sequence[Contour] = ()
+    skin: ExposedSurface | None = None
+    seed: int = 0
+    samples: int = SURFACE_SAMPLES
+
+
+def measure_fit(garment: Garment, meshes: Meshes, truth: Reference) -> dict[str, float | None]:
     """Measure the detail mesh, and with a prefix: simulation mesh `sim.`, re-draped `redrape.`, graded drape `graded.`.
 
     Args:
-        garment: The recovered pattern, meshed and sewn; gives faces, rest triangles and contours.
-        graded: Nodes of the graded drape [m], shape [node_count, 3].
-        detail: Nodes of the detail mesh [m], shape [node_count, 3].
-        simulation: Nodes of the simulation mesh [m], shape [node_count, 3], or None.
-        truth_vertices: The truth's own vertices, not repaired [m], shape [n, 3].
-        truth_faces: The truth's faces, shape [m, 3].
-        truth_contours: Named contours, indices into `truth_vertices`; only trusted ones are measured.
-        body: The wearer's exposed skin, which must not be penetrated, or None.
-        seed: Seeds the samples and the floor.
-        samples: Surface samples per direction.
-        redraped: Nodes of the pattern draped from its rest placement [m], shape [node_count, 3], or None.
+        garment: The recovered pattern, meshed and sewn; gives faces, rest triangles and contours, not nodes.
+        meshes: Its nodes.
+        truth: What to measure against.
 
     Returns:
         Flat dotted names to numbers, units in the name; None where a metric does not apply.
     """
-    truth = (truth_vertices, truth_faces)
-    found: dict[str, float | None] = {"vertices": float(len(detail)), "faces": float(len(garment.faces))}
-    found |= _measure_mesh(garment, detail, *truth, truth_contours, body, seed, samples)
-    chamfer_floor, normal_floor = meshing_floor(*truth, len(detail), np.random.default_rng(seed))
-    found["chamfer_vertex_floor_m2e3"] = 1e3 * chamfer_floor
-    found["normal_cosine_floor"] = normal_floor
-    for prefix, nodes in (("sim.", simulation), ("redrape.", redraped)):
+    found: dict[str, float | None] = {"vertices": float(len(meshes.detail)), "faces": float(len(garment.faces))}
+    found |= _measure_mesh(garment, meshes.detail, truth)
+    floors = meshing_floor(truth.vertices, truth.faces, len(meshes.detail), np.random.default_rng(truth.seed))
+    found["chamfer_vertex_floor_m2e3"] = 1e3 * floors[0]
+    found["normal_cosine_floor"] = floors[1]
+    for prefix, nodes in (("sim.", meshes.simulation), ("redrape.", meshes.redraped)):
         if nodes is not None:
-            draped = _measure_mesh(garment, nodes, *truth, truth_contours, body, seed, samples)
+            draped = _measure_mesh(garment, nodes, truth)
             found |= {prefix + name: value for name, value in draped.items()}
-    drape = measure_distance(graded, garment.faces, *truth, seed=seed, samples=samples)
-    found |= {f"graded.{name}": value for name, value in drape.items()}
-    found |= _measure_contours(garment, graded, truth_vertices, truth_contours, "graded.")
-    found["graded.self_intersecting_faces"] = float(len(self_intersections(graded, garment.faces)))
-    found["graded.body_penetration_mm"] = _penetration(graded, garment.faces, body)
+    graded = _measure_place(garment, meshes.graded, truth)
+    graded["self_intersecting_faces"] = float(len(self_intersections(meshes.graded, garment.faces)))
+    graded["body_penetration_mm"] = _penetration(meshes.graded, garment.faces, truth.skin)
+    found |= {f"graded.{name}": value for name, value in graded.items()}
     return dict(sorted(found.items()))
 
 
@@ -96,35 +97,32 @@ def measure_distance(
     return found
 
 
-def _measure_mesh(
-    garment: Garment,
-    nodes: np.ndarray,
-    truth_vertices: np.ndarray,
-    truth_faces: np.ndarray,
-    truth_contours: Sequence[Contour],
-    body: ExposedSurface | None,
-    seed: int,
-    samples: int,
-) -> dict[str, float | None]:
-    """Give every metric of one mesh that has the garment's topology."""
+def _measure_mesh(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict[str, float | None]:
+    """Return every metric of one mesh that has the garment's topology."""
     faces = garment.faces
-    normals, truth_normals = vertex_normals(nodes, faces), vertex_normals(truth_vertices, truth_faces)
+    normals, truth_normals = vertex_normals(nodes, faces), vertex_normals(truth.vertices, truth.faces)
     # A vertex that no face uses is no part of the surface, neither ours nor the truth's.
-    used, truth_used = np.unique(faces), np.unique(truth_faces)
+    used, truth_used = np.unique(faces), np.unique(truth.faces)
     chamfer, cosine = chamfer_and_normals(
-        nodes[used], normals[used], truth_vertices[truth_used], truth_normals[truth_used]
+        nodes[used], normals[used], truth.vertices[truth_used], truth_normals[truth_used]
     )
     found: dict[str, float | None] = {"chamfer_vertex_m2e3": 1e3 * chamfer, "normal_cosine": cosine}
-    found |= measure_distance(nodes, faces, truth_vertices, truth_faces, seed=seed, samples=samples)
-    found |= _measure_contours(garment, nodes, truth_vertices, truth_contours, "")
+    found |= _measure_place(garment, nodes, truth)
     stretch = stretches(nodes, faces, garment.rest)
     found["stretch_p001"] = float(np.quantile(stretch[:, 1], 0.001))
     found["stretch_p999"] = float(np.quantile(stretch[:, 0], 0.999))
-    found["flipped_faces"] = float(count_flipped(nodes, faces, truth_vertices, truth_faces))
+    found["flipped_faces"] = float(count_flipped(nodes, faces, truth.vertices, truth.faces))
     found["self_intersecting_faces"] = float(len(self_intersections(nodes, faces)))
     found["min_angle_deg"] = float(np.degrees(np.quantile(face_angles(nodes, faces).min(axis=1), 0.01)))
-    found["body_penetration_mm"] = _penetration(nodes, faces, body)
+    found["body_penetration_mm"] = _penetration(nodes, faces, truth.skin)
     return found
+
+
+def _measure_place(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict[str, float | None]:
+    """Return how far surface and contours are from the truth's."""
+    found = measure_distance(nodes, garment.faces, truth.vertices, truth.faces, seed=truth.seed, samples=truth.samples)
+    contours = contour_rms(nodes, garment.contours, truth.vertices, truth.contours)
+    return found | {f"contour_rms_mm.{name}": MM * value for name, value in contours.items()}
 
 
 def count_flipped(vertices: np.ndarray, faces: np.ndarray, truth_vertices: np.ndarray, truth_faces: np.ndarray) -> int:
@@ -138,12 +136,5 @@ def count_flipped(vertices: np.ndarray, faces: np.ndarray, truth_vertices: np.nd
     return int(np.sum(orientation(cosines) * cosines < 0.0))
 
 
-def _measure_contours(
-    garment: Garment, nodes: np.ndarray, truth_vertices: np.ndarray, truth_contours: Sequence[Contour], prefix: str
-) -> dict[str, float | None]:
-    found = contour_rms(nodes, garment.contours, truth_vertices, truth_contours)
-    return {f"{prefix}contour_rms_mm.{name}": MM * value for name, value in found.items()}
-
-
-def _penetration(nodes: np.ndarray, faces: np.ndarray, body: ExposedSurface | None) -> float | None:
-    return None if body is None else MM * penetration_depth(nodes, faces, body)
+def _penetration(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface | None) -> float | None:
+    return None if skin is None else MM * penetration_depth(nodes, faces, skin)

@@ -11,7 +11,7 @@ from ..mesh import TriangleSurface
 from ..recovery import Recovery
 from ..simulate import Fabric
 from .contours import carry_contours
-from .fit import MM, SURFACE_SAMPLES, measure_fit
+from .fit import MM, SURFACE_SAMPLES, Reference, measure_fit
 from .matching import is_same_cut
 from .packs import Pack, read_true_mesh, read_true_pattern
 from .patterns import PATTERN_METRICS, measure_pattern, measure_seams, unmatched_panels
@@ -43,20 +43,18 @@ def measure_recovery(
     vertices, faces = read_true_mesh(pack)
     target = recovery.target
     contours = carry_contours(target.contours, target.vertices, vertices, faces)
-    found = measure_fit(
-        recovery.garment, recovery.graded, recovery.detail, recovery.simulation, vertices, faces, contours,
-        ExposedSurface.of(recovery.body), seed, samples, recovery.redraped,
-    )  # fmt: skip
+    truth = Reference(vertices, faces, contours, ExposedSurface.of(recovery.body), seed, samples)
+    found = measure_fit(recovery.garment, recovery.meshes, truth)
     if pack.truth_body is not None:
         found |= _measure_body(recovery, pack)
     unmatched: tuple[str, ...] = ()
-    truth = read_true_pattern(pack)
-    if truth is not None:
-        unmatched = unmatched_panels(recovery.pattern, truth)
-    if truth is None or not (own_template or is_same_cut(recovery.pattern, truth)):
+    pattern = read_true_pattern(pack)
+    if pattern is not None:
+        unmatched = unmatched_panels(recovery.pattern, pattern)
+    if pattern is None or not (own_template or is_same_cut(recovery.pattern, pattern)):
         found |= dict.fromkeys(PATTERN_METRICS) | measure_seams(recovery.pattern)
     else:
-        found |= measure_pattern(recovery.pattern, truth, own_template)
+        found |= measure_pattern(recovery.pattern, pattern, own_template)
     found |= measure_fabric(recovery.fabric, pack.fabric)
     own = {name: value for name, value in recovery.metrics.items() if not _is_of_truth(name)}
     return dict(sorted((own | found).items())), unmatched
@@ -87,7 +85,8 @@ def _measure_body(recovery: Recovery, pack: Pack) -> dict[str, float | None]:
     points, _ = TriangleSurface(vertices, faces).sample(BODY_SAMPLES, np.random.default_rng(0))
     distance = TriangleSurface(recovery.body.vertices, recovery.body.faces).closest(points).distance
     truth = ExposedSurface(vertices, faces)
-    meshes = {"": recovery.detail, "sim.": recovery.simulation, "redrape.": recovery.redraped}
+    ours = recovery.meshes
+    meshes = {"": ours.detail, "sim.": ours.simulation, "redrape.": ours.redraped}
     depths: dict[str, float | None] = {
         f"{prefix}truth_body_penetration_mm": MM * penetration_depth(nodes, recovery.garment.faces, truth)
         for prefix, nodes in meshes.items()

@@ -49,9 +49,7 @@ class BendingFriction:
         return cls(measure_angles(topology, nodes), moment * lengths)
 
 
-def friction_state(
-    topology: Topology, friction: BendingFriction | None = None
-) -> tuple[np.ndarray, np.ndarray, float]:
+def friction_state(topology: Topology, friction: BendingFriction | None = None) -> tuple[np.ndarray, np.ndarray, float]:
     """Return angles, moments and slip as `bending` takes them: moments of zero where there is no internal friction."""
     if friction is None:
         return topology.hinge_rest, np.zeros(len(topology.hinges)), SLIP

@@ -78,9 +78,7 @@ class Energy:
         It is linear in the step and so free of the stretch that any straight step along a fold brings.
         """
         topology = self.scene.topology
-        return np.asarray(
-            foresee_stress(nodes, step, topology.faces, topology.shape_gradients, self._stiffness)
-        )
+        return np.asarray(foresee_stress(nodes, step, topology.faces, topology.shape_gradients, self._stiffness))
 
     def _evaluate(
         self, nodes: np.ndarray, order: int, exact: bool, stress: np.ndarray = NO_STRESS

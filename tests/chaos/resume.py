@@ -90,9 +90,9 @@ def write_arrays(recovery: Recovery, folder: Path) -> list[Path]:
     """Write what is compared."""
     path = folder / "arrays.npz"
     arrays = {
-        "detail": recovery.detail,
-        "graded": recovery.graded,
-        "simulation": np.zeros((0, 3)) if recovery.simulation is None else recovery.simulation,
+        "detail": recovery.meshes.detail,
+        "graded": recovery.meshes.graded,
+        "simulation": np.zeros((0, 3)) if recovery.meshes.simulation is None else recovery.meshes.simulation,
         "points": recovery.pattern.points,
         "fabric": np.array([recovery.fabric.k, recovery.fabric.density]),
     }

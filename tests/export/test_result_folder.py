@@ -6,6 +6,7 @@ import base64
 import io
 import json
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -75,7 +76,7 @@ def test_every_file_is_written_and_listed(tube_recovery, tmp_path: Path) -> None
     assert [path.name for path in written] == FILES
     assert all(path.stat().st_size > 0 for path in written)
     folder = written[0].parent
-    assert np.array_equal(trimesh.load(folder / "graded.ply", process=False).vertices, recovery.graded)
+    assert np.array_equal(trimesh.load(folder / "graded.ply", process=False).vertices, recovery.meshes.graded)
     assert np.array_equal(trimesh.load(folder / "body.ply", process=False).faces, recovery.body.faces)
     joints = json.loads((folder / "body_joints.json").read_text())["joints"]
     assert tuple(joints) == JOINTS
@@ -87,13 +88,14 @@ def test_every_file_is_written_and_listed(tube_recovery, tmp_path: Path) -> None
 def test_a_simulation_mesh_is_written_where_there_is_one(tube_recovery, tmp_path: Path) -> None:
     """Fails if the simulation mesh were forgotten, or the detail mesh written in its place."""
     recovery = tube_recovery()
-    fitted = tube_recovery(simulation=recovery.graded + 0.5, redraped=recovery.graded - 0.5)
+    graded = recovery.meshes.graded
+    fitted = tube_recovery(meshes=replace(recovery.meshes, simulation=graded + 0.5, redraped=graded - 0.5))
     names = [path.name for path in write_recovery(fitted, tmp_path)]
     assert names == [*FILES[:4], "simulation.ply", "redrape.ply", *FILES[4:]]
     meshes = [trimesh.load(tmp_path / f"{name}.ply", process=False) for name in ("simulation", "redrape", "detail")]
     assert all(np.array_equal(mesh.faces, meshes[2].faces) for mesh in meshes)
-    assert np.array_equal(meshes[1].vertices, recovery.graded - 0.5)
-    assert np.array_equal(trimesh.load(tmp_path / "simulation.ply", process=False).vertices, recovery.graded + 0.5)
+    assert np.array_equal(meshes[1].vertices, graded - 0.5)
+    assert np.array_equal(trimesh.load(tmp_path / "simulation.ply", process=False).vertices, graded + 0.5)
 
 
 def test_json_has_no_nan_and_no_numpy() -> None:
@@ -169,8 +171,9 @@ def fitted(tube_recovery) -> Recovery:
         "sim.surface_rms_mm.s2t": 5.0, "sim.surface_rms_mm.t2s": 6.0, "redrape.residual": 1e4, "fabric.k": 2.345e-5,
         "surface_rms_mm.s2t": 0.4, "surface_rms_mm.t2s": 0.5,
     }  # fmt: skip
+    graded = recovery.meshes.graded
     return tube_recovery(
-        simulation=recovery.graded, redraped=recovery.graded, estimates=estimates, metrics=metrics,
+        meshes=replace(recovery.meshes, simulation=graded, redraped=graded), estimates=estimates, metrics=metrics,
         gates=judge(metrics), nearest_fabrics=("silk_chiffon", "denim"), point_std=np.full((8, 2), 0.004),
     )  # fmt: skip
 

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.body import ExposedSurface, penetration_depth
-from garmentq.core.measure import carry_contours, measure_distance, measure_fit
+from garmentq.core.measure import Reference, carry_contours, measure_distance, measure_fit
 from garmentq.core.measure.chamfer import chamfer_and_normals, meshing_floor
 from garmentq.core.measure.contours import contour_rms, loop_rms
 from garmentq.core.measure.fit import count_flipped
 from garmentq.core.measure.surface import face_angles, stretches
 from garmentq.core.mesh import vertex_normals
+from garmentq.core.meshes import Meshes
 from garmentq.core.segment import Contour, find_loops
 
 
@@ -165,19 +166,20 @@ def test_penetration_sees_vertices_and_face_centres() -> None:
 
 @pytest.fixture(scope="module")
 def swollen(tube, tube_pattern):
-    """Give the arguments of `measure_fit` for a tube whose detail mesh is 3 mm too wide."""
+    """A tube whose detail mesh is 3 mm too wide, and its truth, sampled sparsely."""
     garment = tube(tube_pattern(), 0.03)
     truth = tube(tube_pattern(), 0.025)
     post = trimesh.creation.cylinder(radius=0.14, height=1.2, sections=64)
     body = ExposedSurface(post.vertices[:, [1, 2, 0]] + [0.0, 0.95, 0.0], np.array(post.faces, dtype=np.int64))
     detail = garment.nodes * [1.02, 1.0, 1.02]
     graded = garment.nodes * [0.9, 1.0, 0.9]
-    return garment, graded, detail, garment.nodes, truth.nodes, truth.faces, truth.contours, body
+    reference = Reference(truth.nodes, truth.faces, truth.contours, body, samples=4000)
+    return garment, Meshes(graded, detail, garment.nodes), reference
 
 
 def test_measure_fit_names_every_metric(swollen) -> None:
     """Fails if a metric of the specification were renamed, or the simulation and graded meshes were left out."""
-    found = measure_fit(*swollen, samples=4000)
+    found = measure_fit(*swollen)
     both = {
         "chamfer_vertex_m2e3", "surface_rms_mm.s2t", "surface_rms_mm.t2s", "surface_p95_mm.s2t", "surface_p95_mm.t2s",
         "hausdorff_mm", "normal_cosine", "contour_rms_mm.hem", "contour_rms_mm.waist", "stretch_p001", "stretch_p999",
@@ -197,31 +199,35 @@ def test_measure_fit_names_every_metric(swollen) -> None:
 
 def test_no_body_and_no_simulation_leave_gaps_not_zeros(swollen) -> None:
     """Fails if a metric without its input were reported as a good value."""
-    garment, graded, detail, _, vertices, faces, contours, _ = swollen
-    found = measure_fit(garment, graded, detail, None, vertices, faces, contours, None, samples=500)
+    garment, meshes, truth = swollen
+    found = measure_fit(garment, replace(meshes, simulation=None), replace(truth, skin=None, samples=500))
     assert found["body_penetration_mm"] is None
     assert not any(name.startswith("sim.") for name in found)
 
 
 def test_rigid_motion_and_mirror_change_no_metric(swollen) -> None:
     """Fails if a metric favoured an axis or a hand: everything turned, moved, then mirrored measures the same."""
-    garment, graded, detail, _, vertices, faces, contours, body = swollen
-    before = measure_fit(garment, graded, detail, None, vertices, faces, contours, body, samples=20000)
+    garment, meshes, truth = swollen
+    truth = replace(truth, samples=20000)
+    before = measure_fit(garment, Meshes(meshes.graded, meshes.detail), truth)
 
     def move(points: np.ndarray) -> np.ndarray:
         return points @ turn(9).T + [1.0, -2.0, 0.5]
 
-    moved_body = ExposedSurface(move(body.vertices), body.faces)
+    skin = truth.skin
     moved = measure_fit(
-        garment, move(graded), move(detail), None, move(vertices), faces, contours, moved_body, samples=20000
+        garment,
+        Meshes(move(meshes.graded), move(meshes.detail)),
+        replace(truth, vertices=move(truth.vertices), skin=ExposedSurface(move(skin.vertices), skin.faces)),
     )
     mirror = np.array([-1.0, 1.0, 1.0])
     other = replace(garment, faces=garment.faces[:, ::-1], uv_faces=garment.uv_faces[:, ::-1])
-    reflected_body = ExposedSurface(body.vertices * mirror, body.faces[:, ::-1])
+    reflected_skin = ExposedSurface(skin.vertices * mirror, skin.faces[:, ::-1])
     reflected = measure_fit(
-        other, graded * mirror, detail * mirror, None, vertices * mirror, faces[:, ::-1], contours, reflected_body,
-        samples=20000,
-    )  # fmt: skip
+        other,
+        Meshes(meshes.graded * mirror, meshes.detail * mirror),
+        replace(truth, vertices=truth.vertices * mirror, faces=truth.faces[:, ::-1], skin=reflected_skin),
+    )
     assert moved.keys() == reflected.keys() == before.keys()
     for name, value in before.items():
         slack = 0.12 if "floor" in name or "hausdorff" in name else 0.01

@@ -83,9 +83,7 @@ def test_adjoint_against_central_differences(loose, held):
     ends = [loss(scene, nodes + s * way) for s in (1, -1)]
     assert float((found.start * way).sum()) == pytest.approx((ends[0] - ends[1]) / 2, rel=1e-6)
     pull = 1e-8 * np.array([[1.0, 0.3, -0.5], [-0.2, 0.8, 0.4]])
-    ends = [
-        loss(replace(scene, pins=replace(scene.pins, points=scene.pins.points + s * pull)), nodes) for s in (1, -1)
-    ]
+    ends = [loss(replace(scene, pins=replace(scene.pins, points=scene.pins.points + s * pull)), nodes) for s in (1, -1)]
     assert float((found.pins * pull).sum()) == pytest.approx((ends[0] - ends[1]) / 2, rel=1e-6)
 
 

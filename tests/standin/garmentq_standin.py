@@ -19,6 +19,7 @@ import numpy as np
 from garmentq.core.body import Body
 from garmentq.core.errors import BadInput, Cancelled
 from garmentq.core.hooks import Hooks
+from garmentq.core.meshes import Meshes
 from garmentq.core.pattern import Edge, Garment, Panel, Pattern
 from garmentq.core.recovery import STAGES, Gate, Recovery, Request
 from garmentq.core.scan import Scan
@@ -128,9 +129,7 @@ def make_recovery(request: Request, rms: float) -> Recovery:
         pattern=pattern,
         fabric=Fabric(request.settings.fabric, 100.0, 10.0, 100.0, 30.0, 1e-5, 0.15),
         garment=garment,
-        graded=nodes,
-        detail=nodes,
-        simulation=None,
+        meshes=Meshes(nodes, nodes),
         metrics={"surface_rms_mm.t2s": rms, "surface_rms_mm.s2t": rms / 2, "panel_area_error": None},
         gates=(Gate("penetration", "pass", 0.1, 1.0, "fine"),),
         warnings=("this is a stand-in",),

@@ -1,0 +1,69 @@
+"""One garment to recover: what is known before the first drape, and the graded drape that every method starts from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from .recovery import Request
+from .settings import RecoverySettings
+
+if TYPE_CHECKING:
+    from .body import Body
+    from .drape import WearerGeometry
+    from .pattern import Garment, Pattern
+    from .scan import Scan
+    from .segment import Target
+    from .simulate import Drape, Fabric
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is known of a garment after segmentation; no later stage changes it.
+
+    Attributes:
+        request: The files and settings.
+        scan: The checked scan.
+        wearer: The body with its distance fields.
+        target: The garment's surface with named contours.
+        template: Name of the base pattern.
+        base: The base pattern: gives symmetry, proportions and gathered seams.
+        fabric: The cloth to begin with.
+    """
+
+    request: Request
+    scan: Scan
+    wearer: WearerGeometry
+    target: Target
+    template: str
+    base: Pattern
+    fabric: Fabric
+
+    @property
+    def settings(self) -> RecoverySettings:
+        """Return the request's settings."""
+        return self.request.settings
+
+    @property
+    def body(self) -> Body:
+        """Return the wearer's body."""
+        return self.wearer.body
+
+
+@dataclass(frozen=True)
+class GradedDrape:
+    """The graded pattern on the wearer.
+
+    Attributes:
+        garment: Its mesh, nodes at rest outside the wearer, contours named.
+        drape: The equilibrium as the solver left it.
+        warnings: What the user should know, one sentence each.
+    """
+
+    garment: Garment
+    drape: Drape
+    warnings: tuple[str, ...] = ()
+
+    def locks(self, settings: RecoverySettings) -> tuple[str, ...]:
+        """Return what the user locks; also the fabric where the cloth was in motion, which tells nothing of it."""
+        return settings.locks if self.drape.rotation is None else (*settings.locks, "fabric")

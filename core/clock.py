@@ -1,0 +1,33 @@
+"""Stages of a run: CPU seconds of each, and progress under its name."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+
+from .hooks import SILENT, Hooks
+
+
+class Clock:
+    """Measure CPU seconds by stage and tell the hooks which stage runs."""
+
+    def __init__(self, hooks: Hooks = SILENT) -> None:
+        self.hooks = hooks
+        self.seconds: dict[str, float] = {}
+        self.start = time.process_time()
+
+    @contextmanager
+    def stage(self, name: str, message: str) -> Iterator[Hooks]:
+        """Time one stage; the hooks it hands out report fractions under the stage's name."""
+        self.hooks.progress(name, 0.0, message)
+        before = time.process_time()
+        yield replace(self.hooks, on_progress=lambda _, fraction, text: self.hooks.on_progress(name, fraction, text))
+        self.seconds[name] = time.process_time() - before
+        self.hooks.progress(name, 1.0, message)
+
+    @property
+    def total(self) -> float:
+        """Return the CPU seconds since the start."""
+        return time.process_time() - self.start

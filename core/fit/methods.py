@@ -1,0 +1,108 @@
+"""The methods of recovery behind one door: `METHODS[name].fit(case, drape, clock)`.
+
+A method starts from the graded pattern's drape and ends at a `Fit`. To add one, write a frozen class with `fit`, and
+enter it in `METHODS` and its name in `settings.METHODS`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+import numpy as np
+
+from ..case import Case, GradedDrape
+from ..clock import Clock
+from ..deform import Deformation, DeformSettings, deform
+from ..errors import Cancelled, GarmentqError
+from ..meshes import Meshes
+from ..pattern import Garment
+from .descent import InverseSettings
+from .hybrid import fit_pattern
+from .inverse import fit_inverse
+from .material import nearest_fabrics
+from .result import Fit
+from .settings import ShapeSettings
+
+
+class Method(Protocol):
+    """A way from the graded drape to a recovered garment."""
+
+    def fit(self, case: Case, drape: GradedDrape, clock: Clock) -> Fit:
+        """Recover the garment; the stages `deform` and, where there is a simulation mesh, `fit` are timed by the clock.
+
+        Raises:
+            Cancelled: as soon as the clock's hooks say so.
+        """
+
+
+@dataclass(frozen=True)
+class Graded:
+    """Keep the graded pattern, and deform its drape onto the scan."""
+
+    def fit(self, case: Case, drape: GradedDrape, clock: Clock) -> Fit:
+        """Return the graded pattern with its detail mesh, without a simulation mesh."""
+        detail = _deform(case, drape.garment, clock)
+        meshes = Meshes(drape.garment.nodes, detail.nodes)
+        return Fit(drape.garment.at(detail.nodes), case.fabric, meshes, warnings=detail.warnings)
+
+
+@dataclass(frozen=True)
+class Hybrid:
+    """Register the graded drape, then refit the pattern to it by isometry and through the simulator.
+
+    Attributes:
+        settings: How to fit through the simulator.
+    """
+
+    settings: ShapeSettings = field(default_factory=ShapeSettings)
+
+    def fit(self, case: Case, drape: GradedDrape, clock: Clock) -> Fit:
+        """Return the fitted pattern; where the fit fails, the graded one with a warning that says why."""
+        graded = Graded().fit(case, drape, clock)
+        with clock.stage("fit", "fitting the pattern through the simulator") as hooks:
+            try:
+                found = fit_pattern(case, drape, graded.meshes.detail, self.settings, hooks)
+            except Cancelled:
+                raise
+            except (GarmentqError, np.linalg.LinAlgError) as error:
+                failed = f"the pattern is the graded one, for it could not be fitted through the simulator: {error}"
+                return replace(graded, warnings=(*graded.warnings, failed))
+        return replace(found, warnings=(*graded.warnings, *found.warnings))
+
+
+@dataclass(frozen=True)
+class Inverse:
+    """Descend from the graded pattern through the simulator (the thesis' loop), and deform what it ends at.
+
+    Attributes:
+        settings: Weights and steps of the descent.
+    """
+
+    settings: InverseSettings = field(default_factory=InverseSettings)
+
+    def fit(self, case: Case, drape: GradedDrape, clock: Clock) -> Fit:
+        """Return the pattern and fabric that were descended to."""
+        with clock.stage("fit", "descending through the simulator") as hooks:
+            found = fit_inverse(case, drape, self.settings, hooks)
+        detail = _deform(case, found.garment, clock)
+        return Fit(
+            garment=found.garment.at(detail.nodes),
+            fabric=found.fabric,
+            meshes=Meshes(found.graded, detail.nodes, found.garment.nodes),
+            estimates=found.estimates,
+            nearest=nearest_fabrics(found.fabric),
+            warnings=(*found.warnings, *detail.warnings),
+        )
+
+
+METHODS: Mapping[str, Method] = {"deform": Graded(), "inverse": Inverse(), "hybrid": Hybrid()}
+"""Every method by the name that `RecoverySettings.method` has."""
+
+
+def _deform(case: Case, garment: Garment, clock: Clock) -> Deformation:
+    """Deform a drape onto the scan with the preset that was asked for."""
+    with clock.stage("deform", "deforming the drape onto the scan") as hooks:
+        settings = DeformSettings.of_preset(case.settings.preset)
+        return deform(garment, case.target, case.wearer.exposed, settings=settings, hooks=hooks)

@@ -1,0 +1,40 @@
+"""What every method of recovery ends at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..meshes import Meshes
+from ..pattern import Garment
+from ..simulate import Fabric, FabricEstimate
+
+if TYPE_CHECKING:
+    from ..simulate import Drape
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A recovered garment.
+
+    Attributes:
+        garment: The recovered pattern, meshed; nodes are the detail mesh's, contours named.
+        fabric: The cloth: its bending, or all of it, fitted, or the given one.
+        meshes: Graded drape and detail mesh; simulation mesh where the pattern was fitted through the simulator.
+        estimates: What is known of each parameter of the fabric; empty where none was fitted.
+        nearest: Fabrics of the library that bend most alike, by name; empty where no fabric was fitted.
+        point_std: Posterior standard deviation of the control points [m], shape [point_count, 2], or None.
+        redrape: The equilibrium behind `meshes.redraped`, or None.
+        warnings: What the user should know, one sentence each.
+    """
+
+    garment: Garment
+    fabric: Fabric
+    meshes: Meshes
+    estimates: tuple[FabricEstimate, ...] = ()
+    nearest: tuple[str, ...] = ()
+    point_std: np.ndarray | None = None
+    redrape: Drape | None = None
+    warnings: tuple[str, ...] = ()
