@@ -22,15 +22,15 @@ def command(jobs: tuple[str, ...], home: Path | None, as_json: bool) -> None:
     Example:
       garmentq cancel 3685ecfd4f81
     """
-    from ..service.anywhere import cancel, find_job, open_database
+    from ..service.backend import open_backend
     from ..service.settings import read_settings
     from ..service.states import State
     from .terminal import note, print_json
 
-    database = open_database(read_settings(home=home))
+    backend = open_backend(read_settings(home=home))
     for job in jobs:
-        key = find_job(database, job).id
-        state = cancel(database, key)
+        key = backend.find_job(job).id
+        state = backend.cancel(key)
         if as_json:
             print_json({"job": key, "state": state})
         else:

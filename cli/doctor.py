@@ -59,11 +59,10 @@ def command(context: click.Context, home: Path | None, as_json: bool) -> None:
 
 
 def _examine(settings: ServiceSettings) -> Iterator[Finding]:
-    from ..service.anywhere import is_remote
-
+    is_remote = bool(os.environ.get("GARMENTQ_URL"))
     there = [_check_database, _check_broker, _check_store]
     checks: list[Callable[[ServiceSettings], Iterator[Finding]]] = [
-        _check_python, _check_packages, _check_open3d, *([_check_service] if is_remote() else there), _check_threads,
+        _check_python, _check_packages, _check_open3d, *([_check_service] if is_remote else there), _check_threads,
         _show_settings,
     ]  # fmt: skip
     for check in checks:
@@ -127,21 +126,22 @@ def _check_service(settings: ServiceSettings) -> Iterator[Finding]:
     """Ask the service that GARMENTQ_URL names; its database, broker and store are its own matter."""
     from .. import __version__
     from ..core.errors import GarmentqError
-    from ..service.anywhere import open_database
+    from ..service.remote import RemoteBackend
     from ..service.settings import hide_password
 
     url = hide_password(os.environ["GARMENTQ_URL"])
     try:
-        client = open_database(settings)
-        found = client.read_health()
-        states, workers = client.read_queue()
+        service = RemoteBackend(os.environ["GARMENTQ_URL"], os.environ.get("GARMENTQ_API_KEY", ""))
+        found = service.read_health()
+        queue = service.read_queue()
     except GarmentqError as error:
         yield "service", False, f"{url}: {error.code}: {error.message}"
         return
     same = "" if found["version"] == __version__ else f"; this program is {__version__}, install the same"
     yield "service", not same, f"{url}: garmentq {found['version']}, database and store ok{same}"
-    jobs = ", ".join(f"{count} {state}" for state, count in sorted(states.items())) or "no jobs yet"
-    yield "queue", True, f"{jobs}; {len(workers)} worker{'' if len(workers) == 1 else 's'}"
+    jobs = ", ".join(f"{count} {state}" for state, count in sorted(queue.states.items())) or "no jobs yet"
+    count = len(queue.workers)
+    yield "queue", True, f"{jobs}; {count} worker{'' if count == 1 else 's'}"
 
 
 def _check_broker(settings: ServiceSettings) -> Iterator[Finding]:

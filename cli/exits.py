@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..core.errors import BadInput, Cancelled, GarmentqError, NotFound
+from ..service.records import Job
 from ..service.states import State
 
 OK = 0
@@ -34,8 +35,8 @@ def error_status(error: GarmentqError) -> int:
     return UNREACHABLE if error.code.startswith("service.") else FAULT
 
 
-def job_status(state: str, bad_input: bool) -> int:
-    """Give the exit status of an ended job."""
-    if state == State.FAILED:
-        return BAD_INPUT if bad_input else FAILED
-    return {State.SUCCEEDED: OK, State.DEAD: DEAD, State.CANCELLED: CANCELLED}[State(state)]
+def job_status(job: Job) -> int:
+    """Return the exit status of an ended job."""
+    if job.state == State.FAILED:
+        return BAD_INPUT if job.bad_input else FAILED
+    return {State.SUCCEEDED: OK, State.DEAD: DEAD, State.CANCELLED: CANCELLED}[job.state]

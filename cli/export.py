@@ -26,16 +26,14 @@ def command(job: str, names: tuple[str, ...], out: Path, home: Path | None, as_j
     Example:
       garmentq export 3685ecfd4f81 pattern.svg detail.glb --out result
     """
-    from ..service.anywhere import export_files, find_job, open_database
+    from ..service.backend import open_backend
     from ..service.settings import read_settings
-    from ..service.stores import open_store
     from .terminal import print_json
 
-    settings = read_settings(home=home)
-    database = open_database(settings)
-    row = find_job(database, job)
-    for path in export_files(database, open_store(settings), row.id, out.absolute(), names):
+    backend = open_backend(read_settings(home=home))
+    found = backend.find_job(job)
+    for path in backend.export_files(found.id, out.absolute(), names):
         if as_json:
-            print_json({"job": row.id, "name": path.name, "path": str(path)})
+            print_json({"job": found.id, "name": path.name, "path": str(path)})
         else:
             click.echo(str(path))

@@ -6,19 +6,17 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from typing import Any, cast
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
 
 from ..core.recovery import STAGES
-from ..service.anywhere import ENDED, Place, find_job, is_remote, look
-from ..service.models import EventRow, JobRow
+from ..service.backend import Backend
+from ..service.records import Event, JobReport
+from ..service.states import ENDED
 from .terminal import note, plain
 
-PERIOD_SECONDS = 0.2
-"""How often the database is asked [s]; a person sees no difference below."""
-
-REMOTE_SECONDS = 0.5
-"""How often a service is asked [s]; progress is written twice a second."""
-
+if TYPE_CHECKING:
+    from rich.progress import TaskID
 
 SILENT_SECONDS = 5.0
 """A job without an event for so long [s] may lack its broker or worker: a working stage reports twice a second."""
@@ -28,57 +26,66 @@ class WaitTimedOut(Exception):
     """The job had not ended when the time was over."""
 
 
-def follow(
-    database: Place,
-    job: str,
-    timeout: float | None,
-    is_quiet: bool,
-    keep_up: Callable[[], None] | None = None,
-) -> JobRow:
+@dataclass(frozen=True)
+class Wait:
+    """Choose how a job's end is awaited.
+
+    Attributes:
+        timeout: Seconds at most, or None.
+        as_json: Show nothing meanwhile, so that only data is printed.
+        keep_up: Called every few seconds while nothing happens to the job.
+    """
+
+    timeout: float | None = None
+    as_json: bool = False
+    keep_up: Callable[[], None] | None = None
+
+
+def follow(backend: Backend, job: str, wait: Wait) -> JobReport:
     """Wait until a job has ended, with a bar per stage on a terminal and a line per stage elsewhere.
 
-    Args:
-        database: Where the job is.
-        job: Its id.
-        timeout: Seconds to wait at most, or None.
-        is_quiet: Show nothing.
-        keep_up: Called every few seconds while nothing happens to the job.
-
     Raises:
-        WaitTimedOut: where `timeout` seconds went by first.
+        WaitTimedOut: where `wait.timeout` seconds went by first.
     """
-    deadline = None if timeout is None else time.monotonic() + timeout
+    deadline = None if wait.timeout is None else time.monotonic() + wait.timeout
     seen, heard = 0, time.monotonic()
-    with _choose_display(is_quiet) as display:
+    with _choose_display(wait.as_json) as display:
         while True:
-            state, events = look(database, job, seen)
-            for event in _latest_run(events) if not seen else events:
+            news = backend.poll_events(job, seen)
+            for event in news.events if seen else _latest_run(news.events):
                 seen, heard = event.id, time.monotonic()
                 display.show(event)
-            if state in ENDED:
-                return cast(JobRow, find_job(database, job))
+            if news.state in ENDED:
+                return backend.find_job(job)
             if deadline is not None and time.monotonic() > deadline:
                 raise WaitTimedOut()
-            if keep_up is not None and time.monotonic() - heard > SILENT_SECONDS:
-                keep_up()
+            if wait.keep_up is not None and time.monotonic() - heard > SILENT_SECONDS:
+                wait.keep_up()
                 heard = time.monotonic()
-            time.sleep(REMOTE_SECONDS if is_remote() else PERIOD_SECONDS)
+            time.sleep(backend.poll_seconds)
 
 
-def _latest_run(events: list[EventRow]) -> list[EventRow]:
+def _latest_run(events: list[Event]) -> list[Event]:
     """Give the events since the job was last put into the queue by a person."""
     begins = [index for index, event in enumerate(events) if event.kind in ("queued", "resubmitted", "retried")]
     return events[begins[-1] :] if begins else events
 
 
-def _choose_display(is_quiet: bool) -> AbstractContextManager[Any]:
+class Display(Protocol):
+    """Show what happens to a job."""
+
+    def show(self, event: Event) -> None:
+        """Show one event."""
+
+
+def _choose_display(is_quiet: bool) -> AbstractContextManager[Display]:
     if is_quiet:
         return nullcontext(_Silence())
     return Bars() if sys.stderr.isatty() else nullcontext(Lines())
 
 
 class _Silence:
-    def show(self, event: EventRow) -> None:
+    def show(self, event: Event) -> None:
         """Show nothing."""
 
 
@@ -89,12 +96,13 @@ class Lines:
         """Begin with no stage."""
         self.stage = ""
 
-    def show(self, event: EventRow) -> None:
+    def show(self, event: Event) -> None:
         """Write what is new."""
-        if event.kind != "progress":
+        progress = event.progress
+        if progress is None:
             note(event.kind)
-        elif event.data["stage"] != self.stage:
-            self.stage = event.data["stage"]
+        elif progress.stage != self.stage:
+            self.stage = progress.stage
             note(f"  {self.stage} ...")
 
 
@@ -114,7 +122,7 @@ class Bars:
             TextColumn("{task.fields[message]}", markup=False),
             console=Console(stderr=True),
         )
-        self.tasks: dict[str, Any] = {}
+        self.tasks: dict[str, TaskID] = {}
 
     def __enter__(self) -> Bars:
         """Begin to draw."""
@@ -125,18 +133,18 @@ class Bars:
         """Leave the last picture on the screen."""
         self.progress.stop()
 
-    def show(self, event: EventRow) -> None:
+    def show(self, event: Event) -> None:
         """Draw what is new."""
-        if event.kind != "progress":
+        progress = event.progress
+        if progress is None:
             if event.kind not in ("queued", "started", "succeeded"):
                 self.progress.console.print(plain(event.kind), markup=False)
             return
-        stage = plain(event.data["stage"])
+        stage = plain(progress.stage)
         if stage not in self.tasks:
             self._finish_before(stage)
             self.tasks[stage] = self.progress.add_task(stage, total=1.0, message="")
-        message = plain(event.data["message"])
-        self.progress.update(self.tasks[stage], completed=event.data["fraction"], message=message)
+        self.progress.update(self.tasks[stage], completed=progress.fraction, message=plain(progress.message))
 
     def _finish_before(self, stage: str) -> None:
         order = STAGES.index(stage) if stage in STAGES else len(STAGES)

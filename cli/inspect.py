@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from .labels import label_options
+from .labels import LabelOptions, label_options
 from .options import json_option
 
 
@@ -21,12 +21,7 @@ from .options import json_option
 def command(
     file: Path,
     body: str | None,
-    labels: Path | None,
-    labels_key: str | None,
-    keep: str | None,
-    cloth: str | None,
-    keep_colour: str | None,
-    colour_tolerance: float,
+    part: LabelOptions,
     units: str | None,
     up: str | None,
     as_json: bool,
@@ -49,9 +44,13 @@ def command(
 
     wearer: Path | str | None = body if body is None or is_builtin(body) else Path(body)
     chosen = RecoverySettings(
-        keep=keep, cloth=cloth, labels_key=labels_key, keep_colour=keep_colour, colour_tolerance=colour_tolerance
+        keep=part.keep,
+        cloth=part.cloth,
+        labels_key=part.labels_key,
+        keep_colour=part.keep_colour,
+        colour_tolerance=part.colour_tolerance,
     )
-    selection = make_selection(labels, chosen)
+    selection = make_selection(part.labels, chosen)
     found = inspect_file(file, wearer, units=units, up=up, selection=selection).as_dict()
     if as_json:
         print_json(found)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
 from .options import home_option, json_option
+
+if TYPE_CHECKING:
+    from ..service.backend import Backend
 
 
 @click.group("keys")
@@ -36,14 +39,13 @@ def create_command(name: str, scopes: tuple[str, ...], quota: int, home: Path | 
     Example:
       garmentq keys create atelier --quota 500
     """
-    from ..service.anywhere import create_key
     from .terminal import note, print_json
 
-    row, token = create_key(_open(home), name, scopes, quota)
+    key, token = _open(home).create_key(name, scopes, quota)
     if as_json:
-        print_json(_show(row) | {"token": token})
+        print_json(key.as_json() | {"token": token})
         return
-    note(f"key {row.id} for {name}: {', '.join(row.scopes)}, {quota} open jobs at most; its token is not shown again")
+    note(f"key {key.id} for {name}: {', '.join(key.scopes)}, {quota} open jobs at most; its token is not shown again")
     click.echo(token)
 
 
@@ -57,17 +59,16 @@ def list_command(home: Path | None, as_json: bool) -> None:
     Example:
       garmentq keys list
     """
-    from ..service.anywhere import list_keys
     from .terminal import print_json, print_table, show_time
 
-    rows = list_keys(_open(home))
+    found = _open(home).list_keys()
     if as_json:
-        for row in rows:
-            print_json(_show(row))
+        for key in found:
+            print_json(key.as_json())
         return
     print_table(
         ["key", "name", "scopes", "quota", "created", "revoked"],
-        [[r.id, r.name, ", ".join(r.scopes), r.quota, show_time(r.created), show_time(r.revoked)] for r in rows],
+        [[k.id, k.name, ", ".join(k.scopes), k.quota, show_time(k.created), show_time(k.revoked)] for k in found],
     )
 
 
@@ -82,23 +83,17 @@ def revoke_command(key: str, home: Path | None, as_json: bool) -> None:
     Example:
       garmentq keys revoke 5f1d0c9b7a3e
     """
-    from ..service.anywhere import revoke_key
     from .terminal import note, print_json
 
-    row = revoke_key(_open(home), key)
+    revoked = _open(home).revoke_key(key)
     if as_json:
-        print_json(_show(row))
+        print_json(revoked.as_json())
     else:
-        note(f"key {row.id} is revoked")
+        note(f"key {revoked.id} is revoked")
 
 
-def _open(home: Path | None) -> Any:
-    from ..service.anywhere import open_database
+def _open(home: Path | None) -> Backend:
+    from ..service.backend import open_backend
     from ..service.settings import read_settings
 
-    return open_database(read_settings(home=home))
-
-
-def _show(row: Any) -> dict[str, Any]:
-    shown = {"scopes": row.scopes, "quota": row.quota, "created": row.created, "revoked": row.revoked}
-    return {"key": row.id, "name": row.name, **shown}
+    return open_backend(read_settings(home=home))

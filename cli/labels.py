@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
 from ..core.settings import RecoverySettings
-from .options import Decorator
+from .options import Decorator, gather
 
 
 def _once(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> str | None:
@@ -17,8 +18,20 @@ def _once(context: click.Context, parameter: click.Parameter, values: tuple[str,
     return values[0] if values else None
 
 
+@dataclass(frozen=True)
+class LabelOptions:
+    """Hold what was typed about the part of a dressed person's scan that is the garment."""
+
+    labels: Path | None
+    labels_key: str | None
+    keep: str | None
+    cloth: str | None
+    keep_colour: str | None
+    colour_tolerance: float
+
+
 def label_options(function: Decorator) -> Decorator:
-    """Add what says which part of a dressed person's scan is the garment, one garment at a time."""
+    """Add what says which part of a dressed person's scan is the garment; the command takes it as one `part`."""
     options = [
         click.option(
             "--labels",
@@ -39,6 +52,4 @@ def label_options(function: Decorator) -> Decorator:
             help="Distance in RGB, 0 to 255.",
         ),
     ]
-    for option in reversed(options):
-        function = option(function)
-    return function
+    return gather(LabelOptions, options, "part")(function)

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..service.anywhere import ENDED, Place, find_job, find_jobs_by_id, list_jobs, read_queue
-from ..service.models import JobRow
-from ..service.states import State
+from ..service.backend import Backend
+from ..service.records import Job
+from ..service.states import ENDED, State
 from .follow import WaitTimedOut
 from .terminal import show, show_time
 
@@ -26,13 +26,13 @@ BATCH_ROWS = 12
 """Jobs of a batch that are shown one by one: the running ones."""
 
 
-def watch_queue(database: Place, job: str | None, limit: int) -> None:
+def watch_queue(backend: Backend, job: str | None, limit: int) -> None:
     """Show jobs and workers until Ctrl-C, or once where the output is no terminal."""
     from rich.console import Console
     from rich.live import Live
 
     def draw() -> RenderableType:
-        return draw_queue(database, [find_job(database, job)] if job else list_jobs(database, limit))
+        return draw_queue(backend, [backend.find_job(job)] if job else backend.list_jobs(limit))
 
     console = Console()
     if not console.is_terminal:
@@ -47,12 +47,13 @@ def watch_queue(database: Place, job: str | None, limit: int) -> None:
         return
 
 
-def draw_queue(database: Place, rows: Sequence[JobRow]) -> RenderableType:
+def draw_queue(backend: Backend, rows: Sequence[Job]) -> RenderableType:
     """Draw the counts by state, the workers, and some jobs."""
     from rich.console import Group
     from rich.text import Text
 
-    counts, living = read_queue(database)
+    queue = backend.read_queue()
+    counts, living = queue.states, queue.workers
     title = "  ".join(f"{state} {counts[state]}" for state in sorted(counts)) or "no jobs"
     workers = [[row.name, row.queues, row.concurrency, show_time(row.started), show_time(row.seen)] for row in living]
     jobs = [
@@ -66,7 +67,7 @@ def draw_queue(database: Place, rows: Sequence[JobRow]) -> RenderableType:
     )
 
 
-def follow_batch(database: Place, jobs: Sequence[str], timeout: float | None) -> list[JobRow]:
+def follow_batch(backend: Backend, jobs: Sequence[str], timeout: float | None) -> list[Job]:
     """Wait until every job of a batch has ended, with one view over all of them.
 
     On a terminal one bar and the running jobs; elsewhere a line whenever another job has ended.
@@ -80,11 +81,11 @@ def follow_batch(database: Place, jobs: Sequence[str], timeout: float | None) ->
     deadline = None if timeout is None else time.monotonic() + timeout
     console = Console(stderr=True)
     ended = -1
-    known: dict[str, JobRow] = {}
+    known: dict[str, Job] = {}
     with Live(console=console, auto_refresh=False, transient=not sys.stderr.isatty()) as live:
         while True:
             left = [job for job in jobs if job not in known or known[job].state not in ENDED]
-            known |= {row.id: row for row in find_jobs_by_id(database, left)}
+            known |= {row.id: row for row in backend.find_jobs_by_id(left)}
             rows = [known[job] for job in jobs if job in known]
             done = sum(row.state in ENDED for row in rows)
             if console.is_terminal:
@@ -99,7 +100,7 @@ def follow_batch(database: Place, jobs: Sequence[str], timeout: float | None) ->
             time.sleep(PERIOD_SECONDS)
 
 
-def draw_batch(rows: Sequence[JobRow]) -> RenderableType:
+def draw_batch(rows: Sequence[Job]) -> RenderableType:
     """Draw one bar over a batch, the counts by state, and the running jobs."""
     from rich.console import Group
     from rich.progress_bar import ProgressBar

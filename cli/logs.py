@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
 from . import exits
 from .options import home_option, json_option
+
+if TYPE_CHECKING:
+    from ..service.records import Event
 
 
 @click.command("logs")
@@ -25,35 +28,35 @@ def command(context: click.Context, job: str, follows: bool, home: Path | None, 
     Example:
       garmentq logs -f 3685ecfd4f81
     """
-    from ..service.anywhere import ENDED, find_job, is_remote, look, open_database
+    from ..service.backend import open_backend
     from ..service.settings import read_settings
-    from .follow import PERIOD_SECONDS, REMOTE_SECONDS
+    from ..service.states import ENDED
 
-    database = open_database(read_settings(home=home))
-    found = find_job(database, job)
+    backend = open_backend(read_settings(home=home))
+    found = backend.find_job(job)
     seen = 0
     try:
         while True:
-            state, events = look(database, found.id, seen)
-            for event in events:
+            news = backend.poll_events(found.id, seen)
+            for event in news.events:
                 seen = event.id
                 _print(event, as_json)
-            if not follows or state in ENDED:
+            if not follows or news.state in ENDED:
                 return
-            time.sleep(REMOTE_SECONDS if is_remote() else PERIOD_SECONDS)
+            time.sleep(backend.poll_seconds)
     except KeyboardInterrupt:
         context.exit(exits.DETACHED)
 
 
-def _print(event: Any, as_json: bool) -> None:
+def _print(event: Event, as_json: bool) -> None:
     from .terminal import plain, print_json, show, show_time
 
     if as_json:
         print_json({"id": event.id, "job": event.job, "at": event.at, "kind": event.kind, **event.data})
         return
-    data = dict(event.data)
-    if event.kind == "progress":
-        text = f"{data['stage']} {100 * data['fraction']:.0f}% {data['message']}"
+    progress = event.progress
+    if progress is not None:
+        text = f"{progress.stage} {100 * progress.fraction:.0f}% {progress.message}"
     else:
-        text = " ".join(f"{name}={value}" for name, value in data.items())
+        text = " ".join(f"{name}={value}" for name, value in event.data.items())
     click.echo(f"{show_time(event.at)}  {plain(event.kind):16}  {show(text)}")

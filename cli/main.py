@@ -20,7 +20,7 @@ COMMANDS = {
     "logs": "Show what happened to a job.",
     "result": "Show what a job found.",
     "export": "Copy a job's files into a folder.",
-    "query": "Find jobs by what they found.",
+    "query": "Search completed jobs by their results.",
     "cancel": "Stop a job.",
     "retry": "Queue an ended job again.",
     "inspect": "Show how a file is understood, before anything is run.",
@@ -71,7 +71,7 @@ def _refusing(command: click.Command) -> click.Command:
     refused = copy(command)
 
     def refuse(*_: object, **__: object) -> None:
-        from ..service.anywhere import LocalOnly
+        from ..service.backend import LocalOnly
 
         raise LocalOnly(
             f"`garmentq {command.name}` works on a home of this machine; unset GARMENTQ_URL, or run it there."

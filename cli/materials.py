@@ -22,17 +22,21 @@ def command(name: str | None, as_json: bool) -> None:
       garmentq materials
       garmentq materials denim --json
     """
-    from ..service.anywhere import list_materials
+    from dataclasses import asdict
+
+    from ..service.backend import open_backend
+    from ..service.settings import read_settings
     from .terminal import print_json, print_table
 
-    fabrics = list_materials(name)
+    backend = open_backend(read_settings())
+    fabrics = [backend.read_material(name)] if name else backend.list_materials()
     if as_json:
         for fabric in fabrics:
-            print_json(fabric)
+            print_json({**asdict(fabric), "sources": dict(fabric.sources)})
         return
     print_table(
         ["name", "title", "g/m2", "H00 N/m", "H01 N/m", "H11 N/m", "H22 N/m", "k N m", "thickness m", "friction"],
-        [[f["name"], f["title"], f["density"] * 1000, *(f[n] for n in PARAMETERS)] for f in fabrics],
+        [[f.name, f.title, f.density * 1000, *(getattr(f, n) for n in PARAMETERS)] for f in fabrics],
     )
     if name:
-        print_table(["parameter", "where its value comes from"], list(fabrics[0]["sources"].items()))
+        print_table(["parameter", "where its value comes from"], list(fabrics[0].sources))

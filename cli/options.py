@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
+from functools import wraps
 from pathlib import Path
 from typing import Any
 
@@ -27,8 +29,50 @@ timeout_option = click.option(
 )
 
 
+def gather(record: type, options: Sequence[Decorator], name: str = "options") -> Decorator:
+    """Return a decorator that adds options to a command, which takes them as one record with a field for each."""
+
+    def decorate(function: Decorator) -> Decorator:
+        @wraps(function)
+        def collect(*words: Any, **values: Any) -> Any:
+            typed = record(**{item.name: values.pop(item.name) for item in fields(record)})
+            return function(*words, **{name: typed}, **values)
+
+        command: Decorator = collect
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return decorate
+
+
+@dataclass(frozen=True)
+class OrderOptions:
+    """Hold what was typed about how a garment is recovered; each field is the option of its name."""
+
+    body: str | None
+    labels: Path | None
+    labels_key: str | None
+    keep: tuple[str, ...]
+    cloth: tuple[str, ...]
+    keep_colour: str | None
+    colour_tolerance: float
+    template: str | None
+    garment: str | None
+    fabric: str
+    lock: tuple[str, ...]
+    free: str | None
+    method: str
+    preset: str
+    units: str | None
+    up: str | None
+    vertices: int
+    seed: int
+    force: bool
+
+
 def order_options(function: Decorator) -> Decorator:
-    """Add everything that says how a garment is recovered."""
+    """Add everything that says how a garment is recovered; the command takes it as one `options: OrderOptions`."""
     default = RecoverySettings()
     options = [
         click.option("--body", help="The wearer's mesh file, or builtin:female,height=1.70."),
@@ -63,13 +107,19 @@ def order_options(function: Decorator) -> Decorator:
             help="What the fit takes as given; may be given several times.",
         ),
         click.option("--free", type=click.Choice(["symmetry"]), help="Let left and right differ."),
-        click.option("--method", type=click.Choice(METHODS), default=default.method, show_default=True, help="How."),
+        click.option(
+            "--method",
+            type=click.Choice(METHODS),
+            default=default.method,
+            show_default=True,
+            help="Recovery method.",
+        ),
         click.option(
             "--preset",
             type=click.Choice(PRESETS),
             default=default.preset,
             show_default=True,
-            help="Deformer's weights.",
+            help="Weights of the deformation.",
         ),
         click.option("--units", type=click.Choice(["m", "cm", "mm"]), help="Unit of the files.  [default: found]"),
         click.option("--up", type=click.Choice(["y", "z"]), help="Up axis of the files.  [default: found]"),
@@ -83,6 +133,4 @@ def order_options(function: Decorator) -> Decorator:
         click.option("--seed", type=int, default=default.seed, show_default=True, help="Seed of every random choice."),
         click.option("--force", is_flag=True, help="Make a new job even where an equal one exists."),
     ]
-    for option in reversed(options):
-        function = option(function)
-    return function
+    return gather(OrderOptions, options)(function)

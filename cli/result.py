@@ -25,25 +25,26 @@ def command(context: click.Context, job: str, home: Path | None, verbose: bool, 
     Example:
       garmentq result 3685ecfd4f81
     """
-    from ..service.anywhere import ENDED, ResultMissing, describe_job, find_job, list_files, open_database
+    from dataclasses import asdict
+
+    from ..service.backend import open_backend
+    from ..service.results import ResultMissing
     from ..service.settings import read_settings
-    from ..service.states import State
+    from ..service.states import ENDED, State
     from .summary import print_result
     from .terminal import print_error, print_json, print_table
 
-    database = open_database(read_settings(home=home))
-    row = find_job(database, job)
-    if row.state not in ENDED:
-        raise ResultMissing(f"job {row.id} is {row.state}; `garmentq logs -f {row.id}` follows it.")
-    found = describe_job(database, row)
-    files = list_files(database, row.id)
+    backend = open_backend(read_settings(home=home))
+    found = backend.find_job(job)
+    if found.state not in ENDED:
+        raise ResultMissing(f"job {found.id} is {found.state}; `garmentq logs -f {found.id}` follows it.")
+    files = backend.list_artifacts(found.id)
     if as_json:
-        kept = [{"name": file.name, "sha256": file.sha256, "size": file.size} for file in files]
-        print_json({**found, "files": kept})
-    elif row.state == State.SUCCEEDED:
+        print_json({**found.as_json(), "files": [asdict(file) for file in files]})
+    elif found.state == State.SUCCEEDED:
         print_result(found, [], verbose)
         if verbose:
             print_table(["file", "bytes", "sha256"], [[file.name, file.size, file.sha256[:12]] for file in files])
-    if row.error_code:
-        print_error(row.error_code, row.error_message or "")
-    context.exit(exits.job_status(row.state, row.bad_input))
+    if found.error:
+        print_error(found.error.code, found.error.message)
+    context.exit(exits.job_status(found))

@@ -22,16 +22,15 @@ def command(jobs: tuple[str, ...], home: Path | None, as_json: bool) -> None:
     Example:
       garmentq retry 3685ecfd4f81
     """
-    from ..service.anywhere import find_job, open_database, retry
+    from ..service.backend import open_backend
     from ..service.settings import read_settings
-    from ..service.states import State
     from .terminal import note, print_json
 
-    database = open_database(read_settings(home=home))
+    backend = open_backend(read_settings(home=home))
     for job in jobs:
-        key = find_job(database, job).id
-        retry(database, key)
+        key = backend.find_job(job).id
+        state = backend.retry(key)
         if as_json:
-            print_json({"job": key, "state": State.QUEUED})
+            print_json({"job": key, "state": state})
         else:
-            note(f"job {key} is queued")
+            note(f"job {key} is {state}")

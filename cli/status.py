@@ -24,36 +24,28 @@ def command(job: str | None, limit: int, watch: bool, home: Path | None, as_json
       garmentq status --watch
       garmentq status 3685ecfd4f81 --json
     """
-    from ..service.anywhere import describe_job, find_job, list_jobs, open_database
+    from ..service.backend import open_backend
     from ..service.settings import read_settings
     from .terminal import print_error, print_json, print_table, show_time
 
-    database = open_database(read_settings(home=home))
+    backend = open_backend(read_settings(home=home))
     if watch:
         from .live import watch_queue
 
-        watch_queue(database, job, limit)
+        watch_queue(backend, job, limit)
         return
-    rows = [find_job(database, job)] if job else list_jobs(database, limit)
+    found = [backend.find_job(job)] if job else backend.list_jobs(limit)
     if as_json:
-        for row in rows:
-            print_json(describe_job(database, row))
+        for one in found:
+            print_json(one.as_json())
         return
     print_table(
         ["job", "scan", "state", "stage", "%", "attempts", "created", "ended"],
         [
-            [
-                row.id,
-                row.name,
-                row.state,
-                row.stage,
-                round(100 * row.progress),
-                row.attempts,
-                show_time(row.created),
-                show_time(row.finished),
-            ]
-            for row in rows
+            [one.id, one.name, one.state, one.stage, round(100 * one.progress), one.attempts]
+            + [show_time(one.created), show_time(one.finished)]
+            for one in found
         ],
     )
-    if job and rows[0].error_code:
-        print_error(rows[0].error_code, rows[0].error_message or "")
+    if job and found[0].error:
+        print_error(found[0].error.code, found[0].error.message)

@@ -5,13 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
 from ..service.states import QUEUES
 from . import exits
-from .options import home_option, json_option, order_options, timeout_option
+from .options import OrderOptions, home_option, json_option, order_options, timeout_option
+
+if TYPE_CHECKING:
+    from ..service.backend import Backend
 
 
 @click.command("submit")
@@ -27,13 +30,13 @@ from .options import home_option, json_option, order_options, timeout_option
 def command(
     context: click.Context,
     files: tuple[Path, ...],
+    options: OrderOptions,
     priority: int,
     queue: str,
     wait: bool,
     timeout: float | None,
     home: Path | None,
     as_json: bool,
-    **options: Any,
 ) -> None:
     """Queue one or more scans.
 
@@ -47,20 +50,17 @@ def command(
       garmentq submit person.ply --keep upper --keep lower
     """
     from ..core.errors import GarmentqError
-    from ..service.anywhere import open_database, submit
+    from ..service.backend import open_backend
     from ..service.settings import read_settings
-    from ..service.stores import open_store
     from .order import make_order, split_garments
     from .terminal import print_error, print_json
 
-    settings = read_settings(home=home)
-    database = open_database(settings)
+    backend = open_backend(read_settings(home=home))
     status, jobs = exits.OK, []
     for file, chosen in product(files, split_garments(options)):
         try:
-            order = make_order(settings, database, file, chosen)
-            order = replace(order, priority=priority, queue=queue)
-            submitted = submit(database, open_store(settings), order)
+            order = make_order(backend, file, chosen)
+            submitted = backend.submit(replace(order, priority=priority, queue=queue))
         except GarmentqError as error:
             print_error(error.code, error.message)
             if as_json:
@@ -74,18 +74,18 @@ def command(
         else:
             click.echo(submitted.job)
     if wait:
-        status = max(status, _wait(database, list(dict.fromkeys(jobs)), timeout))
+        status = max(status, _wait(backend, list(dict.fromkeys(jobs)), timeout))
     context.exit(status)
 
 
-def _wait(database: Any, jobs: list[str], timeout: float | None) -> int:
+def _wait(backend: Backend, jobs: list[str], timeout: float | None) -> int:
     """Follow the whole batch in one view, and give the worst exit status."""
     from .follow import WaitTimedOut
     from .live import follow_batch
     from .terminal import note, print_error
 
     try:
-        rows = follow_batch(database, jobs, timeout)
+        rows = follow_batch(backend, jobs, timeout)
     except WaitTimedOut:
         for job in jobs:
             note(f"job {job} goes on; `garmentq logs -f {job}` follows it.")
@@ -95,6 +95,6 @@ def _wait(database: Any, jobs: list[str], timeout: float | None) -> int:
         return exits.DETACHED
     for row in rows:
         note(f"job {row.id} {row.state}")
-        if row.error_code:
-            print_error(row.error_code, row.error_message or "")
-    return max([exits.OK, *(exits.job_status(row.state, row.bad_input) for row in rows)])
+        if row.error:
+            print_error(row.error.code, row.error.message)
+    return max([exits.OK, *(exits.job_status(row) for row in rows)])

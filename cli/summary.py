@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import click
 
+from ..service.records import Gate, JobReport
 from .terminal import plain, print_table, show_time
 
 FIRST = (
@@ -25,65 +25,66 @@ PREFIXES = (("", "detail mesh"), ("sim.", "simulation mesh"), ("redrape.", "re-d
 """Prefixes of the metrics of the delivered meshes, and what the summary calls these meshes."""
 
 
-def print_result(found: dict[str, Any], files: Sequence[Path], verbose: bool = False) -> None:
+def print_result(job: JobReport, files: Sequence[Path], verbose: bool = False) -> None:
     """Print a job's result: ten lines, or with `verbose` all metrics, gates, warnings and files as tables."""
     if verbose:
-        print_tables(found, files)
+        print_tables(job, files)
         return
-    click.echo(plain(f"{found['garment'] or 'result'} (job {found['job']})"))
-    for title, text in summarise(found, files):
+    click.echo(plain(f"{job.garment or 'result'} (job {job.id})"))
+    for title, text in summarise(job, files):
         click.echo(f"  {title:<10} {plain(text)}")
 
 
-def summarise(found: dict[str, Any], files: Sequence[Path]) -> Iterator[tuple[str, str]]:
+def summarise(job: JobReport, files: Sequence[Path]) -> Iterator[tuple[str, str]]:
     """Yield the lines of a summary as title and text: what the garment is, how near it lies, and what to open next."""
-    metrics: Mapping[str, float | None] = found["metrics"]
-    yield "scan", f"{found['name']}; wearer: {found['body'] or 'not known'}"
-    yield "pattern", f"base pattern {found['template']}, {_describe_count(metrics, 'vertices')} vertices in each mesh"
-    yield "fabric", f"{found['fabric']}; {_describe_bending(metrics)}"
+    metrics: Mapping[str, float | None] = job.metrics
+    yield "scan", f"{job.name}; wearer: {job.body or 'not known'}"
+    yield "pattern", f"base pattern {job.template}, {_describe_count(metrics, 'vertices')} vertices in each mesh"
+    yield "fabric", f"{job.fabric}; {_describe_bending(metrics)}"
     distances = "; ".join(_describe_distances(metrics))
     yield "surface", f"RMS to the scan / back: {distances}" if distances else "not measured"
     depths = "; ".join(_describe_depths(metrics))
     yield "body", f"depth inside it / crossing faces: {depths}" if depths else "not measured"
-    yield "checks", _describe_gates(found["gates"])
-    warnings = found["warnings"]
+    yield "checks", _describe_gates(job.gates)
+    warnings = job.warnings
     more = f" (and {len(warnings) - 1} more, see --verbose)" if len(warnings) > 1 else ""
     yield "warnings", f"{warnings[0]}{more}" if warnings else "none"
-    yield "cost", f"{found['cpu_seconds'] or 0.0:.0f} s CPU, {found['peak_mb'] or 0.0:.0f} MB"
+    yield "cost", f"{job.cpu_seconds or 0.0:.0f} s CPU, {job.peak_mb or 0.0:.0f} MB"
     names = {path.name: path for path in files}
     chosen = [str(names[name]) for name in OPEN_FIRST if name in names] or [str(path) for path in files]
-    yield "open", ", ".join(chosen) or f"garmentq export {found['job']} --out DIR"
+    yield "open", ", ".join(chosen) or f"garmentq export {job.id} --out DIR"
 
 
-def print_tables(found: dict[str, Any], files: Sequence[Path]) -> None:
+def print_tables(job: JobReport, files: Sequence[Path]) -> None:
     """Print everything a job found as tables, then where its files are."""
     print_table(
         ["job", "scan", "garment", "template", "fabric", "body", "CPU s", "peak MB", "ended"],
         [
             [
-                found["job"], found["name"], found["garment"], found["template"], found["fabric"], found["body"],
-                found["cpu_seconds"], found["peak_mb"], show_time(found["finished"]),
+                job.id, job.name, job.garment, job.template, job.fabric, job.body,
+                job.cpu_seconds, job.peak_mb, show_time(job.finished),
             ]
         ],
     )  # fmt: skip
-    metrics = found["metrics"]
+    metrics = job.metrics
     names = [name for name in FIRST if name in metrics] + [name for name in metrics if name not in FIRST]
     print_table(["metric", "value"], [[name, metrics[name]] for name in names if metrics[name] is not None])
-    gates = found["gates"]
+    gates = job.gates
     if gates:
-        rows = [[g["name"], g["verdict"], g["value"], g["limit"], g["message"]] for g in gates]
+        rows = [[g.name, g.verdict, g.value, g.limit, g.message] for g in gates]
         print_table(["gate", "verdict", "value", "limit", ""], rows)
-    if found["warnings"]:
-        print_table(["warning"], [[text] for text in found["warnings"]])
+    if job.warnings:
+        print_table(["warning"], [[text] for text in job.warnings])
     if files:
         print_table(["file", "path"], [[path.name, str(path)] for path in files])
 
 
-def flatten(found: Sequence[dict[str, Any]]) -> tuple[list[str], list[list[object]]]:
+def flatten(found: Sequence[JobReport]) -> tuple[list[str], list[list[object]]]:
     """Return described jobs as columns and rows: one column for each metric that any of them has."""
     first = ("job", "name", "state", "garment", "template", "fabric", "body", "attempts", "created", "finished")
-    metrics = sorted({name for item in found for name in item["metrics"]})
-    rows = [[*(item[name] for name in first), *(item["metrics"].get(name) for name in metrics)] for item in found]
+    metrics = sorted({name for job in found for name in job.metrics})
+    shown = [(job.as_json(), job.metrics) for job in found]
+    rows = [[*(values[name] for name in first), *(known.get(name) for name in metrics)] for values, known in shown]
     return [*first, *metrics], rows
 
 
@@ -117,11 +118,11 @@ def _describe_depths(metrics: Mapping[str, float | None]) -> Iterator[str]:
             yield f"{mesh} {depth:.1f} mm / {crossed or 0:.0f}"
 
 
-def _describe_gates(gates: Sequence[Mapping[str, Any]]) -> str:
+def _describe_gates(gates: Sequence[Gate]) -> str:
     """Return how many checks passed, and the message of the worst of the others."""
     if not gates:
         return "none"
     order = {"fail": 0, "warn": 1}
-    others = sorted((gate for gate in gates if gate["verdict"] in order), key=lambda gate: order[gate["verdict"]])
+    others = sorted((gate for gate in gates if gate.verdict in order), key=lambda gate: order[gate.verdict])
     passed = f"{len(gates) - len(others)} of {len(gates)} passed"
-    return f"{passed}; {others[0]['verdict']}: {others[0]['message']}" if others else passed
+    return f"{passed}; {others[0].verdict}: {others[0].message}" if others else passed

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -11,6 +11,7 @@ from .options import home_option, json_option
 
 if TYPE_CHECKING:
     from ..core.pattern import Pattern
+    from ..service.backend import Backend
 
 
 @click.group("templates")
@@ -35,15 +36,16 @@ def list_command(home: Path | None, as_json: bool) -> None:
     Example:
       garmentq templates list
     """
-    from ..service.anywhere import list_templates
+    from dataclasses import asdict, astuple
+
     from .terminal import print_json, print_table
 
-    rows = list_templates(_open(home)[0])
+    found = _open(home).list_templates()
     if as_json:
-        for row in rows:
-            print_json(row)
+        for template in found:
+            print_json(asdict(template))
     else:
-        print_table(["name", "category", "source", ""], [list(row.values()) for row in rows])
+        print_table(["name", "category", "source", ""], [astuple(template) for template in found])
 
 
 @command.command("show")
@@ -84,21 +86,15 @@ def import_command(file: Path, name: str, home: Path | None, as_json: bool) -> N
     Example:
       garmentq templates import jacket.json --name jacket
     """
-    from ..core.pattern import list_templates, load_pattern
-    from ..service.anywhere import import_template
-    from ..service.templates import TemplateNameBad
+    from dataclasses import asdict
+
     from .terminal import note, print_json
 
-    pattern = load_pattern(file)
-    if name in [info.name for info in list_templates()]:
-        raise TemplateNameBad(f"'{name}' is the name of a shipped template; choose another.")
-    database, store = _open(home)
-    import_template(database, store, name, file, pattern.category, len(pattern.panels))
-    found = {"name": name, "panels": len(pattern.panels), "seams": len(pattern.seams), "category": pattern.category}
+    found = _open(home).import_template(name, file)
     if as_json:
-        print_json(found)
+        print_json(asdict(found))
     else:
-        note(f"imported '{name}': {len(pattern.panels)} panels, {len(pattern.seams)} seams")
+        note(f"imported '{found.name}': {found.panels} panels, {found.seams} seams")
 
 
 @command.command("export")
@@ -118,19 +114,15 @@ def export_command(name: str, out: Path, home: Path | None) -> None:
     click.echo(str(out))
 
 
-def _open(home: Path | None) -> tuple[Any, Any]:
-    from ..service.anywhere import open_database
+def _open(home: Path | None) -> Backend:
+    from ..service.backend import open_backend
     from ..service.settings import read_settings
-    from ..service.stores import open_store
 
-    settings = read_settings(home=home)
-    return open_database(settings), open_store(settings)
+    return open_backend(read_settings(home=home))
 
 
 def _load(name: str, home: Path | None) -> Pattern:
     """Load an imported or a shipped template."""
-    from ..core.pattern import load_template, read_pattern
-    from ..service.anywhere import read_template
+    from ..core.pattern import read_pattern
 
-    content = read_template(*_open(home), name)
-    return load_template(name) if content is None else read_pattern(content, name=name)
+    return read_pattern(_open(home).read_template(name), name=name)

@@ -7,9 +7,9 @@ carries that fence, so a worker that lost its lease (a zombie) changes nothing. 
 from __future__ import annotations
 
 import uuid
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, TypeVar
 
 from sqlalchemy import ColumnElement, Update, and_, select, update
 from sqlalchemy.orm import Session
@@ -20,6 +20,8 @@ from .database import Database, clock
 from .keys import check_quota
 from .models import EventRow, JobRow, OutboxRow
 from .states import ENDED, OPEN, QUEUES, TRANSITIONS, State
+
+T = TypeVar("T")
 
 IDS_AT_ONCE = 500
 """Values bound in one question; SQLite takes 32 766."""
@@ -357,6 +359,18 @@ def find_jobs_by_id(database: Database, jobs: Sequence[str]) -> list[JobRow]:
             chunk = jobs[start : start + IDS_AT_ONCE]
             found |= {row.id: row for row in session.scalars(select(JobRow).where(JobRow.id.in_(chunk)))}
     return [found[job] for job in jobs if job in found]
+
+
+def pick_known(ids: Sequence[str], found: Mapping[str, T]) -> list[T]:
+    """Return what was found of some ids, in the order of the ids.
+
+    Raises:
+        JobUnknown: where one was not found.
+    """
+    missing = [job for job in ids if job not in found]
+    if missing:
+        raise JobUnknown(f"there is no job '{missing[0]}'; `garmentq status` lists them all.")
+    return [found[job] for job in ids]
 
 
 def list_jobs(database: Database, limit: int = 50) -> list[JobRow]:

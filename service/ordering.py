@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 from ..core.body import is_builtin
 from ..core.errors import BadInput
 from ..core.settings import RecoverySettings, SettingsBad
-from .database import Database
+from .services import Services
 from .settings import ServiceSettings
-from .store import Store
 from .submission import BodyUnreadable, Order
 from .templates import find_template
 
@@ -25,54 +24,48 @@ class FileUnreadable(BadInput):
     code = "input.unreadable"
 
 
-def check_order(
-    settings: ServiceSettings, database: Database, store: Store, order: Order, template: str | None
-) -> Order:
-    """Check files and names before anything is queued.
+def check_order(services: Services, order: Order, template: str | None = None) -> Order:
+    """Check files and names before anything is queued, and find the file of an imported template.
 
     Args:
-        settings: Where the checker is named.
-        database: Where imported templates are.
-        store: Where their files are.
+        services: The home whose checker and templates count.
         order: What is wanted; a template in it is a file.
         template: Name of a shipped or imported template, or None. Never a path.
 
     Raises:
         GarmentqError: with the code of what cannot be used.
     """
+    checked = check_files(services.settings, order)
+    if order.template is not None or template is None:
+        return checked
+    file = find_template(services, template)
+    return replace(checked, template=file, settings=replace(checked.settings, template=template))
+
+
+def check_files(settings: ServiceSettings, order: Order) -> Order:
+    """Check all of an order but the name of its template.
+
+    Raises:
+        GarmentqError: with the code of what cannot be used.
+    """
     from ..core.recovery import make_selection
 
-    chosen = order.settings
-    _check_names(chosen)
-    selection = make_selection(order.labels, chosen)
+    _check_names(order.settings)
+    selection = make_selection(order.labels, order.settings)
     body = None if order.body is None and selection is not None else _check_body(order.body)
-    _check_meshes(settings, order.scan, body, chosen, selection)
+    _check_meshes(settings, replace(order, body=body), selection)
     if order.template is not None:
         from ..core.pattern import load_pattern
 
         load_pattern(order.template)
-        return replace(order, body=body)
-    if template is None:
-        return replace(order, body=body)
-    return replace(
-        order,
-        body=body,
-        template=_find_template(database, store, template),
-        settings=replace(chosen, template=template),
-    )
+    return replace(order, body=body)
 
 
-def _check_meshes(
-    settings: ServiceSettings,
-    scan: Path,
-    body: Path | str | None,
-    chosen: RecoverySettings,
-    selection: Selection | None,
-) -> None:
-    check = settings.find("checker")
+def _check_meshes(settings: ServiceSettings, order: Order, selection: Selection | None) -> None:
+    check, body, chosen = settings.find("checker"), order.body, order.settings
     part = {} if selection is None else {"selection": selection}
     try:
-        check(scan, body if isinstance(body, Path) else None, units=chosen.units, up=chosen.up, **part)
+        check(order.scan, body if isinstance(body, Path) else None, units=chosen.units, up=chosen.up, **part)
     except OSError as error:
         raise FileUnreadable(f"'{error.filename}' cannot be read: {error.strerror}.") from error
 
@@ -100,14 +93,3 @@ def _check_body(body: Path | str | None) -> Path | str:
     if not path.is_file():
         raise BodyUnreadable(f"there is no body file '{body}'; give a mesh, or --body builtin:female,height=1.70.")
     return path
-
-
-def _find_template(database: Database, store: Store, name: str) -> Path | None:
-    """Give an imported template's file; None for a shipped one, which needs no file."""
-    imported = find_template(database, name)
-    if imported is not None:
-        return store.path(imported.sha256)
-    from ..core.pattern import load_template
-
-    load_template(name)
-    return None

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import operator
 import re
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, cast
 
 from sqlalchemy import ColumnElement, Select, Text, exists, func, select
@@ -14,6 +14,7 @@ from sqlalchemy.orm import Session, aliased
 from ..core.errors import BadInput
 from .database import Database
 from .models import BodyRow, JobRow, MaterialRow, MetricRow, OwnerRow, PatternRow
+from .states import State
 
 TEXTS: dict[str, Any] = {
     "job": JobRow.id,
@@ -89,6 +90,33 @@ class Condition:
     name: str
     operator: str
     value: str | float
+
+
+@dataclass(frozen=True)
+class JobQuery:
+    """Ask for jobs by their fields and by what they found.
+
+    Attributes:
+        given: Fields with the text that each must have.
+        wheres: Conditions as they were typed, joined by `and`.
+        sort: Field or metric to sort by; `-` before it: largest first.
+        limit: Jobs at most.
+    """
+
+    given: Mapping[str, str] = field(default_factory=dict)
+    wheres: Sequence[str] = ()
+    sort: str = "-created"
+    limit: int = 50
+
+    @property
+    def conditions(self) -> list[Condition]:
+        """Return every condition.
+
+        Raises:
+            QueryBad: where one cannot be read.
+        """
+        given = [Condition(name, "=", value) for name, value in self.given.items()]
+        return given + [condition for text in self.wheres for condition in parse_conditions(text)]
 
 
 def parse_conditions(text: str) -> list[Condition]:
@@ -216,7 +244,7 @@ def _check_metric(session: Session, name: str) -> None:
             raise QueryBad(f"there is no '{name[:60]}'; there are {', '.join(sorted([*TEXTS, *NUMBERS, *known]))}.")
 
 
-def count_states(database: Database) -> dict[str, int]:
+def count_states(database: Database) -> dict[State, int]:
     """Count the jobs by state."""
     with database.read() as session:
         rows = session.execute(select(JobRow.state, func.count()).group_by(JobRow.state)).all()

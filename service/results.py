@@ -27,12 +27,16 @@ from .models import (
     PatternRow,
     ScanRow,
 )
+from .records import Artifact, JobReport
 from .store import Store
 
 if TYPE_CHECKING:
     from ..core.body import Body
     from ..core.recovery import Recovery
     from ..core.simulate import Fabric
+
+JOBS_AT_ONCE = 500
+"""Jobs of one question for what they found."""
 
 RESULT = "result"
 CHECKPOINT = "checkpoint"
@@ -113,55 +117,52 @@ def export_files(database: Database, store: Store, job: str, folder: Path, names
     Raises:
         ResultMissing: where the job has no result, or no file of a name.
     """
-    rows = list_files(database, job)
-    if not rows:
+    files = choose_files(job, [Artifact.from_row(row) for row in list_files(database, job)], names)
+    return [store.copy(file.sha256, folder / file.name) for file in files]
+
+
+def choose_files(job: str, files: Sequence[Artifact], names: Sequence[str]) -> list[Artifact]:
+    """Return those of a job's files that are named, or all where none is.
+
+    Raises:
+        ResultMissing: where the job has no result, or no file of a name.
+    """
+    if not files:
         raise ResultMissing(f"job {job} has no result files; `garmentq status {job}` tells why.")
-    unknown = set(names) - {row.name for row in rows}
+    unknown = set(names) - {file.name for file in files}
     if unknown:
-        known = ", ".join(row.name for row in rows)
+        known = ", ".join(file.name for file in files)
         raise ResultMissing(f"job {job} has no file {', '.join(sorted(unknown))}; it has {known}.")
-    return [store.copy(row.sha256, folder / row.name) for row in rows if not names or row.name in names]
+    return [file for file in files if not names or file.name in names]
 
 
-def read_metrics(database: Database, job: str) -> dict[str, float | None]:
-    """Give a job's metrics by name."""
+def report_jobs(database: Database, rows: Sequence[JobRow]) -> list[JobReport]:
+    """Return jobs with what they found, in the order of their rows; three questions for each `JOBS_AT_ONCE`."""
+    reports: list[JobReport] = []
     with database.read() as session:
-        rows = session.execute(select(MetricRow.name, MetricRow.value).where(MetricRow.job == job)).all()
-    return {row.name: row.value for row in sorted(rows, key=lambda row: row.name)}
+        for start in range(0, len(rows), JOBS_AT_ONCE):
+            chunk = rows[start : start + JOBS_AT_ONCE]
+            found = _find_patterns(session, [row.id for row in chunk])
+            reports += [JobReport.from_row(row, **found[row.id]) for row in chunk]
+    return reports
 
 
-def describe_job(database: Database, row: JobRow) -> dict[str, Any]:
-    """Give a job and what it found as plain JSON values, the same keys for every state."""
-    with database.read() as session:
-        pattern = session.get(PatternRow, row.id)
-        material = session.get(MaterialRow, pattern.material) if pattern else None
-        body = session.get(BodyRow, row.id)
-    error = {"code": row.error_code, "message": row.error_message} if row.error_code else None
-    result = row.result or {}
-    return {
-        "job": row.id,
-        "name": row.name,
-        "state": row.state,
-        "stage": row.stage,
-        "progress": round(row.progress, 4),
-        "attempts": row.attempts,
-        "created": row.created,
-        "started": row.started,
-        "finished": row.finished,
-        "error": error,
-        "garment": pattern.category if pattern else None,
-        "template": pattern.template if pattern else None,
-        "fabric": material.name if material else None,
-        "body": body.source if body else None,
-        "settings": row.request["settings"],
-        "version": row.version,
-        "metrics": read_metrics(database, row.id),
-        "gates": result.get("gates", []),
-        "warnings": result.get("warnings", []),
-        "stage_seconds": result.get("stage_seconds", {}),
-        "cpu_seconds": result.get("cpu_seconds"),
-        "peak_mb": result.get("peak_mb"),
-    }
+def _find_patterns(session: Session, jobs: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Return for each job the fields of its report that other tables hold."""
+    found: dict[str, dict[str, Any]] = {job: {"metrics": {}} for job in jobs}
+    patterns = (
+        select(PatternRow.job, PatternRow.category, PatternRow.template, MaterialRow.name)
+        .join(MaterialRow, MaterialRow.id == PatternRow.material)
+        .where(PatternRow.job.in_(jobs))
+    )
+    for job, garment, template, fabric in session.execute(patterns):
+        found[job] |= {"garment": garment, "template": template, "fabric": fabric}
+    for job, source in session.execute(select(BodyRow.job, BodyRow.source).where(BodyRow.job.in_(jobs))):
+        found[job]["body"] = source
+    metrics = select(MetricRow.job, MetricRow.name, MetricRow.value).where(MetricRow.job.in_(jobs))
+    for job, name, value in sorted(session.execute(metrics)):
+        found[job]["metrics"][name] = value
+    return found
 
 
 def _named(job: str, kind: str, name: str) -> Any:

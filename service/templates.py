@@ -1,16 +1,18 @@
-"""Template patterns that a user imported: a name, and the file as it was given."""
+"""Template patterns: the shipped ones, and those that a user imported by a name, each the file as it was given."""
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
-from typing import Any
 
 from sqlalchemy import select
 
 from ..core.errors import BadInput
 from .database import Database, clock
 from .models import TemplateRow
+from .records import ImportedTemplate, Template
+from .services import Services
 from .store import Store
 
 NAME = re.compile(r"[a-z0-9][a-z0-9_.-]{0,63}", re.ASCII)
@@ -20,6 +22,22 @@ class TemplateNameBad(BadInput):
     """A template's name is made of small letters, digits, '_', '.' and '-', at most 64 of them."""
 
     code = "template.name_bad"
+
+
+def import_template(services: Services, name: str, path: Path) -> ImportedTemplate:
+    """Check a GarmentCode or NeuralTailor pattern file and keep it; one imported before under the name is replaced.
+
+    Raises:
+        TemplateNameBad: where the name is none, or a shipped template's.
+        PatternBad: where the file cannot be read.
+    """
+    from ..core.pattern import list_templates, load_pattern
+
+    pattern = load_pattern(path)
+    if name in [info.name for info in list_templates()]:
+        raise TemplateNameBad(f"'{name}' is the name of a shipped template; choose another.")
+    keep_template(services.database, services.store, name, path, pattern.category, len(pattern.panels))
+    return ImportedTemplate(name, len(pattern.panels), len(pattern.seams), pattern.category)
 
 
 def keep_template(database: Database, store: Store, name: str, path: Path, category: str, panels: int) -> None:
@@ -35,24 +53,45 @@ def keep_template(database: Database, store: Store, name: str, path: Path, categ
         session.merge(TemplateRow(name=name, sha256=kept.sha256, category=category, panels=panels, created=clock()))
 
 
-def find_template(database: Database, name: str) -> TemplateRow | None:
-    """Give an imported template by name, or None."""
+def find_template(services: Services, name: str) -> Path | None:
+    """Return the file of an imported template; None for a shipped one, which needs no file.
+
+    Raises:
+        TemplateUnknown: where there is neither.
+    """
+    from ..core.pattern import load_template
+
+    kept = _find_imported(services.database, name)
+    if kept is None:
+        load_template(name)
+        return None
+    return services.store.path(kept.sha256)
+
+
+def read_template(services: Services, name: str) -> bytes:
+    """Return the pattern file of a template.
+
+    Raises:
+        TemplateUnknown: where there is none of that name.
+    """
+    from ..core.pattern import load_template, write_pattern
+
+    kept = _find_imported(services.database, name)
+    if kept is not None:
+        return services.store.get_bytes(kept.sha256)
+    return json.dumps(write_pattern(load_template(name)), indent=1).encode()
+
+
+def list_templates(database: Database) -> list[Template]:
+    """Return shipped and imported templates, each kind by name."""
+    from ..core import pattern
+
+    found = [Template(info.name, info.category, "shipped", info.title) for info in pattern.list_templates()]
+    with database.read() as session:
+        rows = session.scalars(select(TemplateRow).order_by(TemplateRow.name)).all()
+    return found + [Template(row.name, row.category, "imported", f"{row.panels} panels") for row in rows]
+
+
+def _find_imported(database: Database, name: str) -> TemplateRow | None:
     with database.read() as session:
         return session.get(TemplateRow, name)
-
-
-def list_imported(database: Database) -> list[TemplateRow]:
-    """Give every imported template by name."""
-    with database.read() as session:
-        return list(session.scalars(select(TemplateRow).order_by(TemplateRow.name)))
-
-
-def describe_templates(database: Database) -> list[dict[str, Any]]:
-    """Give shipped and imported templates: name, category, source, title."""
-    from ..core.pattern import list_templates
-
-    found = [{"name": i.name, "category": i.category, "source": "shipped", "title": i.title} for i in list_templates()]
-    for kept in list_imported(database):
-        title = f"{kept.panels} panels"
-        found.append({"name": kept.name, "category": kept.category, "source": "imported", "title": title})
-    return found

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Annotated
 
 from anyio import CapacityLimiter
@@ -11,43 +10,30 @@ from fastapi import Depends, Request, Security
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 from sqlalchemy import select
 
-from ..database import Database
 from ..jobs import JobUnknown, find_job
 from ..keys import Caller, admit
 from ..models import JobRow, OwnerRow
-from ..settings import ServiceSettings
-from ..store import Store
+from ..services import Services
 from .limits import ApiLimits
 from .meter import Meter
 from .problems import RequestBad
 
 
 @dataclass(frozen=True)
-class Rooms:
-    """Hold what the routes work with.
+class Rooms(Services):
+    """Hold what the routes work with: an open home, and what its callers may do.
 
     Attributes:
-        settings: Which home.
-        database: Its database.
-        store: Its files.
         limits: What a request may cost.
         is_open: True where a caller without a key may be the local user.
         meter: Counts what each key asks for.
         checks: Lets a few scans be checked at a time.
     """
 
-    settings: ServiceSettings
-    database: Database
-    store: Store
     limits: ApiLimits
     is_open: bool
     meter: Meter
     checks: list[CapacityLimiter] = field(default_factory=list)
-
-    @property
-    def incoming(self) -> Path:
-        """Give the folder of unfinished transfers."""
-        return self.settings.home / "incoming"
 
 
 bearer = HTTPBearer(auto_error=False, description="A token from `garmentq keys create`.")

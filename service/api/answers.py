@@ -2,16 +2,31 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from dataclasses import fields
+from typing import Any, Literal, get_type_hints
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, create_model
 
+from .. import records
+from ..records import Artifact, Template
 from ..states import State
 from .schemas import Sha256
 
 
 class _Answer(BaseModel):
     model_config = ConfigDict(extra="forbid")
+
+
+def _show(record: type, identifier: str) -> Any:
+    """Return the model of a record whose `id` goes by another name in JSON."""
+    hints = get_type_hints(record)
+    names = {identifier if item.name == "id" else item.name: (hints[item.name], ...) for item in fields(record)}
+    return create_model(record.__name__, __base__=_Answer, __doc__=record.__doc__, **names)  # type: ignore[call-overload]
+
+
+Brief: Any = _show(records.Job, "job")
+Job: Any = _show(records.JobReport, "job")
+Key: Any = _show(records.Key, "key")
 
 
 class Problem(_Answer):
@@ -47,70 +62,10 @@ class Changed(_Answer):
     state: State
 
 
-class Failure(_Answer):
-    """Tell why a job ended badly."""
-
-    code: str
-    message: str
-
-
-class Brief(_Answer):
-    """Tell how far a job is; `progress` of the stage in 0..1, times in seconds since 1970."""
-
-    job: str
-    name: str
-    state: State
-    stage: str
-    progress: float
-    attempts: int
-    created: float
-    started: float | None
-    finished: float | None
-    error: Failure | None
-    bad_input: bool
-    queue: str
-    priority: int
-
-
-class Gate(_Answer):
-    """Judge one metric."""
-
-    name: str
-    verdict: str
-    value: float | None
-    limit: float | None
-    message: str
-
-
-class Job(Brief):
-    """Show a job and what it found; metrics by dotted name, each with its unit in it."""
-
-    garment: str | None
-    template: str | None
-    fabric: str | None
-    body: str | None
-    settings: dict[str, Any]
-    version: str
-    metrics: dict[str, float | None]
-    gates: list[Gate]
-    warnings: list[str]
-    stage_seconds: dict[str, float]
-    cpu_seconds: float | None
-    peak_mb: float | None
-
-
-class File(_Answer):
-    """Name one file of a job, with its hash and size [bytes]."""
-
-    name: str
-    sha256: Sha256
-    size: int
-
-
 class Result(Job):
     """Show an ended job with its files."""
 
-    files: list[File]
+    files: list[Artifact]
 
 
 class Jobs(_Answer):
@@ -128,23 +83,7 @@ class Briefs(_Answer):
 class Files(_Answer):
     """List the files of a job."""
 
-    files: list[File]
-
-
-class Event(_Answer):
-    """Tell one thing that happened to a job."""
-
-    id: int
-    at: float
-    kind: str
-    data: dict[str, Any]
-
-
-class Events(_Answer):
-    """List events in order, and the job's state before they were read."""
-
-    events: list[Event]
-    state: State
+    files: list[Artifact]
 
 
 class Wearer(_Answer):
@@ -157,45 +96,10 @@ class Wearer(_Answer):
     parameters: dict[str, Any]
 
 
-class Worker(_Answer):
-    """Tell of a living worker; its name is shown to the scope `admin` only."""
-
-    name: str
-    queues: str
-    concurrency: int
-    started: float
-    seen: float
-
-
-class Queue(_Answer):
-    """Count the caller's jobs by state, and list the living workers."""
-
-    states: dict[State, int]
-    workers: list[Worker]
-
-
-class Template(_Answer):
-    """Name a base pattern."""
-
-    name: str
-    category: str
-    source: Literal["shipped", "imported"]
-    title: str
-
-
 class Templates(_Answer):
     """List base patterns."""
 
     templates: list[Template]
-
-
-class Imported(_Answer):
-    """Tell what was understood of an imported pattern."""
-
-    name: str
-    panels: int
-    seams: int
-    category: str
 
 
 class Material(BaseModel):
@@ -218,17 +122,6 @@ class Materials(_Answer):
     """List fabrics."""
 
     materials: list[Material]
-
-
-class Key(_Answer):
-    """Show an API key."""
-
-    key: str
-    name: str
-    scopes: list[Literal["read", "submit", "admin"]]
-    quota: int
-    created: float
-    revoked: float | None
 
 
 class NewKey(Key):

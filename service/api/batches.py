@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from fastapi import APIRouter
@@ -11,8 +12,10 @@ from ..jobs import find_jobs_by_id
 from ..models import JobRow, OwnerRow
 from ..query import count_states
 from ..reaper import list_workers
+from ..records import Job, Queue, Worker
+from ..states import State
 from .access import Reader, Rooms, RoomsOf
-from .answers import Briefs, Queue
+from .answers import Briefs
 from .problems import show_answer
 from .schemas import JobsIn
 
@@ -38,35 +41,20 @@ def tell_states(wanted: JobsIn, rooms: RoomsOf, caller: Reader) -> Any:
             own = select(OwnerRow.job).where(OwnerRow.key == caller.key, OwnerRow.job.in_(ids))
             seen = set(session.scalars(own))
         ids = [job for job in ids if job in seen]
-    return {"jobs": [show_brief(row) for row in find_jobs_by_id(rooms.database, ids)]}
+    return {"jobs": [Job.from_row(row).as_json() for row in find_jobs_by_id(rooms.database, ids)]}
 
 
 @router.get("/queue", summary="Count the jobs and list the workers.", responses=show_answer(QUEUE, 200, Queue))
 def tell_queue(rooms: RoomsOf, caller: Reader) -> Any:
     """Count the caller's jobs by state, and give the living workers; their names to the scope `admin` only."""
-    workers = [
-        {
-            "name": row.name if caller.sees_all else f"worker {number}",
-            "queues": row.queues,
-            "concurrency": row.concurrency,
-            "started": row.started,
-            "seen": row.seen,
-        }
-        for number, row in enumerate(list_workers(rooms.database), 1)
-    ]
+    workers = [Worker.from_row(row) for row in list_workers(rooms.database)]
+    if not caller.sees_all:
+        workers = [replace(worker, name=f"worker {number}") for number, worker in enumerate(workers, 1)]
     states = count_states(rooms.database) if caller.sees_all else _count_own(rooms, caller.key)
-    return {"states": states, "workers": workers}
+    return Queue(states, workers)
 
 
-def show_brief(row: JobRow) -> dict[str, Any]:
-    """Give how far a job is as JSON values, from its row alone."""
-    names = ("name", "state", "stage", "attempts", "created", "started", "finished", "bad_input", "queue", "priority")
-    error = {"code": row.error_code, "message": row.error_message or ""} if row.error_code else None
-    shown = {name: getattr(row, name) for name in names}
-    return {"job": row.id, "progress": round(row.progress, 4), "error": error, **shown}
-
-
-def _count_own(rooms: Rooms, key: str) -> dict[str, int]:
+def _count_own(rooms: Rooms, key: str) -> dict[State, int]:
     own = select(JobRow.state, func.count()).join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == key)
     with rooms.database.read() as session:
         return {row[0]: row[1] for row in session.execute(own.group_by(JobRow.state)).all()}

@@ -6,6 +6,7 @@ import asyncio
 import json
 import time
 from collections.abc import AsyncIterator
+from dataclasses import asdict
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query, Request
@@ -15,10 +16,9 @@ from starlette.types import Receive, Scope, Send
 
 from ...core.errors import GarmentqError
 from ..jobs import find_job, read_events
-from ..models import EventRow
+from ..records import Event, News
 from ..states import ENDED
 from .access import Reader, Rooms, RoomsOf, find_own
-from .answers import Events
 from .problems import show_answer
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
@@ -30,12 +30,15 @@ ALIVE_SECONDS = 15.0
 """A silent stream sends a comment so often [s]; proxies close what is silent for 30 s and more."""
 
 LARGEST_ID = 2**63 - 1
-EXAMPLE = {"id": 17, "at": 1795250000.5, "kind": "progress", "data": {"stage": "drape", "fraction": 0.4, "message": ""}}
+EXAMPLE = {
+    "id": 17, "job": "3685ecfd4f81", "at": 1795250000.5, "kind": "progress",
+    "data": {"stage": "drape", "fraction": 0.4, "message": ""},
+}  # fmt: skip
 
 
 @router.get(
     "/{job}/events", summary="Follow a job.",
-    responses=show_answer({"events": [EXAMPLE], "state": "running"}, model=Events),
+    responses=show_answer({"events": [EXAMPLE], "state": "running"}, model=News),
 )  # fmt: skip
 async def follow_job(
     job: str,
@@ -50,8 +53,7 @@ async def follow_job(
     if last_event_id is not None and last_event_id.isascii() and last_event_id.isdigit():
         after = min(int(last_event_id), LARGEST_ID)
     if "text/event-stream" not in request.headers.get("accept", ""):
-        state, events = await run_in_threadpool(_look, rooms, row.id, after)
-        return {"events": [_show(event) for event in events], "state": state}
+        return await run_in_threadpool(_look, rooms, row.id, after)
     return _Counted(rooms, caller.key, row.id, after)
 
 
@@ -71,14 +73,14 @@ async def _stream(rooms: Rooms, job: str, after: int) -> AsyncIterator[str]:
     spoke = time.monotonic()
     while True:
         try:
-            state, events = await run_in_threadpool(_look, rooms, job, after)
+            news = await run_in_threadpool(_look, rooms, job, after)
         except GarmentqError:
             return  # the database is away; the client comes back with Last-Event-ID
-        for event in events:
+        for event in news.events:
             after, spoke = event.id, time.monotonic()
-            yield f"id: {event.id}\nevent: {event.kind}\ndata: {json.dumps(_show(event))}\n\n"
-        if state in ENDED:
-            yield f"event: end\ndata: {json.dumps({'state': state})}\n\n"
+            yield f"id: {event.id}\nevent: {event.kind}\ndata: {json.dumps(asdict(event))}\n\n"
+        if news.state in ENDED:
+            yield f"event: end\ndata: {json.dumps({'state': news.state})}\n\n"
             return
         if time.monotonic() - spoke > ALIVE_SECONDS:
             spoke = time.monotonic()
@@ -86,11 +88,7 @@ async def _stream(rooms: Rooms, job: str, after: int) -> AsyncIterator[str]:
         await asyncio.sleep(PERIOD_SECONDS)
 
 
-def _look(rooms: Rooms, job: str, after: int) -> tuple[str, list[EventRow]]:
+def _look(rooms: Rooms, job: str, after: int) -> News:
     """Read the state first, so that the event that ended the job is among those read after it."""
     state = find_job(rooms.database, job).state
-    return state, read_events(rooms.database, job, after)
-
-
-def _show(event: EventRow) -> dict[str, Any]:
-    return {"id": event.id, "at": event.at, "kind": event.kind, "data": event.data}
+    return News(state, [Event.from_row(event) for event in read_events(rooms.database, job, after)])

@@ -19,7 +19,7 @@ from ..jobs import cancel, find_job, retry
 from ..keys import Caller
 from ..models import JobRow, OwnerRow
 from ..ordering import check_order
-from ..results import describe_job
+from ..results import report_jobs
 from ..states import State
 from ..submission import Order, Submitted, submit
 from ..uploads import begin_once, end_once, find_upload
@@ -70,7 +70,7 @@ def list_jobs(rooms: RoomsOf, caller: Reader, limit: Annotated[int, Query(ge=1, 
         statement = statement.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == caller.key)
     with rooms.database.read() as session:
         rows = list(session.scalars(statement))
-    return {"jobs": [show_job(rooms, row) for row in rows]}
+    return show_jobs(rooms, rows)
 
 
 @router.get("/{job}", summary="Show a job and what it found.", responses=show_answer(EXAMPLE, model=Job))
@@ -101,12 +101,13 @@ def retry_job(job: str, rooms: RoomsOf, caller: Submitter) -> Any:
 
 
 def show_job(rooms: Rooms, row: JobRow) -> dict[str, Any]:
-    """Give a job as JSON values."""
-    return describe_job(rooms.database, row) | {
-        "bad_input": row.bad_input,
-        "queue": row.queue,
-        "priority": row.priority,
-    }
+    """Return a job as JSON values."""
+    return report_jobs(rooms.database, [row])[0].as_json()
+
+
+def show_jobs(rooms: Rooms, rows: list[JobRow]) -> dict[str, Any]:
+    """Return the answer that lists some jobs."""
+    return {"jobs": [job.as_json() for job in report_jobs(rooms.database, rows)]}
 
 
 def _create(rooms: Rooms, caller: Caller, wanted: JobIn, token: str | None) -> Submitted:
@@ -117,7 +118,7 @@ def _create(rooms: Rooms, caller: Caller, wanted: JobIn, token: str | None) -> S
         return Submitted(known, False, find_job(rooms.database, known).state)
     with tempfile.TemporaryDirectory(prefix="order-", dir=_incoming(rooms)) as folder:
         order = _unpack(rooms, caller, wanted, Path(folder))
-        order = check_order(rooms.settings, rooms.database, rooms.store, order, wanted.template)
+        order = check_order(rooms, order, wanted.template)
         if token is not None:
             order = replace(order, nonce=hashlib.sha256(f"{caller.key} {token}".encode()).hexdigest())
         done = submit(rooms.database, rooms.store, order)

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Path
 
 from ..keys import create_key, list_keys, revoke_key
-from ..models import ApiKeyRow
+from ..records import Key as KeyRecord
 from .access import Admin, RoomsOf
 from .answers import Key, Keys, NewKey
 from .problems import show_answer
@@ -29,22 +29,17 @@ KeyId = Annotated[str, Path(pattern="^[0-9A-Za-z]{1,16}$")]
 def create(wanted: KeyIn, rooms: RoomsOf, caller: Admin) -> Any:
     """Make a key; the token is in this answer and never again."""
     row, token = create_key(rooms.database, wanted.name, tuple(wanted.scopes), wanted.quota)
-    return show_key(row) | {"token": token}
+    return KeyRecord.from_row(row).as_json() | {"token": token}
 
 
 @router.get("", summary="List the keys.", responses=show_answer({"keys": [EXAMPLE]}, model=Keys))
 def list_all(rooms: RoomsOf, caller: Admin) -> Any:
     """Give every key, without its token."""
-    return {"keys": [show_key(row) for row in list_keys(rooms.database)]}
+    return {"keys": [KeyRecord.from_row(row).as_json() for row in list_keys(rooms.database)]}
 
 
 @router.delete("/{key}", summary="Revoke a key.", responses=show_answer(EXAMPLE | {"revoked": 1795250900.0}, model=Key))
 def revoke(key: KeyId, rooms: RoomsOf, caller: Admin) -> Any:
     """Take a key back; its jobs stay."""
-    return show_key(revoke_key(rooms.database, key))
+    return KeyRecord.from_row(revoke_key(rooms.database, key)).as_json()
 
-
-def show_key(row: ApiKeyRow) -> dict[str, Any]:
-    """Give a key as JSON values."""
-    shown = {"scopes": row.scopes, "quota": row.quota, "created": row.created, "revoked": row.revoked}
-    return {"key": row.id, "name": row.name, **shown}

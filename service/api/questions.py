@@ -6,10 +6,10 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query
 
-from ..query import MOST, Condition, find_jobs, parse_conditions
+from ..query import MOST, JobQuery, find_jobs
 from .access import Reader, RoomsOf
 from .answers import Jobs
-from .jobs import EXAMPLE, show_job
+from .jobs import EXAMPLE, show_jobs
 from .problems import show_answer
 from .schemas import Text
 
@@ -30,10 +30,8 @@ def query(
     limit: Annotated[int, Query(ge=1, le=MOST)] = 50,
 ) -> Any:
     """Give the caller's jobs that meet every condition; names and operators come from lists, values are bound."""
-    given = {"garment": garment, "state": state, "fabric": fabric}
-    conditions = [Condition(name, "=", value) for name, value in given.items() if value is not None]
-    for text in where:
-        conditions += parse_conditions(text[:1000])
+    named = {"garment": garment, "state": state, "fabric": fabric}
+    given = {name: value for name, value in named.items() if value is not None}
+    wanted = JobQuery(given, [text[:1000] for text in where], sort, limit)
     owner = None if caller.sees_all else caller.key
-    rows = find_jobs(rooms.database, conditions, sort, limit, owner=owner)
-    return {"jobs": [show_job(rooms, row) for row in rows]}
+    return show_jobs(rooms, find_jobs(rooms.database, wanted.conditions, sort, limit, owner))

@@ -11,7 +11,8 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import FileResponse
 from starlette.types import Message, Receive, Scope, Send
 
-from ..models import ArtifactRow, BodyRow
+from ..models import BodyRow
+from ..records import Artifact
 from ..results import ResultMissing, list_files
 from ..states import ENDED
 from .access import Reader, Rooms, RoomsOf, find_own
@@ -43,7 +44,7 @@ def show_result(job: str, rooms: RoomsOf, caller: Reader) -> Any:
     row = find_own(rooms, caller, job)
     if row.state not in ENDED:
         raise ResultMissing(f"job {row.id} is {row.state}; `garmentq logs -f {row.id}` follows it.")
-    return show_job(rooms, row) | {"files": _files(rooms, row.id)}
+    return show_job(rooms, row) | {"files": _find_files(rooms, row.id)}
 
 
 @router.get(
@@ -51,7 +52,7 @@ def show_result(job: str, rooms: RoomsOf, caller: Reader) -> Any:
 )
 def list_artifacts(job: str, rooms: RoomsOf, caller: Reader) -> Any:
     """Give the names, hashes and sizes of a job's files."""
-    return {"files": _files(rooms, find_own(rooms, caller, job).id)}
+    return {"files": _find_files(rooms, find_own(rooms, caller, job).id)}
 
 
 @router.get(
@@ -68,7 +69,7 @@ def list_artifacts(job: str, rooms: RoomsOf, caller: Reader) -> Any:
 def download(job: str, name: str, request: Request, rooms: RoomsOf, caller: Reader) -> Response:
     """Give a file, checked against its hash. The name is looked up in the job's list and is never a path."""
     row = find_own(rooms, caller, job)
-    found = [file for file in list_files(rooms.database, row.id) if file.name == name]
+    found = [file for file in _find_files(rooms, row.id) if file.name == name]
     if not found:
         raise ResultMissing(f"job {row.id} has no file '{name[:80]}'; /v1/jobs/{row.id}/artifacts lists them.")
     return _send(rooms, found[0], request)
@@ -89,11 +90,11 @@ def show_body(job: str, rooms: RoomsOf, caller: Reader) -> Any:
     return {"job": row.id, **shown}
 
 
-def _files(rooms: Rooms, job: str) -> list[dict[str, Any]]:
-    return [{"name": f.name, "sha256": f.sha256, "size": f.size} for f in list_files(rooms.database, job)]
+def _find_files(rooms: Rooms, job: str) -> list[Artifact]:
+    return [Artifact.from_row(row) for row in list_files(rooms.database, job)]
 
 
-def _send(rooms: Rooms, file: ArtifactRow, request: Request) -> Response:
+def _send(rooms: Rooms, file: Artifact, request: Request) -> Response:
     etag = f'"{file.sha256}"'
     if request.headers.get("if-none-match", "").strip() == "*" or etag in request.headers.get("if-none-match", ""):
         return Response(status_code=304, headers={"etag": etag})

@@ -13,9 +13,9 @@ from api_work import ask, code_of, finish, make_key, make_ply, upload
 from garmentq.core.errors import GarmentqError
 from garmentq.service.api.limits import ApiLimits, read_limits
 from garmentq.service.api.meter import Meter, TooManyRequests
-from garmentq.service.client import Client
 from garmentq.service.jobs import claim, end_cancelled
 from garmentq.service.models import UploadRow
+from garmentq.service.remote import RemoteBackend
 from garmentq.service.settings import ServiceSettingBad
 
 
@@ -51,7 +51,7 @@ def test_too_many_requests(settings, database):
         assert code_of(refused[0]) == "key.too_many_requests" and int(refused[0].headers["retry-after"]) >= 1
         assert client.get("/v1/jobs", headers=second).status_code == 200
         assert client.get("/healthz").status_code == 200
-        with Client(url, second["authorization"].split()[1]) as patient:
+        with RemoteBackend(url, second["authorization"].split()[1]) as patient:
             for _ in range(3):
                 assert patient.list_jobs() == []
 

@@ -10,9 +10,10 @@ import sys
 import pytest
 from garmentq.cli.terminal import print_csv, print_table
 from garmentq.core.errors import GarmentqError
-from garmentq.service.client import Client, File
 from garmentq.service.connection import Connection
 from garmentq.service.logs import PlainLines
+from garmentq.service.records import Artifact
+from garmentq.service.remote import RemoteBackend
 from garmentq.service.store import ArtifactDamaged
 from garmentq.service.submission import clean_name
 from hypothesis import given
@@ -73,8 +74,8 @@ def test_a_service_cannot_write_elsewhere(name, tmp_path, monkeypatch):
     """Broken where a file that a hostile service names lands outside of the folder, or its name in the terminal."""
     asked = []
     monkeypatch.setattr(Connection, "stream", lambda *given: asked.append(given))
-    with Client("http://127.0.0.1:1") as client, pytest.raises(ArtifactDamaged):
-        client._download("3685ecfd4f81", File(name, "0" * 64, 1), tmp_path / "out")
+    with RemoteBackend("http://127.0.0.1:1") as client, pytest.raises(ArtifactDamaged):
+        client._download("3685ecfd4f81", Artifact(name, "0" * 64, 1), tmp_path / "out")
     assert not asked and not (tmp_path / "out").exists()
 
 
@@ -82,6 +83,6 @@ def test_a_service_cannot_write_elsewhere(name, tmp_path, monkeypatch):
 def test_a_service_cannot_name_a_job_as_it_likes(job, monkeypatch):
     """Broken where an id that a hostile service gives is printed, or becomes part of a path."""
     monkeypatch.setattr(Connection, "ask", lambda *given, **more: {"job": job, "error": None})
-    with Client("http://127.0.0.1:1") as client, pytest.raises(GarmentqError) as error:
+    with RemoteBackend("http://127.0.0.1:1") as client, pytest.raises(GarmentqError) as error:
         client.find_job("abcd")
     assert error.value.code == "service.unreachable"

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from garmentq.cli.summary import print_result, summarise
+from garmentq.service.records import Gate, JobReport
+from garmentq.service.states import State
 
 GATES = [
-    {"name": "a", "verdict": "pass", "value": 1.0, "limit": 2.0, "message": "fine."},
-    {"name": "b", "verdict": "warn", "value": 1.0, "limit": 2.0, "message": "nearly."},
-    {"name": "c", "verdict": "fail", "value": 3.0, "limit": 2.0, "message": "too far."},
+    Gate("a", "pass", 1.0, 2.0, "fine."),
+    Gate("b", "warn", 1.0, 2.0, "nearly."),
+    Gate("c", "fail", 3.0, 2.0, "too far."),
 ]
 METRICS = {
     "vertices": 3905.0, "fabric.k": 1.6e-6, "fabric.k.std": 0.3, "fabric.k.identifiable": 1.0,
@@ -19,19 +22,19 @@ METRICS = {
 }  # fmt: skip
 
 
-def make_found(**changes) -> dict:
-    """Return a described job with everything that a summary reads."""
-    found = {
-        "job": "3685ecfd4f81", "name": "person", "garment": "skirt", "template": "four_panel_skirt",
-        "fabric": "cotton_poplin", "body": "scan:person", "metrics": METRICS, "gates": GATES,
-        "warnings": ["frayed hem.", "other."], "cpu_seconds": 71.2, "peak_mb": 640.0,
-    }  # fmt: skip
-    return found | changes
+def make_job(**changes) -> JobReport:
+    """Return an ended job with everything that a summary reads."""
+    job = JobReport(
+        "3685ecfd4f81", "person", State.SUCCEEDED, "measure", 1.0, 1, 0.0, 1.0, 2.0, None, False, "cpu", 0,
+        garment="skirt", template="four_panel_skirt", fabric="cotton_poplin", body="scan:person", metrics=METRICS,
+        gates=GATES, warnings=["frayed hem.", "other."], cpu_seconds=71.2, peak_mb=640.0,
+    )  # fmt: skip
+    return replace(job, **changes)
 
 
 def test_what_it_says() -> None:
     """Breaks where a mesh is left out, the worst check is not the one shown, or a value gets a wrong name."""
-    lines = dict(summarise(make_found(), [Path("/out/pattern.svg"), Path("/out/report.html"), Path("/out/fit.json")]))
+    lines = dict(summarise(make_job(), [Path("/out/pattern.svg"), Path("/out/report.html"), Path("/out/fit.json")]))
     assert "back: detail mesh 0.9 / 1.3 mm;" in lines["surface"]
     assert "simulation mesh 2.0 / 2.1 mm" in lines["surface"]
     assert "re-draped" not in lines["surface"]
@@ -51,11 +54,11 @@ def test_what_it_says() -> None:
 )
 def test_a_fabric_that_is_not_known_gets_no_digits(metrics, text) -> None:
     """Breaks where a stiffness is printed that the scan does not determine."""
-    assert text in dict(summarise(make_found(metrics=metrics), []))["fabric"]
+    assert text in dict(summarise(make_job(metrics=metrics), []))["fabric"]
 
 
-@pytest.mark.parametrize("found", [make_found(), make_found(metrics={}, gates=[], warnings=[], cpu_seconds=None)])
-def test_it_has_ten_lines(found, capsys) -> None:
+@pytest.mark.parametrize("job", [make_job(), make_job(metrics={}, gates=[], warnings=[], cpu_seconds=None)])
+def test_it_has_ten_lines(job, capsys) -> None:
     """Breaks where a text brings line breaks along, or a result without numbers is a traceback."""
-    print_result(found | {"warnings": ["two\nlines"]}, [])
+    print_result(replace(job, warnings=["two\nlines"]), [])
     assert len(capsys.readouterr().out.splitlines()) == 10

@@ -14,10 +14,9 @@ from garmentq.service.jobs import claim, list_jobs
 from garmentq.service.query import Condition, QueryBad, find_jobs, parse_conditions
 from garmentq.service.results import (
     ResultMissing,
-    describe_job,
     export_files,
     list_files,
-    read_metrics,
+    report_jobs,
     store_recovery,
 )
 from garmentq.service.store import Store
@@ -185,11 +184,10 @@ def test_a_stored_result_comes_back(database, store, results, tmp_path):
     """Broken where a row of the result is missing or belongs to another job."""
     job = results["skirt2"]
     row = next(row for row in list_jobs(database) if row.id == job)
-    found = describe_job(database, row)
-    assert found["state"] == "succeeded" and found["garment"] == "skirt" and found["fabric"] == "cotton_poplin"
-    assert found["metrics"] == {"surface_rms_mm.t2s": 2.0, "surface_rms_mm.s2t": 1.0, "panel_area_error": None}
-    assert found["gates"][0]["verdict"] == "pass" and found["warnings"] == ["this is a stand-in"]
-    assert read_metrics(database, job) == found["metrics"]
+    (found,) = report_jobs(database, [row])
+    assert found.state == "succeeded" and found.garment == "skirt" and found.fabric == "cotton_poplin"
+    assert found.metrics == {"surface_rms_mm.t2s": 2.0, "surface_rms_mm.s2t": 1.0, "panel_area_error": None}
+    assert found.gates[0].verdict == "pass" and found.warnings == ["this is a stand-in"]
     with database.read() as session:
         panel = session.execute(text("select name, area from panels where job = :job"), {"job": job}).one()
         assert panel.name == "front" and abs(panel.area - 0.01) < 1e-12

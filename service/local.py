@@ -1,0 +1,143 @@
+"""The backend of a home on this machine: its database and its files are asked directly."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from . import jobs, keys, ordering, query, reaper, results, submission, templates
+from .database import Database
+from .records import Artifact, Event, ImportedTemplate, Job, JobReport, Key, News, Queue, Template, Worker
+from .services import Services, open_services
+from .settings import ServiceSettings
+from .states import State
+
+if TYPE_CHECKING:
+    from ..core.simulate import Fabric
+
+POLL_SECONDS = 0.2
+"""How often the database is asked for news [s]; a person sees no difference below."""
+
+
+class LocalBackend:
+    """Answer from an open home; see `backend.Backend`."""
+
+    is_remote = False
+    poll_seconds = POLL_SECONDS
+
+    def __init__(self, settings: ServiceSettings) -> None:
+        """Prepare to answer from a home; it is opened for the first question that needs its database."""
+        self.settings = settings
+
+    @cached_property
+    def services(self) -> Services:
+        """Return the open home.
+
+        Raises:
+            DatabaseUnreachable, DatabaseTooNew: where it cannot be opened.
+        """
+        return open_services(self.settings)
+
+    @property
+    def _database(self) -> Database:
+        return self.services.database
+
+    def find_job(self, job: str) -> JobReport:
+        """Return a job by its id, or by a beginning of it that fits no other."""
+        return results.report_jobs(self._database, [jobs.find_job(self._database, job)])[0]
+
+    def find_jobs_by_id(self, ids: Sequence[str]) -> list[Job]:
+        """Return how far the jobs of some ids are, in the order of the ids."""
+        rows = jobs.find_jobs_by_id(self._database, ids)
+        return jobs.pick_known(ids, {row.id: Job.from_row(row) for row in rows})
+
+    def list_jobs(self, limit: int = 50) -> list[JobReport]:
+        """Return the newest jobs, newest first."""
+        return results.report_jobs(self._database, jobs.list_jobs(self._database, limit))
+
+    def find_jobs(self, wanted: query.JobQuery) -> list[JobReport]:
+        """Return the jobs that meet every condition of a query."""
+        found = query.find_jobs(self._database, wanted.conditions, wanted.sort, wanted.limit)
+        return results.report_jobs(self._database, found)
+
+    def poll_events(self, job: str, after: int = 0) -> News:
+        """Return a job's state and its events after one; the state is read first, so that it misses no event."""
+        row = jobs.find_job(self._database, job)
+        return News(row.state, [Event.from_row(event) for event in jobs.read_events(self._database, row.id, after)])
+
+    def read_queue(self) -> Queue:
+        """Count the jobs by state, and list the living workers."""
+        workers = [Worker.from_row(row) for row in reaper.list_workers(self._database)]
+        return Queue(query.count_states(self._database), workers)
+
+    def check_order(self, order: submission.Order, template: str | None = None) -> submission.Order:
+        """Check an order's files and names before anything is queued."""
+        return ordering.check_order(self.services, order, template)
+
+    def submit(self, order: submission.Order) -> submission.Submitted:
+        """Keep an order's files, and queue the job."""
+        return submission.submit(self._database, self.services.store, order)
+
+    def cancel(self, job: str) -> State:
+        """Ask a job to stop, and return its state after that."""
+        return State(jobs.cancel(self._database, jobs.find_job(self._database, job).id))
+
+    def retry(self, job: str) -> State:
+        """Queue a job that ended without success once more."""
+        row = jobs.find_job(self._database, job)
+        jobs.retry(self._database, row.id)
+        return jobs.find_job(self._database, row.id).state
+
+    def list_artifacts(self, job: str) -> list[Artifact]:
+        """Return a job's result files by name."""
+        row = jobs.find_job(self._database, job)
+        return [Artifact.from_row(file) for file in results.list_files(self._database, row.id)]
+
+    def export_files(self, job: str, folder: Path, names: Sequence[str] = ()) -> list[Path]:
+        """Copy a job's result files (all, or those named) into a folder."""
+        row = jobs.find_job(self._database, job)
+        return results.export_files(self._database, self.services.store, row.id, folder, names)
+
+    def list_templates(self) -> list[Template]:
+        """Return shipped and imported templates."""
+        return templates.list_templates(self._database)
+
+    def read_template(self, name: str) -> bytes:
+        """Return a template's pattern file."""
+        return templates.read_template(self.services, name)
+
+    def import_template(self, name: str, path: Path) -> ImportedTemplate:
+        """Check a pattern file and keep it as a template."""
+        return templates.import_template(self.services, name, path)
+
+    def list_materials(self) -> list[Fabric]:
+        """Return every fabric of the library."""
+        from ..core.simulate import load_fabrics
+
+        return list(load_fabrics())
+
+    def read_material(self, name: str) -> Fabric:
+        """Return one fabric."""
+        from ..core.simulate import get_fabric
+
+        return get_fabric(name)
+
+    def create_key(self, name: str, scopes: Sequence[str], quota: int) -> tuple[Key, str]:
+        """Make an API key; its token is returned here and never again."""
+        row, token = keys.create_key(self._database, name, tuple(scopes), quota)
+        return Key.from_row(row), token
+
+    def list_keys(self) -> list[Key]:
+        """Return every API key, oldest first."""
+        return [Key.from_row(row) for row in keys.list_keys(self._database)]
+
+    def revoke_key(self, key: str) -> Key:
+        """Revoke an API key; its jobs stay."""
+        return Key.from_row(keys.revoke_key(self._database, key))
+
+    def close(self) -> None:
+        """Close every connection to the database, if there is one."""
+        if "services" in self.__dict__:
+            self._database.dispose()

@@ -1,0 +1,372 @@
+"""What leaves the service: frozen records, the same from a home's database and from a service's JSON answer.
+
+No row of a table goes further up than this layer, and no answer's dictionary further down than the client's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+from .states import State
+
+if TYPE_CHECKING:
+    from .models import ApiKeyRow, ArtifactRow, EventRow, JobRow, WorkerRow
+
+Json = Mapping[str, Any]
+"""One object of a JSON answer."""
+
+CLOSED = {"extra": "forbid"}
+"""How the OpenAPI page describes a record that is an answer as it is: with these fields and no others."""
+
+
+@dataclass(frozen=True)
+class Failure:
+    """State why a job ended without success."""
+
+    __pydantic_config__: ClassVar = CLOSED
+    code: str
+    message: str
+
+
+@dataclass(frozen=True)
+class Gate:
+    """Judge one metric of a result: `verdict` is pass, warn or fail."""
+
+    __pydantic_config__: ClassVar = CLOSED
+    name: str
+    verdict: str
+    value: float | None
+    limit: float | None
+    message: str
+
+
+@dataclass(frozen=True)
+class Artifact:
+    """Name one file of a job: its name, sha256 (hex) and size [bytes]."""
+
+    __pydantic_config__: ClassVar = CLOSED
+    name: str
+    sha256: str
+    size: int
+
+    @classmethod
+    def from_row(cls, row: ArtifactRow) -> Self:
+        """Read a row of the table of artifacts."""
+        return cls(row.name, row.sha256, row.size)
+
+    @classmethod
+    def from_json(cls, found: Json) -> Self:
+        """Read a service's answer."""
+        return cls(str(found["name"]), str(found["sha256"]), int(found["size"]))
+
+
+@dataclass(frozen=True)
+class Event:
+    """Record one thing that happened to a job: `kind`, and what belongs to it as JSON values; `at` in s since 1970."""
+
+    __pydantic_config__: ClassVar = CLOSED
+    id: int
+    job: str
+    at: float
+    kind: str
+    data: dict[str, Any]
+
+    @property
+    def progress(self) -> Progress | None:
+        """Return how far a stage is, where the event reports that."""
+        if self.kind != "progress":
+            return None
+        return Progress(str(self.data["stage"]), float(self.data["fraction"]), str(self.data["message"]))
+
+    @classmethod
+    def from_row(cls, row: EventRow) -> Self:
+        """Read a row of the table of events."""
+        return cls(row.id, row.job, row.at, row.kind, row.data)
+
+    @classmethod
+    def from_json(cls, found: Json) -> Self:
+        """Read a service's answer."""
+        return cls(int(found["id"]), str(found["job"]), float(found["at"]), str(found["kind"]), dict(found["data"]))
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Report how far a stage is: `fraction` in 0..1, and a message for people."""
+
+    stage: str
+    fraction: float
+    message: str
+
+
+@dataclass(frozen=True)
+class News:
+    """Answer a poll: a job's state, and its events since the last poll; an ended state comes with all of them."""
+
+    __pydantic_config__: ClassVar = CLOSED
+    state: State
+    events: list[Event]
+
+
+@dataclass(frozen=True)
+class Worker:
+    """Describe a living worker, with times in s since 1970; its name is shown to the scope `admin` only."""
+
+    __pydantic_config__: ClassVar = CLOSED
+    name: str
+    queues: str
+    concurrency: int
+    started: float
+    seen: float
+
+    @classmethod
+    def from_row(cls, row: WorkerRow) -> Self:
+        """Read a row of the table of workers."""
+        return cls(row.name, row.queues, row.concurrency, row.started, row.seen)
+
+    @classmethod
+    def from_json(cls, found: Json) -> Self:
+        """Read a service's answer."""
+        return cls(
+            name=str(found["name"]),
+            queues=str(found["queues"]),
+            concurrency=int(found["concurrency"]),
+            started=float(found["started"]),
+            seen=float(found["seen"]),
+        )
+
+
+@dataclass(frozen=True)
+class Queue:
+    """Count the jobs by state, and list the living workers."""
+
+    __pydantic_config__: ClassVar = CLOSED
+    states: dict[State, int]
+    workers: list[Worker]
+
+
+@dataclass(frozen=True)
+class Template:
+    """Name a base pattern: `source` is `shipped` or `imported`."""
+
+    __pydantic_config__: ClassVar = CLOSED
+    name: str
+    category: str
+    source: str
+    title: str
+
+    @classmethod
+    def from_json(cls, found: Json) -> Self:
+        """Read a service's answer."""
+        return cls(*(str(found[item.name]) for item in fields(cls)))
+
+
+@dataclass(frozen=True)
+class ImportedTemplate:
+    """Report what was understood of an imported pattern."""
+
+    __pydantic_config__: ClassVar = CLOSED
+    name: str
+    panels: int
+    seams: int
+    category: str
+
+    @classmethod
+    def from_json(cls, found: Json) -> Self:
+        """Read a service's answer."""
+        return cls(str(found["name"]), int(found["panels"]), int(found["seams"]), str(found["category"]))
+
+
+@dataclass(frozen=True)
+class Key:
+    """Show an API key, without its token: at most `quota` jobs open at a time."""
+
+    id: str
+    name: str
+    scopes: list[str]
+    quota: int
+    created: float
+    revoked: float | None
+
+    @classmethod
+    def from_row(cls, row: ApiKeyRow) -> Self:
+        """Read a row of the table of keys."""
+        return cls(row.id, row.name, list(row.scopes), row.quota, row.created, row.revoked)
+
+    @classmethod
+    def from_json(cls, found: Json) -> Self:
+        """Read a service's answer."""
+        return cls(
+            id=str(found["key"]),
+            name=str(found["name"]),
+            scopes=[str(scope) for scope in found["scopes"]],
+            quota=int(found["quota"]),
+            created=float(found["created"]),
+            revoked=_optional(found["revoked"]),
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the key as JSON values."""
+        return {"key": self.id, **{n: v for n, v in asdict(self).items() if n != "id"}}
+
+
+@dataclass(frozen=True)
+class Job:
+    """Show how far a job is: `progress` of its stage in 0..1, times in s since 1970."""
+
+    id: str
+    name: str
+    state: State
+    stage: str
+    progress: float
+    attempts: int
+    created: float
+    started: float | None
+    finished: float | None
+    error: Failure | None
+    bad_input: bool
+    queue: str
+    priority: int
+
+    @classmethod
+    def from_row(cls, row: JobRow) -> Job:
+        """Read a row of the table of jobs."""
+        return Job(**_read_row(row))
+
+    @classmethod
+    def from_json(cls, found: Json) -> Job:
+        """Read a service's answer.
+
+        Raises:
+            ValueError: where the id is none that may be printed and put into a path.
+        """
+        return Job(**_read_job(found))
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the job as JSON values, the same keys for every state."""
+        shown = {item.name: getattr(self, item.name) for item in fields(Job) if item.name != "id"}
+        return {"job": self.id, **shown, "error": asdict(self.error) if self.error else None}
+
+
+@dataclass(frozen=True)
+class JobReport(Job):
+    """Show a job with what it found; metrics by dotted name, each with its unit in it.
+
+    Attributes:
+        garment: Category of the garment that was found.
+        template: Name of the base pattern.
+        fabric: Name of the fabric.
+        body: Where the wearer came from.
+        settings: What the job was asked for, as JSON values.
+        version: Version of the program that the job was made by.
+        metrics: Numbers by name; None where one does not apply.
+        gates: Checks of the numbers.
+        warnings: For people.
+        stage_seconds: Time of each stage [s].
+        cpu_seconds: CPU time of the whole [s].
+        peak_mb: Largest memory [MB].
+    """
+
+    garment: str | None = None
+    template: str | None = None
+    fabric: str | None = None
+    body: str | None = None
+    settings: dict[str, Any] = field(default_factory=dict)
+    version: str = ""
+    metrics: dict[str, float | None] = field(default_factory=dict)
+    gates: list[Gate] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    stage_seconds: dict[str, float] = field(default_factory=dict)
+    cpu_seconds: float | None = None
+    peak_mb: float | None = None
+
+    @classmethod
+    def from_row(cls, row: JobRow, **found: Any) -> JobReport:
+        """Read a row of the table of jobs; `found` are the fields that stand in other tables."""
+        result = row.result or {}
+        return JobReport(
+            **_read_row(row),
+            settings=row.request["settings"],
+            version=row.version,
+            **_read_result(result),
+            **found,
+        )
+
+    @classmethod
+    def from_json(cls, found: Json) -> JobReport:
+        """Read a service's answer.
+
+        Raises:
+            ValueError: where the id is none that may be printed and put into a path.
+        """
+        return JobReport(
+            **_read_job(found),
+            garment=found["garment"],
+            template=found["template"],
+            fabric=found["fabric"],
+            body=found["body"],
+            settings=dict(found["settings"]),
+            version=str(found["version"]),
+            metrics={str(name): _optional(value) for name, value in found["metrics"].items()},
+            **_read_result(found),
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the job and what it found as JSON values, the same keys for every state."""
+        mine = {item.name for item in fields(JobReport)} - {item.name for item in fields(Job)}
+        found = {item.name: getattr(self, item.name) for item in fields(JobReport) if item.name in mine}
+        return {**super().as_json(), **found, "gates": [asdict(gate) for gate in self.gates]}
+
+
+def _read_row(row: JobRow) -> dict[str, Any]:
+    """Return the fields of a `Job` from its row."""
+    kept = {item.name: getattr(row, item.name) for item in fields(Job) if item.name not in ("error", "progress")}
+    error = Failure(row.error_code, row.error_message or "") if row.error_code else None
+    return {**kept, "error": error, "progress": round(row.progress, 4)}
+
+
+def _read_job(found: Json) -> dict[str, Any]:
+    """Return the fields of a `Job` from a service's answer."""
+    error = found["error"]
+    return {
+        "id": check_id(found["job"]),
+        "name": str(found["name"]),
+        "state": State(found["state"]),
+        "stage": str(found["stage"]),
+        "progress": float(found["progress"]),
+        "attempts": int(found["attempts"]),
+        "created": float(found["created"]),
+        "started": _optional(found["started"]),
+        "finished": _optional(found["finished"]),
+        "error": Failure(str(error["code"]), str(error["message"])) if error else None,
+        "bad_input": bool(found["bad_input"]),
+        "queue": str(found["queue"]),
+        "priority": int(found["priority"]),
+    }
+
+
+def _read_result(found: Json) -> dict[str, Any]:
+    """Return the fields of a `JobReport` that a result's own JSON holds; a job that has none yet has none of them."""
+    return {
+        "gates": [Gate(*(gate[item.name] for item in fields(Gate))) for gate in found.get("gates", [])],
+        "warnings": list(found.get("warnings", [])),
+        "stage_seconds": dict(found.get("stage_seconds", {})),
+        "cpu_seconds": found.get("cpu_seconds"),
+        "peak_mb": found.get("peak_mb"),
+    }
+
+
+def check_id(job: str) -> str:
+    """Return an id that may be printed and put into a path.
+
+    Raises:
+        ValueError: where it is none.
+    """
+    if not (job.isascii() and job.isalnum() and len(job) <= 16):
+        raise ValueError("a job's id is made of at most 16 letters and digits")
+    return job
+
+
+def _optional(value: float | None) -> float | None:
+    return None if value is None else float(value)

@@ -1,0 +1,312 @@
+"""The backend of a service elsewhere: a typed client of the HTTP API.
+
+with RemoteBackend("http://127.0.0.1:8080", key="gq_...") as service:
+    job = service.submit(Order(Path("skirt.ply"), "builtin:female,height=1.70")).job
+    for event in service.follow(job):
+        print(event.kind, event.data)
+    service.export_files(job, Path("result"))
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import tempfile
+import time
+import uuid
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import fields, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+from urllib.parse import quote
+
+import httpx
+
+from ..core.body import is_builtin
+from ..core.errors import NotFound
+from .connection import TRIES, Connection, ServiceUnreachable
+from .jobs import pick_known
+from .ordering import check_files
+from .query import JobQuery
+from .records import (
+    Artifact,
+    Event,
+    ImportedTemplate,
+    Job,
+    JobReport,
+    Json,
+    Key,
+    News,
+    Queue,
+    Template,
+    Worker,
+    check_id,
+)
+from .results import choose_files
+from .settings import ServiceSettings
+from .states import State
+from .store import ArtifactDamaged
+from .submission import BodyUnreadable, Order, Submitted
+
+if TYPE_CHECKING:
+    from ..core.simulate import Fabric
+
+MOST_JOBS = 1000
+"""Jobs of one question about states, as the service bounds it."""
+
+POLL_SECONDS = 0.5
+"""How often a service is asked for news [s]; progress is written twice a second."""
+
+R = TypeVar("R")
+
+
+class RemoteBackend:
+    """Answer by HTTP; see `backend.Backend`. Every refusal is a `GarmentqError` with the service's code."""
+
+    is_remote = True
+    poll_seconds = POLL_SECONDS
+
+    def __init__(self, url: str, key: str = "", settings: ServiceSettings | None = None) -> None:
+        """Prepare a client; nothing is sent before the first question.
+
+        Args:
+            url: Address of the service, `http://host:port`.
+            key: Token of an API key, or empty.
+            settings: What names the checker of files before they are sent.
+
+        Raises:
+            ServiceUnreachable: where the address is none.
+        """
+        self._settings = settings or ServiceSettings()
+        self._connection = Connection(url, key)
+        self._ask, self._send = self._connection.ask, self._connection.send
+
+    def __enter__(self) -> RemoteBackend:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the connection."""
+        self._connection.close()
+
+    def check_order(self, order: Order, template: str | None = None) -> Order:
+        """Check an order's files and names before they are sent; the service knows its templates."""
+        checked = check_files(self._settings, order)
+        return replace(checked, settings=replace(checked.settings, template=template))
+
+    def submit(self, order: Order) -> Submitted:
+        """Upload an order's files and ask for the job; a template that is no file goes by its name in the settings."""
+        settings = order.settings.as_dict()
+        template = settings.pop("template")
+        wanted: dict[str, Any] = {
+            "scan": self.upload("scans", order.scan),
+            "settings": settings,
+            "priority": order.priority,
+            "queue": order.queue,
+            "force": order.force,
+        }
+        if is_builtin(order.body):
+            wanted["body"] = order.body
+        elif order.body is not None:
+            wanted["body"] = self.upload("bodies", Path(order.body))
+        if order.labels is not None:
+            wanted["labels"] = self.upload("labels", order.labels)
+        if order.template is not None:
+            wanted["pattern"] = self.upload("patterns", order.template)
+        elif template is not None:
+            wanted["template"] = template
+        token = order.nonce or uuid.uuid4().hex
+        found = self._ask("POST", "/v1/jobs", json=wanted, headers={"idempotency-key": token} if order.force else {})
+        return _read(lambda: Submitted(check_id(found["job"]), bool(found["is_new"]), State(found["state"])))
+
+    def upload(self, kind: str, path: Path) -> str:
+        """Send a file as one of `scans`, `bodies`, `labels`, `patterns`, unless the service has it; give its sha256."""
+        try:
+            with path.open("rb") as stream:
+                digest = hashlib.file_digest(stream, "sha256").hexdigest()
+        except OSError as error:
+            raise BodyUnreadable(f"'{path}' cannot be read: {error.strerror}.") from error
+        with suppress(NotFound):
+            if self._ask("GET", f"/v1/{kind}/{digest}")["name"].endswith(path.suffix):
+                return digest
+        headers = {"x-content-sha256": digest, "content-length": str(path.stat().st_size)}
+        found = self._ask("POST", f"/v1/{kind}", tries=1, params={"name": path.name}, content=path, headers=headers)
+        return str(found["sha256"])
+
+    def find_job(self, job: str) -> JobReport:
+        """Return a job by its id, or by a beginning of it that fits no other."""
+        found = self._ask("GET", f"/v1/jobs/{quote(job, safe='')}")
+        return _read(lambda: JobReport.from_json(found))
+
+    def find_jobs_by_id(self, ids: Sequence[str]) -> list[Job]:
+        """Return how far the jobs of some ids are, in their order, by one request for each thousand."""
+        found: dict[str, Job] = {}
+        for start in range(0, len(ids), MOST_JOBS):
+            answer = self._ask("POST", "/v1/jobs/states", json={"jobs": list(ids[start : start + MOST_JOBS])})
+            found |= {job.id: job for job in _read_all(Job.from_json, answer, "jobs")}
+        return pick_known(ids, found)
+
+    def list_jobs(self, limit: int = 50) -> list[JobReport]:
+        """Return the newest jobs, newest first; at most a thousand."""
+        found = self._ask("GET", "/v1/jobs", params={"limit": min(limit, MOST_JOBS)})
+        return _read_all(JobReport.from_json, found, "jobs")
+
+    def find_jobs(self, wanted: JobQuery) -> list[JobReport]:
+        """Return the jobs that meet every condition of a query, which is read here before it is sent."""
+        _ = wanted.conditions
+        params = {**wanted.given, "where": list(wanted.wheres), "sort": wanted.sort, "limit": wanted.limit}
+        return _read_all(JobReport.from_json, self._ask("GET", "/v1/query", params=params), "jobs")
+
+    def poll_events(self, job: str, after: int = 0) -> News:
+        """Return a job's state and its events with an id above `after`, in one request."""
+        found = self._ask("GET", f"/v1/jobs/{quote(job, safe='')}/events", params={"after": after})
+        return _read(lambda: News(State(found["state"]), _read_all(Event.from_json, found, "events")))
+
+    def read_queue(self) -> Queue:
+        """Count the jobs by state, and list the living workers."""
+        found = self._ask("GET", "/v1/queue")
+        states = _read(lambda: {State(name): int(count) for name, count in found["states"].items()})
+        return Queue(states, _read_all(Worker.from_json, found, "workers"))
+
+    def follow(self, job: str, after: int = 0) -> Iterator[Event]:
+        """Yield a job's events as they happen until it has ended; a broken connection is taken up where it broke."""
+        url, failures = f"/v1/jobs/{quote(job, safe='')}/events", 0
+        while True:
+            headers = {"accept": "text/event-stream", "last-event-id": str(after)}
+            try:
+                with self._connection.stream(url, headers) as answer:
+                    kind = ""
+                    for line in answer.iter_lines():
+                        if line.startswith("event: "):
+                            kind = line[7:]
+                        elif line.startswith("data: ") and kind == "end":
+                            return
+                        elif line.startswith("data: "):
+                            event = _read(partial(_read_event, line[6:]))
+                            after, failures = event.id, 0
+                            yield event
+            except httpx.TransportError as error:
+                failures += 1
+                if failures >= TRIES:
+                    raise ServiceUnreachable(f"the service at {self._connection.address} does not answer.") from error
+            time.sleep(0.5)
+
+    def list_artifacts(self, job: str) -> list[Artifact]:
+        """Return a job's result files by name."""
+        found = self._ask("GET", f"/v1/jobs/{quote(job, safe='')}/artifacts")
+        return _read_all(Artifact.from_json, found, "files")
+
+    def export_files(self, job: str, folder: Path, names: Sequence[str] = ()) -> list[Path]:
+        """Download a job's result files (all, or those named) into a folder, each checked against its hash."""
+        files = choose_files(job, self.list_artifacts(job), names)
+        return [self._download(job, file, folder) for file in files]
+
+    def cancel(self, job: str) -> State:
+        """Ask a job to stop, and return its state after that."""
+        found = self._ask("POST", f"/v1/jobs/{quote(job, safe='')}/cancel")
+        return _read(lambda: State(found["state"]))
+
+    def retry(self, job: str) -> State:
+        """Queue a job that ended without success once more."""
+        found = self._ask("POST", f"/v1/jobs/{quote(job, safe='')}/retry", tries=1)
+        return _read(lambda: State(found["state"]))
+
+    def list_templates(self) -> list[Template]:
+        """Return shipped and imported templates."""
+        return _read_all(Template.from_json, self._ask("GET", "/v1/templates"), "templates")
+
+    def read_template(self, name: str) -> bytes:
+        """Return a template's pattern file."""
+        return self._send("GET", f"/v1/templates/{quote(name, safe='')}").content
+
+    def import_template(self, name: str, path: Path) -> ImportedTemplate:
+        """Send a pattern file as a template."""
+        from ..core.pattern import load_pattern
+
+        load_pattern(path)
+        found = self._ask("PUT", f"/v1/templates/{quote(name, safe='')}", content=path.read_bytes())
+        return _read(lambda: ImportedTemplate.from_json(found))
+
+    def list_materials(self) -> list[Fabric]:
+        """Return every fabric of the library."""
+        return _read_all(_make_fabric, self._ask("GET", "/v1/materials"), "materials")
+
+    def read_material(self, name: str) -> Fabric:
+        """Return one fabric."""
+        found = self._ask("GET", f"/v1/materials/{quote(name, safe='')}")
+        return _read(lambda: _make_fabric(found))
+
+    def create_key(self, name: str, scopes: Sequence[str], quota: int) -> tuple[Key, str]:
+        """Make an API key; its token is returned here and never again."""
+        found = self._ask("POST", "/v1/keys", tries=1, json={"name": name, "scopes": list(scopes), "quota": quota})
+        return _read(lambda: (Key.from_json(found), str(found["token"])))
+
+    def list_keys(self) -> list[Key]:
+        """Return every API key, oldest first."""
+        return _read_all(Key.from_json, self._ask("GET", "/v1/keys"), "keys")
+
+    def revoke_key(self, key: str) -> Key:
+        """Revoke an API key; its jobs stay."""
+        found = self._ask("DELETE", f"/v1/keys/{quote(key, safe='')}")
+        return _read(lambda: Key.from_json(found))
+
+    def read_health(self) -> dict[str, str]:
+        """Give the service's version, and `ok` or what is wrong of its database and store."""
+        version = str(self._ask("GET", "/healthz")["version"])
+        return {"version": version, **self._ask("GET", "/readyz")}
+
+    def _download(self, job: str, file: Artifact, folder: Path) -> Path:
+        """Write below the folder only: a service's answer is as little to be trusted as a user's file."""
+        parts = file.name.split("/")
+        if any(part in ("", ".", "..") or "\\" in part or not part.isprintable() for part in parts):
+            raise ArtifactDamaged(f"the service names a file '{file.name[:80]}', which is no name; tell its operator.")
+        path = folder.joinpath(*parts)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        descriptor, temporary = tempfile.mkstemp(dir=path.parent)
+        try:
+            digest = hashlib.sha256()
+            url = f"/v1/jobs/{quote(job, safe='')}/artifacts/{quote(file.name)}"
+            with os.fdopen(descriptor, "wb") as out, self._connection.reach(), self._connection.stream(url) as answer:
+                for block in answer.iter_bytes():
+                    digest.update(block)
+                    out.write(block)
+            if digest.hexdigest() != file.sha256:
+                raise ArtifactDamaged()
+            os.chmod(temporary, 0o644)
+            os.replace(temporary, path)
+        finally:
+            Path(temporary).unlink(missing_ok=True)
+        return path
+
+
+def _read(make: Callable[[], R]) -> R:
+    """Return what an answer says.
+
+    Raises:
+        ServiceUnreachable: where it is none of a service of ours.
+    """
+    try:
+        return make()
+    except (KeyError, TypeError, ValueError, AttributeError):
+        raise ServiceUnreachable("what answers is no garmentq service: its answer cannot be read.") from None
+
+
+def _read_all(make: Callable[[Json], R], found: Json, name: str) -> list[R]:
+    """Return the records of an answer's list."""
+    return _read(lambda: [make(item) for item in found[name]])
+
+
+def _read_event(text: str) -> Event:
+    return Event.from_json(json.loads(text))
+
+
+def _make_fabric(found: Json) -> Fabric:
+    from ..core.simulate import Fabric
+
+    known = {item.name: found[item.name] for item in fields(Fabric)}
+    return Fabric(**{**known, "sources": tuple((str(n), str(v)) for n, v in found["sources"].items())})

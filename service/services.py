@@ -1,0 +1,41 @@
+"""What everything in the service works with: the settings of a home, its database and its files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from .database import Database, open_database
+from .settings import ServiceSettings
+from .store import Store
+from .stores import open_store
+
+
+@dataclass(frozen=True)
+class Services:
+    """Hold the parts of an open home.
+
+    Attributes:
+        settings: Which home.
+        database: Its database.
+        store: Its files.
+    """
+
+    settings: ServiceSettings
+    database: Database
+    store: Store
+
+    @property
+    def incoming(self) -> Path:
+        """Return the folder of unfinished transfers."""
+        return self.settings.home / "incoming"
+
+
+def open_services(settings: ServiceSettings, pooled: bool = True) -> Services:
+    """Open a home; its database is made or brought up to date where it is missing or old.
+
+    Raises:
+        DatabaseUnreachable: where the database cannot be opened.
+        DatabaseTooNew: where a newer version made it.
+    """
+    return Services(settings, open_database(settings, pooled), open_store(settings))
