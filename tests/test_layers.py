@@ -16,8 +16,9 @@ ROOT = Path(__file__).parents[1]
 LAYERS = ("core", "service", "workers", "cli")
 """From the lowest to the highest."""
 ROOMS = (
-    "errors", "hooks", "settings", "limited", "npy", "mesh", "body", "scan", "segment", "pattern", "simulate", "drape",
-    "grade", "deform", "fit", "recovery", "measure", "export", "checkpoints", "pipeline",
+    "errors", "hooks", "clock", "checkpoints", "settings", "limited", "npy", "mesh", "body", "scan", "segment",
+    "pattern", "simulate", "drape", "grade", "deform", "meshes", "recovery", "case", "fit", "measure", "export",
+    "pipeline",
 )  # fmt: skip
 """The rooms of core, from the lowest to the highest; a new one takes its place here."""
 
