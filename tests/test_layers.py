@@ -108,7 +108,7 @@ def test_no_circle_of_imports():
     TopologicalSorter(import_graph()).prepare()
 
 
-@pytest.mark.parametrize("module", ["cli.main", "service.jobs", "workers.embedded", "core.recovery"])
+@pytest.mark.parametrize("module", ["cli.main", "service.jobs", "workers.embedded", "core.recovery", "core.mesh"])
 def test_what_must_stay_light(module):
     """Broken where a command that only looks at the queue pays for torch, or the worker's parent loads it."""
     code = f"import sys, garmentq.{module}; print(sorted({{'torch', 'open3d', 'igl', 'numba'}} & set(sys.modules)))"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh import face_normals
+from ..mesh import Closest, TriangleSurface, face_normals
 from .body import Body
 from .solid import Solid
 
@@ -18,7 +18,7 @@ themselves the lift of a face of a hollow ends in the face beside it."""
 
 
 class ExposedSurface:
-    """Answer signed distances to the outside of a body mesh, positive outside, as often as is asked.
+    """The outside of a body mesh, and signed distances to it, positive outside, as often as is asked.
 
     Where parts of a body run into each other (thighs, a belly over a lap), the skin of one lies inside the other: it is
     no way out, and the nearest point of it leads deeper. So the surface is the skin in the open, and a negative
@@ -36,13 +36,10 @@ class ExposedSurface:
     """
 
     def __init__(self, vertices: np.ndarray, faces: np.ndarray, splits: int = SPLITS) -> None:
-        import igl
-
         self._solid = Solid(vertices, faces)
-        self.vertices, self.faces = self._keep_open(splits)
-        self.normals, _ = face_normals(self.vertices, self.faces)
-        self._tree = igl.AABB()
-        self._tree.init(self.vertices, self.faces)
+        self._surface = TriangleSurface(*self._keep_open(splits))
+        self.vertices, self.faces = self._surface.vertices, self._surface.faces
+        self.normals = self._surface.face_normals
 
     @classmethod
     def of(cls, body: Body, splits: int = SPLITS) -> ExposedSurface:
@@ -81,11 +78,9 @@ class ExposedSurface:
         """Tell which points [m], shape [n, 3], are inside, shape [n]."""
         return self._solid.contains(points)
 
-    def closest(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Give the closest points [m], shape [n, 3], and their rows of `faces`, shape [n]."""
-        points = np.ascontiguousarray(points, dtype=np.float64)
-        _, face, foot = self._tree.squared_distance(self.vertices, self.faces, points)
-        return np.asarray(foot).reshape(-1, 3), np.asarray(face).reshape(-1)
+    def closest(self, points: np.ndarray) -> Closest:
+        """Find the closest points of the skin in the open to points [m], shape [n, 3]."""
+        return self._surface.closest(points)
 
     def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Give the signed distance of points, and its gradient.
@@ -102,11 +97,11 @@ class ExposedSurface:
         points = np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 3)
         if not len(points):
             return np.zeros(0), np.zeros((0, 3))
-        foot, face = self.closest(points)
-        offset = points - foot
+        found = self.closest(points)
+        offset = points - found.foot
         distance = np.linalg.norm(offset, axis=1)
         sign = np.where(self.contains(points), -1.0, 1.0)
-        gradient = self.normals[face]
+        gradient = self.normals[found.face]
         # Below a nanometre the difference of two positions of about 1 m has no direction left in float64.
         far = distance > 1e-9
         gradient[far] = offset[far] * (sign[far] / distance[far])[:, None]
@@ -143,4 +138,4 @@ def penetration_depth(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface
     inside = points[skin.contains(points)]
     if not len(inside):
         return 0.0
-    return float(np.linalg.norm(inside - skin.closest(inside)[0], axis=1).max())
+    return float(skin.closest(inside).distance.max())

@@ -46,7 +46,7 @@ def project_outside(
     # A clearance from one side of a sharp crease is inside the other side, and back: such a node goes to its rim.
     stuck = at_nodes[skin.measure(nodes[at_nodes])[0] < 0]
     if len(stuck):
-        nodes[stuck], _ = skin.closest(nodes[stuck])
+        nodes[stuck] = skin.closest(nodes[stuck]).foot
     return nodes
 
 
@@ -60,8 +60,8 @@ def _ways_out(points: np.ndarray, skin: ExposedSurface, clearance: float) -> tup
     move = np.maximum(clearance - distance, 0.0)[:, None] * normal
     inside = np.flatnonzero(distance < 0)
     if len(inside):
-        foot, face = skin.closest(points[inside])
-        move[inside] = foot + clearance * skin.normals[face] - points[inside]
+        found = skin.closest(points[inside])
+        move[inside] = found.foot + clearance * skin.normals[found.face] - points[inside]
     return distance, move
 
 

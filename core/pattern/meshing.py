@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import Delaunay, cKDTree
 
+from ..mesh import ClosedCurve
 from .curves import edge_length, edge_points, panel_area
 from .pattern import EdgeRef, Panel, Pattern
 
@@ -158,7 +159,7 @@ def _even_out(boundary: np.ndarray, inside: np.ndarray, size: float, settings: M
     if not len(inside):
         return inside
     fixed = len(boundary)
-    local = np.linalg.norm(np.roll(boundary, -1, axis=0) - boundary, axis=1)
+    local = ClosedCurve(boundary).lengths
     local = (local + np.roll(local, 1)) / 2.0
     points = np.concatenate([boundary, inside])
     wanted = np.concatenate([local, np.full(len(inside), size)])

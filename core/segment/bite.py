@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..mesh import ClosedCurve
+
 NARROW = 2.5
 """A bite's rim is at least so many times its mouth. A half-round scallop has 1.6 and a pointed V-neck 2: design."""
 SHALLOW = 0.05
@@ -64,7 +66,7 @@ def _unseen_stretches(points: np.ndarray, unseen: np.ndarray) -> list[np.ndarray
     seen = np.flatnonzero(~unseen)
     if len(seen) < 3 or len(seen) == len(points):
         return []
-    step = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
+    step = ClosedCurve(points).lengths
     arc = np.concatenate([[0.0], np.cumsum(np.concatenate([step, step]))])
     # Each gap between two seen points that are not neighbours; gaps with little seen between them are one.
     gaps = [[a, b if b > a else b + len(points)] for a, b in zip(seen, np.roll(seen, -1), strict=True)]
@@ -113,7 +115,7 @@ def _find_bite(points: np.ndarray) -> tuple[int, int] | None:
 
 def _search_pairs(points: np.ndarray) -> tuple[int, int] | None:
     count = len(points)
-    steps = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
+    steps = ClosedCurve(points).lengths
     arc = np.concatenate([[0.0], np.cumsum(np.concatenate([steps, steps]))])
     start, span = np.meshgrid(np.arange(count), np.arange(2, count // 2), indexing="ij")
     length = arc[start + span] - arc[start]

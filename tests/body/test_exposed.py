@@ -25,7 +25,7 @@ def test_the_way_out_leads_past_swallowed_skin() -> None:
         # in the hollow 1 cm above the crease the skin of each ball is sqrt(6^2 + 9^2) - 10 cm away
         np.testing.assert_allclose(distance, [-0.08, -0.05, -0.05, 0.02, np.hypot(0.06, 0.09) - 0.1], atol=1e-3)
         assert way[1] @ [0.0, 1.0, 0.0] > 0.99
-        np.testing.assert_allclose(points - skin.closest(points)[0], way * distance[:, None], atol=1e-12)
+        np.testing.assert_allclose(points - skin.closest(points).foot, way * distance[:, None], atol=1e-12)
         assert skin.contains(points).tolist() == [True, True, True, False, False]
         assert np.linalg.norm(skin.vertices[skin.faces].mean(axis=1)[:, 1:], axis=1).max() < 0.1 + 1e-6
     radius = np.linalg.norm(skin.vertices[skin.faces] - [0.12, 0.0, 0.0], axis=2)
