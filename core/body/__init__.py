@@ -10,6 +10,7 @@ from .spec import BUILTIN, is_builtin
 
 if TYPE_CHECKING:
     from .builtin import BodyMissing, BodySpecBad, builtin_body, describe_bodies, parse_spec
+    from .current import carry_outside
     from .distance import DistanceBad, DistanceGrid, sample_distance
     from .exposed import ExposedSurface, penetration_depth
     from .model import BodyModel
@@ -32,6 +33,7 @@ _LAZY = {
     "SmplBad": "smpl",
     "Solid": "solid",
     "builtin_body": "builtin",
+    "carry_outside": "current",
     "describe_bodies": "builtin",
     "is_smpl": "smpl",
     "load_smpl": "smpl",
@@ -63,6 +65,7 @@ __all__ = [
     "SmplBad",
     "Solid",
     "builtin_body",
+    "carry_outside",
     "describe_bodies",
     "is_builtin",
     "is_smpl",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from ..mesh import Closest, TriangleSurface, face_normals
@@ -45,6 +47,11 @@ class ExposedSurface:
     def of(cls, body: Body, splits: int = SPLITS) -> ExposedSurface:
         """Take the outside of a body's own mesh, not of the fitted model."""
         return cls(body.vertices, body.faces, splits)
+
+    @cached_property
+    def whole(self) -> ExposedSurface:
+        """Return the same skin with the faces that creases cut kept or dropped whole, as their middles are."""
+        return ExposedSurface(self._solid.vertices, self._solid.faces, splits=0)
 
     def _keep_open(self, splits: int) -> tuple[np.ndarray, np.ndarray]:
         """Drop swallowed faces, and of those that are so in part what is; give vertices and faces."""

@@ -17,14 +17,14 @@ from ..body import (
     ExposedSurface,
     SignedDistance,
     Solid,
+    carry_outside,
     project_outside,
     skin,
     unskin,
     weights_at,
 )
-from ..mesh import self_intersections, vertex_normals
-from .flow import flow_out
-from .follow import FollowSettings, Threads, follow, undo_crossings
+from ..mesh import self_intersections, undo_crossings, vertex_normals
+from .follow import FollowSettings, Threads, follow
 from .shell import Shell, ShellBeside
 
 
@@ -114,9 +114,6 @@ class Way:
 CURRENT = 5
 """Rounds in which a frame carries cloth out of the body, 2 mm each: creases close by less in a frame."""
 
-LAST_CURRENT = 40
-"""Rounds in which it is carried out of the exact body at the end: 8 cm, a lap's crease."""
-
 CLEARINGS = 4
 """Rounds of five steps in which cloth is cleared from the exact body: at 4 mm a step out of a crease 8 cm deep."""
 
@@ -183,13 +180,11 @@ def clear_body(
 ) -> np.ndarray:
     """Move cloth out of the wearer's exact mesh, its layers in step, and give the nodes [m], shape [node_count, 3].
 
-    The grid of distances errs by millimetres where body parts meet. A current takes what is inside out together with
-    the layers around it; `project_outside`, which knows no layers, does the rest where that crosses nothing, after a
-    few steps without weight if need be; a node for which there is no way out stays.
+    The grid of distances errs by millimetres where body parts meet. `project_outside` does it where it crosses
+    nothing, after a few steps without weight if need be; a node for which there is no way out stays.
     """
 
     faces, body = threads.faces, ShellBeside(way.own, way.skin)
-    nodes = flow_out(threads, nodes, way.skin, LAST_CURRENT)
     for _ in range(CLEARINGS):
         pushed = project_outside(nodes, way.skin, faces)
         if np.array_equal(pushed, nodes) or len(self_intersections(pushed, faces)) <= len(
@@ -253,7 +248,7 @@ def carry(
             centres=True,
             creep=True,
         )
-        nodes = flow_out(threads, nodes, shell, CURRENT)
+        nodes = carry_outside(nodes, threads.faces, shell, threads.mean_edge, CURRENT)
     return nodes
 
 

@@ -8,19 +8,13 @@ import numpy as np
 from numba import njit
 
 from ..body import SignedDistance
-from ..mesh import self_intersections
+from ..mesh import self_intersections, undo_crossings
 from ..pattern import Garment
 from .layers import HalfSpaces, find_layers
 
 """Signed distance [m] of points [n, 3] and its gradient; positive outside. Where a point is near two surfaces (between
 arm and trunk), a second row of n values follows the first: shapes [m] and [m, 3], m = n or 2 n."""
 
-
-UNDO_ROUNDS = 12
-"""Rounds in which steps that cross are undone: an undone node may cross a neighbour that moved on."""
-
-HALVINGS = 3
-"""Rounds in which they are halved at first, and rounds in which they are undone altogether at last."""
 
 BACK = -0.5
 """Cosine between two moves of a node in turn below which it goes back the way it came."""
@@ -48,6 +42,11 @@ class Threads:
     inverse_mass: np.ndarray
     faces: np.ndarray
     edges: np.ndarray
+
+    @property
+    def mean_edge(self) -> float:
+        """Return the mean length of the edges [m]."""
+        return float(np.mean(self.lengths[: len(self.edges)]))
 
 
 @dataclass(frozen=True)
@@ -330,41 +329,6 @@ def _face_planes(
     corners = np.concatenate([faces[face], faces[face, :1]], axis=1)
     weights = np.tile([1 / 3, 1 / 3, 1 / 3, 0.0], (len(face), 1))
     return HalfSpaces(corners, weights, normal, offset - 0.75 * settings.thickness)
-
-
-def undo_crossings(
-    nodes: np.ndarray, before: np.ndarray, faces: np.ndarray, crossed: np.ndarray, room: np.ndarray | None = None
-) -> np.ndarray:
-    """Shorten, in place, the moves of the nodes of faces that have crossed in a step; give the faces that cross.
-
-    They are halved, and where that is not enough, cut to the room that each node has: then what was apart stays so,
-    and a bundle of layers still moves, if slowly. Undone altogether, a bundle that jams once would jam for good.
-
-    Args:
-        nodes: Positions after the step [m], shape [node_count, 3].
-        before: Positions before it.
-        faces: Shape [face_count, 3].
-        crossed: Faces that crossed before.
-        room: Distance that each node may move and cross nothing [m], shape [node_count]; zero where None.
-    """
-    found = self_intersections(nodes, faces)
-    for turn in range(UNDO_ROUNDS):
-        fresh = np.setdiff1d(found, crossed)
-        if not len(fresh):
-            break
-        back = np.unique(faces[fresh])
-        if turn > 3 and np.array_equal(nodes[back], before[back]):
-            break  # nothing is left to be undone
-        move = nodes[back] - before[back]
-        if turn < HALVINGS:
-            move *= 0.5
-        elif room is None or turn >= UNDO_ROUNDS - HALVINGS:
-            move *= 0.0
-        else:
-            move *= np.minimum(1.0, room[back] / np.maximum(np.linalg.norm(move, axis=1), 1e-12))[:, None]
-        nodes[back] = before[back] + move
-        found = self_intersections(nodes, faces)
-    return found
 
 
 def _rub(x: np.ndarray, before: np.ndarray, contact: np.ndarray, normal: np.ndarray, grip: np.ndarray) -> None:

@@ -32,7 +32,7 @@ from .rigid import RigidMotion, fit_rigid
 from .surface import Closest, TriangleSurface, barycentric_coordinates
 
 if TYPE_CHECKING:
-    from .intersections import intersecting_pairs, self_intersections
+    from .intersections import intersecting_pairs, self_intersections, undo_crossings
     from .linear import Factor, NotDefinite, Solver, SuperLU, analyse, factor_general, factor_symmetric
     from .multifrontal import Cholesky
 
@@ -47,6 +47,7 @@ _LAZY = {
     "factor_symmetric": "linear",
     "intersecting_pairs": "intersections",
     "self_intersections": "intersections",
+    "undo_crossings": "intersections",
 }
 # Modules with compiled kernels or sparse libraries: imported on first use, so that the room itself stays light.
 
@@ -89,6 +90,7 @@ __all__ = [
     "self_intersections",
     "shape_gradients",
     "signed_areas",
+    "undo_crossings",
     "unit",
     "vertex_areas",
     "vertex_normals",

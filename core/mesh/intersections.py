@@ -1,9 +1,15 @@
-"""Faces of a mesh that pass through another face of it."""
+"""Faces of a mesh that pass through another face of it, and steps that would make them do so."""
 
 from __future__ import annotations
 
 import numpy as np
 from numba import njit
+
+UNDO_ROUNDS = 12
+"""Rounds in which steps that cross are undone: an undone node may cross a neighbour that moved on."""
+
+HALVINGS = 3
+"""Rounds in which they are halved at first, and rounds in which they are undone altogether at last."""
 
 
 def self_intersections(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
@@ -33,6 +39,41 @@ def intersecting_pairs(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     order = np.argsort(low[:, axis], kind="stable").astype(np.int64)
     found = _sweep(corners, np.ascontiguousarray(faces, dtype=np.int64), low, high, order, axis)
     return np.asarray(found)
+
+
+def undo_crossings(
+    nodes: np.ndarray, before: np.ndarray, faces: np.ndarray, crossed: np.ndarray, room: np.ndarray | None = None
+) -> np.ndarray:
+    """Shorten, in place, the moves of the nodes of faces that have crossed in a step; return the faces that cross.
+
+    They are halved, and where that is not enough, cut to the room that each node has: then what was apart stays so,
+    and a bundle of layers still moves, if slowly. Undone altogether, a bundle that jams once would jam for good.
+
+    Args:
+        nodes: Positions after the step [m], shape [node_count, 3].
+        before: Positions before it.
+        faces: Shape [face_count, 3].
+        crossed: Faces that crossed before.
+        room: Distance that each node may move and cross nothing [m], shape [node_count]; zero where None.
+    """
+    found = self_intersections(nodes, faces)
+    for turn in range(UNDO_ROUNDS):
+        fresh = np.setdiff1d(found, crossed)
+        if not len(fresh):
+            break
+        back = np.unique(faces[fresh])
+        if turn > 3 and np.array_equal(nodes[back], before[back]):
+            break  # nothing is left to be undone
+        move = nodes[back] - before[back]
+        if turn < HALVINGS:
+            move *= 0.5
+        elif room is None or turn >= UNDO_ROUNDS - HALVINGS:
+            move *= 0.0
+        else:
+            move *= np.minimum(1.0, room[back] / np.maximum(np.linalg.norm(move, axis=1), 1e-12))[:, None]
+        nodes[back] = before[back] + move
+        found = self_intersections(nodes, faces)
+    return found
 
 
 @njit(cache=True)

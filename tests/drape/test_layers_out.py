@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from garmentq.core.body import builtin_body
-from garmentq.core.drape.flow import flow_out
-from garmentq.core.drape.follow import FollowSettings, Threads, undo_crossings
+from garmentq.core.body import builtin_body, carry_outside
+from garmentq.core.drape.follow import FollowSettings, Threads
 from garmentq.core.drape.ironing import iron_crossings
 from garmentq.core.drape.layers import find_layers
 from garmentq.core.drape.stance import spread_legs
-from garmentq.core.mesh import self_intersections
+from garmentq.core.mesh import self_intersections, undo_crossings
 
 
 def lattice(count: int, step: float) -> tuple[np.ndarray, np.ndarray]:
@@ -28,9 +27,12 @@ def threads_of(nodes: np.ndarray, faces: np.ndarray) -> Threads:
     return Threads(edges, lengths, np.ones(len(edges)), np.ones(len(nodes)), faces, edges)
 
 
-def floor(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Give the distance to a body that fills everything below y = 0."""
-    return points[:, 1], np.tile([0.0, 1.0, 0.0], (len(points), 1))
+class Floor:
+    """A body that fills everything below y = 0."""
+
+    def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return heights [m] and the direction upwards."""
+        return points[:, 1], np.tile([0.0, 1.0, 0.0], (len(points), 1))
 
 
 def test_a_crumple_is_laid_smooth() -> None:
@@ -41,12 +43,12 @@ def test_a_crumple_is_laid_smooth() -> None:
     middle = np.linalg.norm(flat[:, [0, 2]] - 0.14, axis=1) < 0.045
     nodes[middle] += np.random.default_rng(0).normal(0.0, 0.03, (middle.sum(), 3))
     assert len(self_intersections(nodes, faces)) > 10
-    found = iron_crossings(threads, nodes, floor, settings=FollowSettings())
+    found = iron_crossings(threads, nodes, Floor(), settings=FollowSettings())
     assert len(self_intersections(found, faces)) == 0
     ends = found[threads.ends]
     assert np.abs(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1) / threads.lengths - 1.0).max() < 0.1
     assert np.linalg.norm(found - flat, axis=1)[np.abs(flat[:, [0, 2]] - 0.14).max(axis=1) > 0.13].max() < 2e-3
-    assert iron_crossings(threads, flat, floor, settings=FollowSettings()) is flat
+    assert iron_crossings(threads, flat, Floor(), settings=FollowSettings()) is flat
 
 
 def test_layers_leave_a_body_together() -> None:
@@ -56,7 +58,7 @@ def test_layers_leave_a_body_together() -> None:
     nodes[: len(flat), 1] = -0.02 * np.exp(-((flat[:, [0, 2]] - 0.16) ** 2).sum(axis=1) / 0.01) + 1e-3
     nodes[len(flat) :, 1] = nodes[: len(flat), 1] + 2e-3
     both = np.concatenate([faces, faces + len(flat)])
-    found = flow_out(threads_of(nodes, both), nodes, floor, 40)
+    found = carry_outside(nodes, both, Floor(), threads_of(nodes, both).mean_edge, 40)
     middles = found[both].mean(axis=1)
     assert nodes[:, 1].min() < -0.015 and found[:, 1].min() >= 0.0 and middles[:, 1].min() >= 0.0
     assert len(self_intersections(found, both)) == 0
