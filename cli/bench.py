@@ -8,16 +8,17 @@ import resource
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from ..core.settings import METHODS, PRESETS, RecoverySettings
 from . import exits
-from .bench_target import empty_line
-from .options import json_option
+from .bench_lines import Line
+from .bench_target import TargetOrder, empty_line
+from .options import gather, json_option
 
 if TYPE_CHECKING:
     from ..core.measure import Pack
@@ -26,33 +27,58 @@ TIMEOUT = 1800.0
 """Seconds of one target: thirty times what a recovery should take, so that only one that hangs is stopped."""
 
 
+@dataclass(frozen=True)
+class BenchOptions:
+    """Hold what was typed about a bench; each field is the option of its name."""
+
+    method: str
+    preset: str
+    only: tuple[str, ...]
+    library: bool
+    damage: bool
+    ablate: bool
+    out: Path | None
+    timeout: float
+
+
+_DEFAULT = RecoverySettings()
+bench_options = gather(
+    BenchOptions,
+    [
+        click.option(
+            "--method",
+            type=click.Choice(METHODS),
+            default=_DEFAULT.method,
+            show_default=True,
+            help="Recovery method.",
+        ),
+        click.option(
+            "--preset",
+            type=click.Choice(PRESETS),
+            default=_DEFAULT.preset,
+            show_default=True,
+            help="Weights of the deformation.",
+        ),
+        click.option("--only", multiple=True, metavar="NAME", help="Take only this pack; may be given several times."),
+        click.option("--library", is_flag=True, help="Use the shipped templates, not the packs' own."),
+        click.option("--damage", is_flag=True, help="Damage each target in ten ways and compare with the clean truth."),
+        click.option("--ablate", is_flag=True, help="Switch off one part of inverse loop and deformer at a time."),
+        click.option(
+            "--out", type=click.Path(file_okay=False, path_type=Path), help="Keep each result in OUT/TARGET/."
+        ),
+        click.option(
+            "--timeout", type=click.FloatRange(min=1.0), default=TIMEOUT, show_default=True, help="Seconds a target."
+        ),
+    ],
+)
+
+
 @click.command("bench")
 @click.argument("directory", type=click.Path(exists=True, file_okay=False, path_type=Path))
-@click.option("--method", type=click.Choice(METHODS), default=RecoverySettings().method, show_default=True, help="How.")
-@click.option(
-    "--preset", type=click.Choice(PRESETS), default=RecoverySettings().preset, show_default=True, help="Weights."
-)
-@click.option("--only", multiple=True, metavar="NAME", help="Take only this pack; may be given several times.")
-@click.option("--library", is_flag=True, help="Use the shipped templates, not the packs' own.")
-@click.option("--damage", is_flag=True, help="Damage each target in ten ways and compare with the clean truth.")
-@click.option("--ablate", is_flag=True, help="Switch off one part of inverse loop and deformer at a time.")
-@click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="Keep each result in OUT/TARGET/.")
-@click.option("--timeout", type=click.FloatRange(min=1.0), default=TIMEOUT, show_default=True, help="Seconds a target.")
+@bench_options
 @json_option
 @click.pass_context
-def command(
-    context: click.Context,
-    directory: Path,
-    method: str,
-    preset: str,
-    only: tuple[str, ...],
-    library: bool,
-    damage: bool,
-    ablate: bool,
-    out: Path | None,
-    timeout: float,
-    as_json: bool,
-) -> None:
+def command(context: click.Context, directory: Path, options: BenchOptions, as_json: bool) -> None:
     """Recover every target pack in a folder and compare with the truth.
 
     A pack is a folder with meta.json, garment.ply, body.ply and perhaps template.json and pattern.json (docs/bench.md).
@@ -72,20 +98,15 @@ def command(
     from .bench_table import print_tables
     from .terminal import note, print_json
 
-    packs = read_packs(directory, only)
-    if damage or ablate:
-        study = _DAMAGE if damage else _ABLATION
-        context.exit(_study(study, packs, preset, timeout, as_json))
-    lines: list[dict[str, Any]] = []
+    packs = read_packs(directory, options.only)
+    if options.damage or options.ablate:
+        study = _DAMAGE if options.damage else _ABLATION
+        context.exit(_study(study, packs, options.preset, options.timeout, as_json))
+    lines: list[Line] = []
+    out = str(options.out.resolve()) if options.out else None
     for index, pack in enumerate(packs, start=1):
-        order = {
-            "pack": str(pack.folder.resolve()),
-            "method": method,
-            "preset": preset,
-            "library": library,
-            "out": str(out.resolve()) if out else None,
-        }
-        line = run_target(pack, order, timeout)
+        order = TargetOrder(str(pack.folder.resolve()), options.method, options.preset, options.library, out)
+        line = run_target(pack, order, options.timeout)
         lines.append(line)
         note(f"[{index}/{len(packs)}] {_summary(line)}")
         if as_json:
@@ -96,20 +117,20 @@ def command(
     context.exit(exits.FAILED if failed else exits.OK)
 
 
-def run_target(pack: Pack, order: dict[str, Any], timeout: float) -> dict[str, Any]:
+def run_target(pack: Pack, order: TargetOrder, timeout: float) -> Line:
     """Run one target in a process of its own; whatever becomes of it, give its line."""
-    line = empty_line(pack.name, order["method"])
+    line = empty_line(pack.name, order.method)
     before = _children_seconds()
     with tempfile.TemporaryDirectory(prefix="garmentq-bench-") as folder:
         paths = [Path(folder) / name for name in ("order.json", "line.json", "log.txt")]
-        paths[0].write_text(json.dumps(order), encoding="utf-8")
+        paths[0].write_text(json.dumps(asdict(order)), encoding="utf-8")
         process = [sys.executable, "-m", "garmentq.cli.bench_target", str(paths[0]), str(paths[1])]
         status = "no status"
         try:
             with paths[2].open("wb") as log:
                 ended = subprocess.run(process, stdout=log, stderr=log, timeout=timeout, env=_environment())
             status = f"signal {-ended.returncode}" if ended.returncode < 0 else f"status {ended.returncode}"
-            finished: dict[str, Any] = json.loads(paths[1].read_text(encoding="utf-8"))
+            finished: Line = json.loads(paths[1].read_text(encoding="utf-8"))
             if not finished["ok"]:
                 click.echo(paths[2].read_text(encoding="utf-8", errors="replace"), err=True, nl=False)
             return finished
@@ -145,7 +166,7 @@ def _study(study: _Study, packs: tuple[Pack, ...], preset: str, timeout: float, 
     from . import bench_ablate, bench_damage
     from .terminal import note, print_json
 
-    lines: list[dict[str, Any]] = []
+    lines: list[Line] = []
     for pack in packs:
         if pack.body is None:
             note(f"{pack.name}: passed over, it is a dressed person's scan")
@@ -164,9 +185,7 @@ def _study(study: _Study, packs: tuple[Pack, ...], preset: str, timeout: float, 
     return exits.OK if lines and all(line["ok"] for line in lines) else exits.FAILED
 
 
-def _run_study(
-    study: _Study, order: dict[str, Any], timeout: float
-) -> tuple[list[dict[str, Any]], dict[str, str] | None]:
+def _run_study(study: _Study, order: dict[str, str], timeout: float) -> tuple[list[Line], dict[str, str] | None]:
     """Study one pack in a process of its own; give its lines, and an error where it did not come to its end."""
     with tempfile.TemporaryDirectory(prefix="garmentq-study-") as folder:
         given, lines, log = (Path(folder) / name for name in ("order.json", "lines.jsonl", "log.txt"))
@@ -202,7 +221,7 @@ def _children_seconds() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def _summary(line: dict[str, Any]) -> str:
+def _summary(line: Line) -> str:
     """Say in one line how a target went."""
     if not line["ok"]:
         error = line["error"] or {}

@@ -71,6 +71,21 @@ SWITCHES = (
 """Every row of both tables. Without physics the later steps are taken all the same, with the fabric as it is."""
 
 
+@dataclass(frozen=True)
+class Ablation:
+    """Choose what is switched off.
+
+    Attributes:
+        pack: The target's folder.
+        preset: Weights of the deformation.
+        tables: The tables whose rows are run.
+    """
+
+    pack: str
+    preset: str = "default"
+    tables: tuple[str, ...] = ("3.4", "4.3")
+
+
 def empty_line(target: str, switch: Switch | None = None) -> Line:
     """Give the line of a run of which nothing is known yet."""
     return {
@@ -89,26 +104,22 @@ KEY_METRICS = ("chamfer_vertex_m2e3", "normal_cosine")
 """What the thesis' tables hold; of the simulation mesh in 3.4, of the detail mesh in 4.3."""
 
 
-def ablate_pack(order: dict[str, Any], write: Callable[[Line], None]) -> None:
+def ablate_pack(order: Ablation, write: Callable[[Line], None]) -> None:
     """Recover a pack with everything on, and with each part off; hand each line to `write` as soon as it is known.
 
     All runs share the body, the graded drape and its mesh.
-
-    Args:
-        order: `pack` (its folder), `preset` of the deformer, `tables`.
-        write: Called with each line.
     """
     from ..core.measure import read_packs
 
-    pack, line = read_packs(Path(order["pack"]))[0], empty_line(Path(order["pack"]).name)
+    pack, line = read_packs(Path(order.pack))[0], empty_line(Path(order.pack).name)
     stage: _Stage | None = None
     with keep_failure(line):
-        stage = _Stage.of(pack, order["preset"])
+        stage = _Stage.of(pack, order.preset)
     if stage is None:
         write(line)
         return
     for switch in SWITCHES:
-        if switch.table in order["tables"]:
+        if switch.table in order.tables:
             write(_run(stage, switch))
 
 
@@ -229,7 +240,7 @@ def judge_rows(lines: Sequence[Line]) -> Iterator[tuple[Line, str]]:
 
 def main(arguments: list[str]) -> None:
     """Read an order, append its lines."""
-    order = {"preset": "default", "tables": ["3.4", "4.3"]} | json.loads(Path(arguments[0]).read_text(encoding="utf-8"))
+    order = Ablation(**json.loads(Path(arguments[0]).read_text(encoding="utf-8")))
     with append_lines(Path(arguments[1])) as write:
         ablate_pack(order, write)
 

@@ -9,14 +9,20 @@ import json
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .bench_lines import Line, append_lines, keep_failure
 from .bench_table import mean
 from .terminal import print_table
+
+if TYPE_CHECKING:
+    from ..core.hooks import Arrays
+    from ..core.measure import Damage, Pack
+    from ..core.scan import Scan
 
 SHOWN = ("surface_rms_mm.s2t", "surface_rms_mm.t2s", "normal_cosine", "flipped_faces", "self_intersecting_faces")
 """What a line tells of a result, all against the clean truth."""
@@ -25,27 +31,41 @@ SAME = 1e-6
 """Positions closer than this [m] are the same target: float32 in another unit or axis rounds to a tenth of it."""
 
 
-def study_pack(order: dict[str, Any], write: Callable[[Line], None]) -> None:
+@dataclass(frozen=True)
+class DamageOrder:
+    """Choose the runs of a study.
+
+    Attributes:
+        pack: The target's folder.
+        damages: Names of damages; empty: every one.
+        presets: Weights of the deformation.
+        seed: Of the damages and the recovery.
+    """
+
+    pack: str
+    damages: tuple[str, ...] = ()
+    presets: tuple[str, ...] = ("default", "thesis")
+    seed: int = 0
+
+
+def study_pack(order: DamageOrder, write: Callable[[Line], None]) -> None:
     """Recover a pack under every damage and preset; hand each line to `write` as soon as it is known.
 
     The body is registered once where its file is the same. A damage whose target comes out of the repair as the clean
     one, vertex by vertex and face by face, has the clean run's figures. The graded drape does not depend on the preset
     and is shared between presets. All else is run again.
-
-    Args:
-        order: `pack` (its folder), `damages` (names), `presets`, `seed`.
-        write: Called with each line.
     """
     from ..core.measure import DAMAGES, read_packs
 
-    pack = read_packs(Path(order["pack"]))[0]
-    known: dict[Any, Any] = {}
+    pack = read_packs(Path(order.pack))[0]
     with tempfile.TemporaryDirectory(prefix="garmentq-damage-") as folder:
+        study = _Study(pack, order.seed, Path(folder))
         for damage in DAMAGES:
-            if damage.name not in order["damages"]:
-                continue
-            for preset in order["presets"]:
-                write(_study(pack, damage, preset, order["seed"], Path(folder), known))
+            for preset in order.presets if damage.name in order.damages or not order.damages else ():
+                line = empty_line(pack.name, damage.name, preset)
+                with keep_failure(line):
+                    line |= study.recover(damage, preset)
+                write(line)
 
 
 def empty_line(target: str, damage: str, preset: str) -> Line:
@@ -63,45 +83,60 @@ def empty_line(target: str, damage: str, preset: str) -> Line:
     }
 
 
-def _study(pack: Any, damage: Any, preset: str, seed: int, folder: Path, known: dict[Any, Any]) -> Line:
-    line = empty_line(pack.name, damage.name, preset)
-    with keep_failure(line):
-        line |= _recover(pack, damage, preset, seed, folder, known)
-    return line
+@dataclass
+class _Study:
+    """Recover one pack again and again, and keep what the runs share.
+
+    Attributes:
+        pack: The target.
+        seed: Of the damages and the recovery.
+        folder: For the damaged files.
+        clean: The undamaged scan after its repair.
+        lines: What is known of the runs, by damage and preset.
+        checkpoints: Arrays that the runs share, by name.
+    """
+
+    pack: Pack
+    seed: int
+    folder: Path
+    clean: Scan | None = None
+    lines: dict[tuple[str, str], Line] = field(default_factory=dict)
+    checkpoints: dict[str, Arrays] = field(default_factory=dict)
+
+    def recover(self, damage: Damage, preset: str) -> Line:
+        """Return the figures of one run."""
+        from ..core.export import plain
+        from ..core.hooks import Hooks
+        from ..core.measure import measure_recovery
+        from ..core.pipeline import read_files, recover
+        from ..core.recovery import Request
+        from ..core.settings import RecoverySettings
+
+        garment, body = _damaged_files(self.pack, damage, self.seed, self.folder)
+        settings = RecoverySettings(method="deform", preset=preset, seed=self.seed)
+        request = Request(scan=garment, body=body, template=self.pack.template, settings=settings)
+        scan = read_files(request).garment
+        if damage.name == "clean":
+            self.clean = scan
+        elif self.clean is not None and _same(scan, self.clean) and ("clean", preset) in self.lines:
+            return {**self.lines["clean", preset], "same_as_clean": True}
+
+        def keep(name: str, arrays: Arrays) -> None:
+            self.checkpoints[name if name == "body" else f"{name} {damage.name}"] = dict(arrays)
+
+        def find(name: str) -> Arrays | None:
+            return self.checkpoints.get(name if name == "body" else f"{name} {damage.name}")
+
+        recovery = recover(request, Hooks(save_checkpoint=keep, load_checkpoint=find))
+        own_template = self.pack.template is not None
+        metrics, _ = measure_recovery(recovery, self.pack, own_template=own_template, seed=self.seed)
+        untrusted = [contour.name for contour in recovery.target.contours if not contour.trusted]
+        found: Line = plain({"ok": True, "metrics": {name: metrics[name] for name in SHOWN}, "untrusted": untrusted})
+        self.lines[damage.name, preset] = found
+        return dict(found)
 
 
-def _recover(pack: Any, damage: Any, preset: str, seed: int, folder: Path, known: dict[Any, Any]) -> Line:
-    from ..core.export import plain
-    from ..core.hooks import Hooks
-    from ..core.measure import measure_recovery
-    from ..core.pipeline import read_files, recover
-    from ..core.recovery import Request
-    from ..core.settings import RecoverySettings
-
-    garment, body = _damaged_files(pack, damage, seed, folder)
-    settings = RecoverySettings(method="deform", preset=preset, seed=seed)
-    request = Request(scan=garment, body=body, template=pack.template, settings=settings)
-    scan = read_files(request).garment
-    if damage.name == "clean":
-        known["clean"] = scan
-    elif "clean" in known and _same(scan, known["clean"]) and ("clean", preset) in known:
-        return {**known["clean", preset], "same_as_clean": True}
-
-    def keep(name: str, arrays: Any) -> None:
-        known[name if name == "body" else f"{name} {damage.name}"] = dict(arrays)
-
-    def find(name: str) -> Any:
-        return known.get(name if name == "body" else f"{name} {damage.name}")
-
-    recovery = recover(request, Hooks(save_checkpoint=keep, load_checkpoint=find))
-    metrics, _ = measure_recovery(recovery, pack, own_template=pack.template is not None, seed=seed)
-    untrusted = [contour.name for contour in recovery.target.contours if not contour.trusted]
-    found = plain({"ok": True, "metrics": {name: metrics[name] for name in SHOWN}, "untrusted": untrusted})
-    known[damage.name, preset] = found
-    return dict(found)
-
-
-def _damaged_files(pack: Any, damage: Any, seed: int, folder: Path) -> tuple[Path, Path]:
+def _damaged_files(pack: Pack, damage: Damage, seed: int, folder: Path) -> tuple[Path, Path | None]:
     """Write the damaged garment, and where it moves with it the body; give both paths."""
     from ..core.export import write_ply
     from ..core.measure import read_true_mesh
@@ -117,7 +152,7 @@ def _damaged_files(pack: Any, damage: Any, seed: int, folder: Path) -> tuple[Pat
     return garment, body
 
 
-def _same(scan: Any, clean: Any) -> bool:
+def _same(scan: Scan, clean: Scan) -> bool:
     """Tell whether two scans are one: the same faces on the same places."""
     return (
         scan.vertices.shape == clean.vertices.shape
@@ -147,18 +182,11 @@ def print_study(lines: Sequence[Line]) -> None:
         print_table(["preset", "mean CPU s of a run"], [[preset, worst and round(worst, 1)]])
 
 
-def study_settings(order: dict[str, Any]) -> dict[str, Any]:
-    """Fill an order's gaps: every damage, both presets, seed 0."""
-    from ..core.measure import DAMAGES
-
-    return {"damages": [d.name for d in DAMAGES], "presets": ["default", "thesis"], "seed": 0} | order
-
-
 def main(arguments: list[str]) -> None:
     """Read an order, append its lines."""
-    order = json.loads(Path(arguments[0]).read_text(encoding="utf-8"))
+    order = DamageOrder(**json.loads(Path(arguments[0]).read_text(encoding="utf-8")))
     with append_lines(Path(arguments[1])) as write:
-        study_pack(study_settings(order), write)
+        study_pack(order, write)
 
 
 if __name__ == "__main__":

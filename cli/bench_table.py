@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
+from .bench_lines import Line
 from .terminal import print_table
-
-Line = dict[str, Any]
 
 KEY_COLUMNS = (
     ("s2t", "surface_rms_mm.s2t"),

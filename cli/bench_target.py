@@ -7,24 +7,38 @@ from __future__ import annotations
 
 import json
 import sys
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
-from .bench_lines import keep_failure
+from .bench_lines import Line, keep_failure
 
 
-def recover_target(order: dict[str, Any]) -> dict[str, Any]:
+@dataclass(frozen=True)
+class TargetOrder:
+    """Choose how a pack is recovered.
+
+    Attributes:
+        pack: Its folder.
+        method: Recovery method.
+        preset: Weights of the deformation.
+        library: True where the pack's own template is not used.
+        out: Folder for the result, or None.
+    """
+
+    pack: str
+    method: str
+    preset: str
+    library: bool
+    out: str | None
+
+
+def recover_target(order: TargetOrder) -> Line:
     """Recover a pack and measure it against its truth.
-
-    Args:
-        order: `pack` (its folder), `method`, `preset`, `library` (True: the pack's template is not used), `out` (folder
-            for the result, or None).
 
     Returns:
         The line that `garmentq bench --json` prints; an error is in it, never raised.
     """
-    line = empty_line(Path(order["pack"]).name, order["method"])
+    line = empty_line(Path(order.pack).name, order.method)
     with keep_failure(line):
         line |= _recover(order)
     if not line["ok"]:
@@ -32,7 +46,7 @@ def recover_target(order: dict[str, Any]) -> dict[str, Any]:
     return line
 
 
-def empty_line(target: str, method: str) -> dict[str, Any]:
+def empty_line(target: str, method: str) -> Line:
     """Give the line of a target of which nothing is known yet."""
     return {
         "target": target,
@@ -52,7 +66,7 @@ def empty_line(target: str, method: str) -> dict[str, Any]:
     }
 
 
-def _recover(order: dict[str, Any]) -> dict[str, Any]:
+def _recover(order: TargetOrder) -> Line:
     from ..core.export import plain, write_recovery
     from ..core.measure import measure_panels, measure_recovery, read_packs, read_true_pattern
     from ..core.pipeline import recover
@@ -60,9 +74,9 @@ def _recover(order: dict[str, Any]) -> dict[str, Any]:
     from ..core.settings import RecoverySettings
     from .compiling import time_compiling
 
-    pack = read_packs(Path(order["pack"]))[0]
-    template = None if order["library"] else pack.template
-    settings = RecoverySettings(method=order["method"], preset=order["preset"])
+    pack = read_packs(Path(order.pack))[0]
+    template = None if order.library else pack.template
+    settings = RecoverySettings(method=order.method, preset=order.preset)
     # All that the recovery is told: never the category, the true pattern or the truth's body.
     if pack.scan is None:
         request = Request(scan=pack.garment, body=pack.body, template=template, settings=settings)
@@ -72,11 +86,11 @@ def _recover(order: dict[str, Any]) -> dict[str, Any]:
     with time_compiling() as compiling:
         recovery = recover(request)
     metrics, unmatched = measure_recovery(recovery, pack, own_template=template is not None, seed=settings.seed)
-    if order["out"]:
-        write_recovery(recovery, Path(order["out"]) / pack.name)
+    if order.out:
+        write_recovery(recovery, Path(order.out) / pack.name)
     truth = read_true_pattern(pack) if metrics.get("panel_area_error_all") is not None else None
     fabric = {e.name: {"value": e.value, "std": e.std, "identifiable": e.identifiable} for e in recovery.estimates}
-    line: dict[str, Any] = plain(
+    line: Line = plain(
         {
             "category": recovery.target.category,
             "template": recovery.template,
@@ -105,7 +119,7 @@ def _peak_mb() -> float:
 
 def main(arguments: list[str]) -> None:
     """Read an order, write its line."""
-    order = json.loads(Path(arguments[0]).read_text(encoding="utf-8"))
+    order = TargetOrder(**json.loads(Path(arguments[0]).read_text(encoding="utf-8")))
     line = recover_target(order)
     Path(arguments[1]).write_text(json.dumps(line, allow_nan=False), encoding="utf-8")
 

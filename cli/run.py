@@ -33,9 +33,7 @@ if TYPE_CHECKING:
 @timeout_option
 @verbose_option
 @json_option
-@click.pass_context
 def command(
-    context: click.Context,
     file: Path,
     options: OrderOptions,
     home: Path | None,
@@ -85,7 +83,7 @@ def command(
         if out is not None and len(parts) > 1:
             folder = out / folder_name(part.keep[0])
         status = max(status, wait_and_show(backend, submitted.job, folder.absolute(), wait, verbose))
-    context.exit(status)
+    click.get_current_context().exit(status)
 
 
 def folder_name(label: str) -> str:

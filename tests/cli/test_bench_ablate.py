@@ -10,7 +10,16 @@ from types import SimpleNamespace
 import pytest
 from click.testing import CliRunner
 from garmentq.cli import bench, bench_ablate
-from garmentq.cli.bench_ablate import OURS, SWITCHES, Switch, ablate_pack, empty_line, judge_rows, print_ablation
+from garmentq.cli.bench_ablate import (
+    OURS,
+    SWITCHES,
+    Ablation,
+    Switch,
+    ablate_pack,
+    empty_line,
+    judge_rows,
+    print_ablation,
+)
 from garmentq.core.deform import DeformSettings
 from garmentq.core.errors import BadInput
 from garmentq.core.fit import InverseSettings
@@ -76,7 +85,7 @@ def test_one_row_that_fails_does_not_hide_the_others(
     """Fails where an error ends the study, a row goes to the other table's method, or a direction is misread."""
     seen = fake_stage(monkeypatch)
     lines: list[dict] = []
-    ablate_pack({"pack": str(pack), "preset": "default", "tables": ["3.4", "4.3"]}, lines.append)
+    ablate_pack(Ablation(str(pack)), lines.append)
     assert seen == list(SWITCHES)
     errors = {line["setting"]: line["error"]["code"] for line in lines if not line["ok"]}
     assert errors == {"w/o seam loss": "input.bad", "w/o physics": "bench.exception"}
