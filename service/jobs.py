@@ -8,18 +8,17 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from sqlalchemy import ColumnElement, Update, and_, select, update
 from sqlalchemy.orm import Session
 
 from .. import __version__
-from ..core.errors import BadInput, GarmentqError, NotFound
+from ..core.errors import GarmentqError, NotFound
 from .database import Database, clock
-from .keys import check_quota
-from .models import EventRow, JobRow, OutboxRow
-from .states import ENDED, OPEN, QUEUES, TRANSITIONS, State
+from .models import EventRow, JobInputRow, JobRow, JobTagRow, JobWaitRow, OutboxRow
+from .states import ENDED, QUEUES, TRANSITIONS, State
 
 T = TypeVar("T")
 
@@ -45,22 +44,10 @@ class JobUnknown(NotFound):
     code = "job.unknown"
 
 
-class JobNotEnded(BadInput):
-    """The job has not ended; cancel it first, or wait."""
-
-    code = "job.not_ended"
-
-
 class FenceLost(GarmentqError):
     """Another worker has taken the job over; this one's result is dropped."""
 
     code = "job.fence_lost"
-
-
-class JobSucceeded(BadInput):
-    """The job succeeded, so there is nothing to try again; submit it with --force to compute it once more."""
-
-    code = "job.succeeded"
 
 
 class MoveForbidden(GarmentqError):
@@ -79,7 +66,9 @@ class Claim:
         owner: Who claimed it.
         attempt: Which attempt this is, from 1.
         request: What to do, as it was stored at submission.
-        name: The scan's name.
+        name: What the job is called.
+        kind: Name of its kind.
+        inputs: Ids of the jobs whose results it reads, by name.
     """
 
     job: str
@@ -88,6 +77,8 @@ class Claim:
     attempt: int
     request: dict[str, Any]
     name: str
+    kind: str = "recover"
+    inputs: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -114,32 +105,57 @@ class NewJob:
 
     Attributes:
         dedup: Hash of what makes it the same job as another.
-        scan: Key of the file that the work goes back to.
+        kind: Name of its kind.
+        request: What to do, as JSON values.
+        scan: Key of the file that the family's work goes back to.
         name: What it is called.
-        request: What to do.
         priority: Larger goes first.
         queue: One of `QUEUES`.
         payer: Id of the API key whose quota it counts for; empty: none.
+        tags: Words that it can be found by.
+        inputs: Ids of the ended jobs whose results it reads, by the name of the folder in which it finds them.
+        parent: Id of the job that makes it, and of that one's family; None for a root.
+        waits: Ids of the siblings that must have succeeded before it begins.
     """
 
     dedup: str
+    kind: str
+    request: dict[str, Any]
     scan: str
     name: str
-    request: dict[str, Any]
     priority: int = 0
     queue: str = QUEUES[0]
     payer: str = ""
+    tags: tuple[str, ...] = ()
+    inputs: Mapping[str, str] = field(default_factory=dict)
+    parent: tuple[str, str] | None = None
+    waits: tuple[str, ...] = ()
 
 
-def create(session: Session, new: NewJob) -> str:
-    """Add a queued job, its first event and its outbox row, and return its id."""
+def create(session: Session, new: NewJob) -> JobRow:
+    """Add a job with its first event: queued, or waiting where it waits for siblings."""
     job = uuid.uuid4().hex[:12]
-    values = {field.name: getattr(new, field.name) for field in fields(new)}
-    session.add(JobRow(id=job, version=__version__, state=State.QUEUED, touched=clock(), created=clock(), **values))
+    columns = ("dedup", "kind", "request", "scan", "name", "priority", "queue", "payer")
+    parent, family = new.parent or (None, job)
+    row = JobRow(
+        id=job,
+        parent=parent,
+        family=family,
+        version=__version__,
+        state=State.WAITING if new.waits else State.QUEUED,
+        touched=clock(),
+        created=clock(),
+        **{name: getattr(new, name) for name in columns},
+    )
+    session.add(row)
     session.flush()
-    record(session, job, "queued")
-    session.add(OutboxRow(job=job, created=clock()))
-    return job
+    session.add_all(JobTagRow(job=job, tag=tag) for tag in new.tags)
+    session.add_all(JobInputRow(job=job, name=name, input=read) for name, read in new.inputs.items())
+    session.add_all(JobWaitRow(job=job, awaited=other) for other in new.waits)
+    record(session, job, row.state.value)
+    if row.state == State.QUEUED:
+        session.add(OutboxRow(job=job, created=clock()))
+    return row
 
 
 def move(
@@ -297,44 +313,6 @@ def expire(session: Session, row: JobRow, max_attempts: int) -> None:
         move(session, row, State.QUEUED, "lease_expired", note)
 
 
-def cancel(database: Database, job: str) -> str:
-    """Ask a job to stop: a queued one ends at once, a running one at its worker's next look.
-
-    Returns:
-        The state after this call: `cancelled`, `running`, or the state it had ended in before.
-
-    Raises:
-        JobUnknown: where there is none of that id.
-    """
-    with database.write() as session:
-        row = _row(session, job)
-        if row.state == State.QUEUED:
-            move(session, row, State.CANCELLED, "cancelled")
-        elif row.state == State.RUNNING and not row.cancel:
-            row.cancel = True
-            record(session, job, "cancel_requested")
-        return row.state
-
-
-def retry(database: Database, job: str, key: str = "", quota: int = 0) -> None:
-    """Queue a job that ended without success once more, with all its attempts; what it had checkpointed is used again.
-
-    Raises:
-        JobUnknown: where there is none of that id.
-        JobNotEnded: where it is queued or running.
-        JobSucceeded: where it ended well.
-        QueueFull: where the API key that asks has as many open jobs as it may.
-    """
-    with database.write() as session:
-        row = _row(session, job)
-        if row.state == State.SUCCEEDED:
-            raise JobSucceeded()
-        if row.state in OPEN:
-            raise JobNotEnded(f"job {job} is {row.state}; cancel it first, or wait.")
-        check_quota(session, key, quota)
-        move(session, row, State.QUEUED, "retried", payer=key)
-
-
 def find_job(database: Database, job: str) -> JobRow:
     """Give a job by its id, or by a beginning of it that fits no other.
 
@@ -400,20 +378,15 @@ def _claim(session: Session, job: str, owner: str, lease_seconds: float) -> Clai
             started=clock(),
             touched=clock(),
         )
-        .returning(JobRow.fence, JobRow.attempts, JobRow.request, JobRow.name)
+        .returning(JobRow.fence, JobRow.attempts, JobRow.request, JobRow.name, JobRow.kind)
         .execution_options(synchronize_session=False)
     ).one_or_none()
     if row is None:
         return None
+    reads = session.execute(select(JobInputRow.name, JobInputRow.input).where(JobInputRow.job == job))
+    inputs = {one.name: one.input for one in reads}
     record(session, job, "started", owner=owner, attempt=row.attempts)
-    return Claim(job, row.fence, owner, row.attempts, row.request, row.name)
-
-
-def _row(session: Session, job: str) -> JobRow:
-    row = session.get(JobRow, job, with_for_update=True)
-    if row is None:
-        raise JobUnknown(f"there is no job '{job}'; `garmentq status` lists them all.")
-    return row
+    return Claim(job, row.fence, owner, row.attempts, row.request, row.name, row.kind, inputs)
 
 
 def _held(claim: Claim) -> ColumnElement[bool]:

@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import jobs, keys, ordering, query, reaper, results, submission, templates
+from . import families, jobs, keys, ordering, query, reaper, results, submission, templates
 from .database import Database
 from .records import Artifact, Event, ImportedTemplate, Job, JobReport, Key, News, Queue, Template, Worker
 from .services import Services, open_services
@@ -46,7 +46,7 @@ class LocalBackend:
 
     def find_job(self, job: str) -> JobReport:
         """Return a job by its id, or by a beginning of it that fits no other."""
-        return results.report_jobs(self._database, [jobs.find_job(self._database, job)])[0]
+        return results.report_jobs(self._database, [jobs.find_job(self._database, job)], self.settings)[0]
 
     def find_jobs_by_id(self, ids: Sequence[str]) -> list[Job]:
         """Return how far the jobs of some ids are, in the order of the ids."""
@@ -55,12 +55,12 @@ class LocalBackend:
 
     def list_jobs(self, limit: int = 50) -> list[JobReport]:
         """Return the newest jobs, newest first."""
-        return results.report_jobs(self._database, jobs.list_jobs(self._database, limit))
+        return results.report_jobs(self._database, jobs.list_jobs(self._database, limit), self.settings)
 
     def find_jobs(self, wanted: query.JobQuery) -> list[JobReport]:
         """Return the jobs that meet every condition of a query."""
         found = query.find_jobs(self._database, wanted.conditions, wanted.sort, wanted.limit)
-        return results.report_jobs(self._database, found)
+        return results.report_jobs(self._database, found, self.settings)
 
     def poll_events(self, job: str, after: int = 0) -> News:
         """Return a job's state and its events after one; the state is read first, so that it misses no event."""
@@ -82,12 +82,12 @@ class LocalBackend:
 
     def cancel(self, job: str) -> State:
         """Ask a job to stop, and return its state after that."""
-        return State(jobs.cancel(self._database, jobs.find_job(self._database, job).id))
+        return families.cancel(self._database, jobs.find_job(self._database, job).id)
 
     def retry(self, job: str) -> State:
         """Queue a job that ended without success once more."""
         row = jobs.find_job(self._database, job)
-        jobs.retry(self._database, row.id)
+        families.retry(self._database, row.id)
         return jobs.find_job(self._database, row.id).state
 
     def list_artifacts(self, job: str) -> list[Artifact]:

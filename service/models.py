@@ -45,7 +45,10 @@ class ScanRow(Base):
 
 
 class JobRow(Base):
-    """Keep one job and the claim on it; `jobs.py` is the only one that changes a state."""
+    """Keep one job and the claim on it; `jobs.py` is the only one that changes a state.
+
+    `family` is the id of the root, its own for a root; `scan` is the file that the family's work goes back to.
+    """
 
     __tablename__ = "jobs"
     __table_args__ = (
@@ -53,12 +56,17 @@ class JobRow(Base):
         Index("ix_jobs_lease_until", "lease_until"),
         Index("ix_jobs_created", "created"),
         Index("ix_jobs_payer_state", "payer", "state"),
+        Index("ix_jobs_family", "family"),
+        Index("ix_jobs_parent", "parent"),
     )
     id: Mapped[str] = mapped_column(String(16), primary_key=True)
     dedup: Mapped[str] = mapped_column(String(64), unique=True)
     scan: Mapped[str] = mapped_column(ForeignKey("scans.sha256"), index=True)
     name: Mapped[str] = mapped_column(String(255))
     request: Mapped[dict[str, Any]]
+    kind: Mapped[str] = mapped_column(String(32), default="recover", server_default="recover")
+    parent: Mapped[str | None] = mapped_column(ForeignKey("jobs.id"))
+    family: Mapped[str] = mapped_column(String(16), default="", server_default="")
     version: Mapped[str] = mapped_column(String(32))
     priority: Mapped[int] = mapped_column(default=0)
     queue: Mapped[str] = mapped_column(String(16), default="cpu", server_default="cpu")
@@ -79,6 +87,31 @@ class JobRow(Base):
     error_message: Mapped[str | None] = mapped_column(Text)
     bad_input: Mapped[bool] = mapped_column(default=False)
     result: Mapped[dict[str, Any] | None]
+
+
+class JobInputRow(Base):
+    """Let a job read the result of an ended one under a name; it is never run again or cancelled with its readers."""
+
+    __tablename__ = "job_inputs"
+    job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    name: Mapped[str] = mapped_column(String(64), primary_key=True)
+    input: Mapped[str] = mapped_column(ForeignKey("jobs.id"), index=True)
+
+
+class JobWaitRow(Base):
+    """Let a job wait until a sibling has succeeded."""
+
+    __tablename__ = "job_waits"
+    job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    awaited: Mapped[str] = mapped_column(ForeignKey("jobs.id"), primary_key=True, index=True)
+
+
+class JobTagRow(Base):
+    """Keep one word that a user gave a family; each job of the family has it."""
+
+    __tablename__ = "job_tags"
+    job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    tag: Mapped[str] = mapped_column(String(64), primary_key=True, index=True)
 
 
 class EventRow(Base):

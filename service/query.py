@@ -13,12 +13,15 @@ from sqlalchemy.orm import Session, aliased
 
 from ..core.errors import BadInput
 from .database import Database
-from .models import BodyRow, JobRow, MaterialRow, MetricRow, OwnerRow, PatternRow
+from .models import BodyRow, JobRow, JobTagRow, MaterialRow, MetricRow, OwnerRow, PatternRow
 from .states import State
 
 TEXTS: dict[str, Any] = {
     "job": JobRow.id,
     "name": JobRow.name,
+    "kind": JobRow.kind,
+    "family": JobRow.family,
+    "parent": JobRow.parent,
     "state": JobRow.state,
     "version": JobRow.version,
     "error": JobRow.error_code,
@@ -29,7 +32,9 @@ TEXTS: dict[str, Any] = {
     "method": JobRow.request["settings"]["method"].as_string(),
     "preset": JobRow.request["settings"]["preset"].as_string(),
 }
-"""Fields that hold text: compared by = and != only."""
+"""Fields that hold text: compared by = and != only; so is `tag`, of which a job may have several."""
+
+TAG = "tag"
 
 NUMBERS: dict[str, Any] = {
     "created": JobRow.created,
@@ -194,7 +199,7 @@ def _first(session: Session, statement: Select[Any], column: Any, falling: bool,
 
 
 def _condition(name: str, sign: str, value: str) -> Condition:
-    if name in TEXTS:
+    if name in TEXTS or name == TAG:
         if sign not in ("=", "==", "!="):
             raise QueryBad(f"'{name}' is text; compare it by = or !=.")
         return Condition(name, sign, value)
@@ -214,9 +219,10 @@ def _meets(session: Session, condition: Condition) -> ColumnElement[bool]:
     compare, name = OPERATORS[condition.operator], condition.name
     field = TEXTS.get(name, NUMBERS.get(name))
     if field is not None:
-        if isinstance(condition.value, str) and UNKEPT.search(condition.value):
-            raise QueryBad(f"the value of '{name}' holds a character that no text has; leave it out.")
-        return cast(ColumnElement[bool], compare(_as_text(name, field), condition.value))
+        return cast(ColumnElement[bool], compare(_as_text(name, field), _checked(condition)))
+    if name == TAG:
+        has = exists().where(JobTagRow.job == JobRow.id, JobTagRow.tag == _checked(condition))
+        return has if compare is operator.eq else ~has
     _check_metric(session, name)
     metric = aliased(MetricRow)
     matches = (metric.name == name) & compare(metric.value, condition.value)
@@ -224,6 +230,17 @@ def _meets(session: Session, condition: Condition) -> ColumnElement[bool]:
     if (session.scalar(select(func.count()).select_from(first)) or 0) < MANY:
         return JobRow.id.in_(select(metric.job).where(matches))
     return exists().where(metric.job == JobRow.id, matches)
+
+
+def _checked(condition: Condition) -> str | float:
+    """Return the value of a condition on a field.
+
+    Raises:
+        QueryBad: where it holds a character that no text has.
+    """
+    if isinstance(condition.value, str) and UNKEPT.search(condition.value):
+        raise QueryBad(f"the value of '{condition.name}' holds a character that no text has; leave it out.")
+    return condition.value
 
 
 def _as_text(name: str, field: Any) -> Any:
@@ -241,7 +258,8 @@ def _check_metric(session: Session, name: str) -> None:
     if not (is_text and session.execute(select(exists().where(MetricRow.name == name))).scalar()):
         known = session.scalars(select(MetricRow.name).distinct()).all()  # slow with many results, so only to tell
         if known or not CONDITION.match(f"{name} = 0"):
-            raise QueryBad(f"there is no '{name[:60]}'; there are {', '.join(sorted([*TEXTS, *NUMBERS, *known]))}.")
+            names = ", ".join(sorted([*TEXTS, TAG, *NUMBERS, *known]))
+            raise QueryBad(f"there is no '{name[:60]}'; there are {names}.")
 
 
 def count_states(database: Database) -> dict[State, int]:

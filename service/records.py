@@ -43,6 +43,22 @@ class Gate:
 
 
 @dataclass(frozen=True)
+class Child:
+    """Name a job that another one made."""
+
+    __pydantic_config__: ClassVar = CLOSED
+    job: str
+    name: str
+    kind: str
+    state: State
+
+    @classmethod
+    def from_json(cls, found: Json) -> Self:
+        """Read a service's answer."""
+        return cls(check_id(found["job"]), str(found["name"]), str(found["kind"]), State(found["state"]))
+
+
+@dataclass(frozen=True)
 class Artifact:
     """Name one file of a job: its name, sha256 (hex) and size [bytes]."""
 
@@ -213,7 +229,10 @@ class Key:
 
 @dataclass(frozen=True)
 class Job:
-    """Show how far a job is: `progress` of its stage in 0..1, times in s since 1970."""
+    """Show how far a job is: `progress` of its stage in 0..1, times in s since 1970.
+
+    `family` is the id of the root job, its own for a root, which has no `parent`.
+    """
 
     id: str
     name: str
@@ -228,6 +247,9 @@ class Job:
     bad_input: bool
     queue: str
     priority: int
+    kind: str = "recover"
+    family: str = ""
+    parent: str | None = None
 
     @classmethod
     def from_row(cls, row: JobRow) -> Job:
@@ -266,6 +288,11 @@ class JobReport(Job):
         stage_seconds: Time of each stage [s].
         cpu_seconds: CPU time of the whole [s].
         peak_mb: Largest memory [MB].
+        children: The jobs that it made.
+        inputs: Ids of the jobs whose results it reads, by name.
+        waits: Ids of the siblings that it waits for.
+        tags: Words that its family can be found by.
+        details: What only its kind shows, as JSON values.
     """
 
     garment: str | None = None
@@ -280,6 +307,11 @@ class JobReport(Job):
     stage_seconds: dict[str, float] = field(default_factory=dict)
     cpu_seconds: float | None = None
     peak_mb: float | None = None
+    children: list[Child] = field(default_factory=list)
+    inputs: dict[str, str] = field(default_factory=dict)
+    waits: list[str] = field(default_factory=list)
+    tags: list[str] = field(default_factory=list)
+    details: dict[str, Any] = field(default_factory=dict)
 
     @classmethod
     def from_row(cls, row: JobRow, **found: Any) -> JobReport:
@@ -287,7 +319,7 @@ class JobReport(Job):
         result = row.result or {}
         return JobReport(
             **_read_row(row),
-            settings=row.request["settings"],
+            settings=row.request.get("settings", {}),
             version=row.version,
             **_read_result(result),
             **found,
@@ -309,6 +341,11 @@ class JobReport(Job):
             settings=dict(found["settings"]),
             version=str(found["version"]),
             metrics={str(name): _optional(value) for name, value in found["metrics"].items()},
+            children=[Child.from_json(child) for child in found["children"]],
+            inputs={str(name): check_id(job) for name, job in found["inputs"].items()},
+            waits=[check_id(job) for job in found["waits"]],
+            tags=[str(tag) for tag in found["tags"]],
+            details=dict(found["details"]),
             **_read_result(found),
         )
 
@@ -316,14 +353,15 @@ class JobReport(Job):
         """Return the job and what it found as JSON values, the same keys for every state."""
         mine = {item.name for item in fields(JobReport)} - {item.name for item in fields(Job)}
         found = {item.name: getattr(self, item.name) for item in fields(JobReport) if item.name in mine}
-        return {**super().as_json(), **found, "gates": [asdict(gate) for gate in self.gates]}
+        children = [asdict(child) for child in self.children]
+        return {**super().as_json(), **found, "gates": [asdict(gate) for gate in self.gates], "children": children}
 
 
 def _read_row(row: JobRow) -> dict[str, Any]:
     """Return the fields of a `Job` from its row."""
     kept = {item.name: getattr(row, item.name) for item in fields(Job) if item.name not in ("error", "progress")}
     error = Failure(row.error_code, row.error_message or "") if row.error_code else None
-    return {**kept, "error": error, "progress": round(row.progress, 4)}
+    return {**kept, "error": error, "progress": round(row.progress, 4), "family": row.family or row.id}
 
 
 def _read_job(found: Json) -> dict[str, Any]:
@@ -332,6 +370,9 @@ def _read_job(found: Json) -> dict[str, Any]:
     return {
         "id": check_id(found["job"]),
         "name": str(found["name"]),
+        "kind": str(found["kind"]),
+        "family": check_id(found["family"]),
+        "parent": check_id(found["parent"]) if found["parent"] else None,
         "state": State(found["state"]),
         "stage": str(found["stage"]),
         "progress": float(found["progress"]),

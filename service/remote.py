@@ -109,6 +109,8 @@ class RemoteBackend:
             "priority": order.priority,
             "queue": order.queue,
             "force": order.force,
+            "name": order.name,
+            "tags": list(order.tags),
         }
         if is_builtin(order.body):
             wanted["body"] = order.body

@@ -1,47 +1,42 @@
-"""A recovery's rows and files: how they get in, and how they come out."""
+"""A job's result, its rows and files: how they get in, and how they come out."""
 
 from __future__ import annotations
 
-import hashlib
-import json
-import math
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import numpy as np
 from sqlalchemy import delete, select, update
 from sqlalchemy.orm import Session
 
 from ..core.errors import NotFound
-from .database import Database, clock, serialise
+from .database import Database, clock
+from .families import make_children
 from .jobs import Claim, succeed, write_fenced
+from .kinds import Kind, KindUnknown, find_kind
 from .models import (
     ArtifactRow,
     BodyRow,
+    JobInputRow,
     JobRow,
+    JobTagRow,
+    JobWaitRow,
     MaterialRow,
     MetricRow,
     PanelRow,
     PatternRow,
-    ScanRow,
 )
-from .records import Artifact, JobReport
+from .records import Artifact, Child, JobReport
+from .settings import ServiceSettings
 from .store import Store
-
-if TYPE_CHECKING:
-    from ..core.body import Body
-    from ..core.recovery import Recovery
-    from ..core.simulate import Fabric
-
-JOBS_AT_ONCE = 500
-"""Jobs of one question for what they found."""
 
 RESULT = "result"
 CHECKPOINT = "checkpoint"
 PREVIOUS = "checkpoint.1"
 """The checkpoint before the newest of a name: kept for the case that the newest is damaged, no older one is."""
+
+JOBS_AT_ONCE = 500
+"""Jobs of one question for what they found."""
 
 
 class ResultMissing(NotFound):
@@ -50,8 +45,8 @@ class ResultMissing(NotFound):
     code = "result.missing"
 
 
-def store_recovery(database: Database, store: Store, claim: Claim, recovery: Recovery, folder: Path) -> None:
-    """Keep the files first, then write all rows and end the job in one fenced transaction.
+def store_result(database: Database, store: Store, claim: Claim, kind: Kind, result: Any, folder: Path) -> None:
+    """Keep the files first, then write all rows, end the job and make its children in one fenced transaction.
 
     A crash between the two leaves files that nobody names, which does no harm. Checkpoints are let go.
 
@@ -59,7 +54,8 @@ def store_recovery(database: Database, store: Store, claim: Claim, recovery: Rec
         database: Where the rows go.
         store: Where the files go.
         claim: The right to write them.
-        recovery: What was found.
+        kind: The job's kind.
+        result: What was found.
         folder: Holds the files that were written for it; names below it are kept.
 
     Raises:
@@ -73,14 +69,9 @@ def store_recovery(database: Database, store: Store, claim: Claim, recovery: Rec
             session.execute(delete(table).where(table.job == claim.job))
         for name, kept in files:
             _add_artifact(session, claim.job, RESULT, name, kept.sha256, kept.size)
-        _add_scan(session, recovery)
-        session.add(_body_row(claim.job, recovery.body))
-        material = _add_material(session, recovery.fabric)
-        session.flush()
-        _add_pattern(session, claim.job, recovery, material)
-        for name, value in recovery.metrics.items():
-            session.add(MetricRow(job=claim.job, name=name, value=_finite(value)))
-        succeed(session, claim, _summary(recovery))
+        outcome = kind.store(session, claim, result)
+        succeed(session, claim, outcome.summary)
+        make_children(session, claim.job, outcome.children)
 
 
 def save_checkpoint(database: Database, store: Store, claim: Claim, name: str, content: bytes) -> None:
@@ -136,14 +127,17 @@ def choose_files(job: str, files: Sequence[Artifact], names: Sequence[str]) -> l
     return [file for file in files if not names or file.name in names]
 
 
-def report_jobs(database: Database, rows: Sequence[JobRow]) -> list[JobReport]:
-    """Return jobs with what they found, in the order of their rows; three questions for each `JOBS_AT_ONCE`."""
+def report_jobs(database: Database, rows: Sequence[JobRow], settings: ServiceSettings) -> list[JobReport]:
+    """Return jobs with what they found, in the order of their rows; seven questions for each `JOBS_AT_ONCE`."""
     reports: list[JobReport] = []
     with database.read() as session:
         for start in range(0, len(rows), JOBS_AT_ONCE):
             chunk = rows[start : start + JOBS_AT_ONCE]
-            found = _find_patterns(session, [row.id for row in chunk])
-            reports += [JobReport.from_row(row, **found[row.id]) for row in chunk]
+            ids = [row.id for row in chunk]
+            found, family = _find_patterns(session, ids), _find_family(session, ids)
+            for row in chunk:
+                details = _show_details(session, row, settings)
+                reports.append(JobReport.from_row(row, details=details, **found[row.id], **family[row.id]))
     return reports
 
 
@@ -165,81 +159,31 @@ def _find_patterns(session: Session, jobs: Sequence[str]) -> dict[str, dict[str,
     return found
 
 
+def _find_family(session: Session, jobs: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Return for each job the jobs that it made, reads and waits for, and its tags."""
+    found: dict[str, dict[str, Any]] = {job: {"children": [], "inputs": {}, "waits": [], "tags": []} for job in jobs}
+    children = select(JobRow).where(JobRow.parent.in_(jobs)).order_by(JobRow.created, JobRow.id)
+    for child in session.scalars(children):
+        found[child.parent or ""]["children"].append(Child(child.id, child.name, child.kind, child.state))
+    for row in session.scalars(select(JobInputRow).where(JobInputRow.job.in_(jobs)).order_by(JobInputRow.name)):
+        found[row.job]["inputs"][row.name] = row.input
+    for wait in session.scalars(select(JobWaitRow).where(JobWaitRow.job.in_(jobs)).order_by(JobWaitRow.awaited)):
+        found[wait.job]["waits"].append(wait.awaited)
+    for kept in session.scalars(select(JobTagRow).where(JobTagRow.job.in_(jobs)).order_by(JobTagRow.tag)):
+        found[kept.job]["tags"].append(kept.tag)
+    return found
+
+
+def _show_details(session: Session, row: JobRow, settings: ServiceSettings) -> dict[str, Any]:
+    try:
+        return find_kind(settings, row.kind).show(session, row)
+    except KindUnknown:
+        return {}
+
+
 def _named(job: str, kind: str, name: str) -> Any:
     return (ArtifactRow.job == job) & (ArtifactRow.kind == kind) & (ArtifactRow.name == name)
 
 
 def _add_artifact(session: Session, job: str, kind: str, name: str, sha256: str, size: int) -> None:
     session.add(ArtifactRow(job=job, kind=kind, name=name, sha256=sha256, size=size, created=clock()))
-
-
-def _add_scan(session: Session, recovery: Recovery) -> None:
-    row = session.get(ScanRow, recovery.scan.sha256) if recovery.scan.sha256 else None
-    if row is not None:
-        scan = recovery.scan
-        row.details = {
-            "units": scan.units,
-            "up_axis": scan.up_axis,
-            "vertices": len(scan.vertices),
-            "faces": len(scan.faces),
-            "repairs": list(scan.repairs),
-            "contours": {c.name: c.length for c in recovery.target.contours},
-        }
-
-
-def _body_row(job: str, body: Body) -> BodyRow:
-    from ..core.body import JOINTS
-
-    joints = {name: position.tolist() for name, position in zip(JOINTS, body.joints, strict=True)}
-    parameters = {name: np.asarray(value).tolist() for name, value in body.parameters.items()}
-    return BodyRow(job=job, source=body.source, fit_rms=float(body.fit_rms), joints=joints, parameters=parameters)
-
-
-def _add_material(session: Session, fabric: Fabric) -> str:
-    values = asdict(fabric)
-    values["sources"] = [list(pair) for pair in fabric.sources]
-    key = hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
-    serialise(session, key)  # two workers may be the first to use a fabric
-    if session.get(MaterialRow, key) is None:
-        session.add(MaterialRow(id=key, **values))
-    return key
-
-
-def _add_pattern(session: Session, job: str, recovery: Recovery, material: str) -> None:
-    from ..core.pattern import polygon_area
-
-    pattern = recovery.pattern
-    category = pattern.category or recovery.target.category
-    session.add(
-        PatternRow(
-            job=job,
-            name=pattern.name,
-            category=category,
-            template=recovery.template,
-            material=material,
-            seams=len(pattern.seams),
-        )
-    )
-    session.flush()
-    for panel in pattern.panels:
-        edges = [{"kind": e.kind, "handles": e.handles.tolist(), "contour": e.contour} for e in panel.edges]
-        points, area = panel.points.tolist(), polygon_area(panel.points)
-        session.add(PanelRow(job=job, name=panel.name, label=panel.label, points=points, edges=edges, area=area))
-
-
-def _summary(recovery: Recovery) -> dict[str, Any]:
-    return {
-        "gates": [
-            {**asdict(gate), "value": _finite(gate.value), "limit": _finite(gate.limit)} for gate in recovery.gates
-        ],
-        "warnings": list(recovery.warnings),
-        "stage_seconds": {name: round(value, 3) for name, value in recovery.stage_seconds.items()},
-        "cpu_seconds": round(recovery.cpu_seconds, 3),
-        "peak_mb": round(recovery.peak_mb, 1),
-        "manifest": json.loads(json.dumps(recovery.manifest, default=str)),
-    }
-
-
-def _finite(value: float | None) -> float | None:
-    """Give a number that every database can keep, or None."""
-    return None if value is None or not math.isfinite(value) else float(value)

@@ -54,6 +54,7 @@ class ServiceSettings:
         threads: Threads of each pool child; one, since two children with two threads each took 8 times as long.
         pipeline: Dotted path of the function that runs a job.
         writer: Dotted path of the function that writes a recovery's files.
+        kinds: Dotted paths of the classes of further kinds of jobs, `package.module:Class`, with commas between.
         checker: Dotted path of the function that refuses a bad scan or body at submission.
     """
 
@@ -74,6 +75,7 @@ class ServiceSettings:
     pipeline: str = PIPELINE
     writer: str = WRITER
     checker: str = CHECKER
+    kinds: str = ""
 
     def find(self, part: str) -> Callable[..., Any]:
         """Import the function that one of the dotted paths names, `package.module:function`."""

@@ -14,7 +14,6 @@ from .database import Database, clock
 from .keys import lock_key
 from .models import IdempotencyRow, UploadRow
 from .store import Store, Stored
-from .submission import clean_name
 
 DAY_SECONDS = 86400.0
 """Over how long uploads are added up [s]."""
@@ -52,7 +51,7 @@ def keep_upload(
         DayFull: where the files of the key's last 24 hours would be more than `day_bytes`; None: any number.
     """
     kept = store.put(path)
-    row = UploadRow(key=key, sha256=kept.sha256, name=clean_name(name), size=kept.size, created=clock())
+    row = UploadRow(key=key, sha256=kept.sha256, name=_printable(name), size=kept.size, created=clock())
     with database.write() as session:
         if day_bytes is not None:
             lock_key(session, key)
@@ -70,6 +69,11 @@ def check_day(database: Database, key: str, size: int, day_bytes: int | None) ->
     if day_bytes is not None:
         with database.read() as session:
             _check_day(session, key, size, day_bytes)
+
+
+def _printable(name: str) -> str:
+    """Return a file's own name without folders and what cannot be printed; it is cleaned where it becomes a path."""
+    return "".join(filter(str.isprintable, Path(name).name))[-255:]
 
 
 def _check_day(session: Session, key: str, size: int, day_bytes: int, sha256: str = "") -> None:

@@ -13,6 +13,7 @@ import traceback
 import uuid
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,11 +22,10 @@ import numpy as np
 
 from ..core.errors import BadInput, GarmentqError
 from ..core.hooks import Arrays, Hooks
-from ..core.recovery import Request
-from ..core.settings import RecoverySettings
 from ..service.database import Database, DatabaseUnreachable
 from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, release, report
-from ..service.results import CHECKPOINT, PREVIOUS, load_checkpoint, save_checkpoint, store_recovery
+from ..service.kinds import FileRef, Work, find_kind, read_request
+from ..service.results import CHECKPOINT, PREVIOUS, export_files, load_checkpoint, save_checkpoint, store_result
 from ..service.settings import ServiceSettings
 from ..service.states import State
 from ..service.store import ArtifactDamaged, ArtifactMissing, Store
@@ -119,15 +119,14 @@ def _work(settings: ServiceSettings, database: Database, held: Claim, watch: Wat
     store = open_store(settings)
     try:
         with work_folder(settings.home / "work", held.job) as folder:
-            request = unpack_request(held, store, folder)
+            kind = find_kind(settings, held.kind)
+            request = read_request(kind.request, held.request)
+            work = unpack(settings, database, store, held, folder)
             limit_threads(settings.threads)
-            recovery = settings.find("pipeline")(request, make_hooks(database, store, held, watch))
-            files = folder / "result"
-            files.mkdir()
-            settings.find("writer")(recovery, files)
+            result = kind.run(request, work, make_hooks(database, store, held, watch))
             if watch.reason in ("lost", "cancelled"):
                 return _stop(database, held, watch.reason, settings.max_seconds)
-            persist(lambda: store_recovery(database, store, held, recovery, files), watch)
+            persist(lambda: store_result(database, store, held, kind, result, work.out), watch)
         return State.SUCCEEDED
     except FenceLost:
         raise
@@ -176,21 +175,22 @@ def work_folder(root: Path, job: str) -> Iterator[Path]:
         yield Path(folder)
 
 
-def unpack_request(held: Claim, store: Store, folder: Path) -> Request:
-    """Put a job's files into a folder under their own names, each in a folder of its own."""
-    wanted = held.request
+def unpack(settings: ServiceSettings, database: Database, store: Store, held: Claim, folder: Path) -> Work:
+    """Put a job's files into a folder, each alone in a folder of its own, and the results that it reads.
 
-    def unpack(part: str) -> Path:
-        kept = wanted[part]
-        return store.copy(kept["sha256"], folder / part / kept["name"])
-
-    return Request(
-        scan=unpack("scan"),
-        body=unpack("body") if isinstance(wanted["body"], dict) else wanted["body"],
-        template=unpack("template") if wanted["template"] else None,
-        settings=RecoverySettings(**wanted["settings"]),
-        labels=unpack("labels") if wanted.get("labels") else None,
-    )
+    Raises:
+        ResultMissing: where a job that is read has no result.
+    """
+    work = Work(settings, folder / "files", {}, folder / "result")
+    work.out.mkdir(parents=True)
+    for part, value in held.request.items():
+        if isinstance(value, dict) and value.keys() == {"sha256", "name"}:
+            file = FileRef(**value)
+            store.copy(file.sha256, work.files / part / file.name)
+    inputs = {name: folder / "inputs" / str(number) for number, name in enumerate(held.inputs)}
+    for name, place in inputs.items():
+        export_files(database, store, held.inputs[name], place)
+    return replace(work, inputs=inputs)
 
 
 @contextmanager

@@ -22,6 +22,7 @@ from celery.platforms import SecurityWarning
 
 from ..core.errors import GarmentqError
 from ..service.database import Database, open_database
+from ..service.families import advance
 from ..service.logs import set_up_logs
 from ..service.reaper import dispatch, drop_duty, end_life, hold_duty, is_idle, reap, remind, report_loss, show_life
 from ..service.settings import ServiceSettings
@@ -81,6 +82,7 @@ class Duties(bootsteps.StartStopStep):
                 self.showed = time.monotonic()
             if hold_duty(self.database, DUTY, self.name, DUTY_SECONDS):
                 reap(self.database, self.settings.max_attempts)
+                advance(self.database)
                 remind(self.database, self.settings.republish_seconds, lambda: count_messages(self.app) == 0)
                 dispatch(self.database, lambda job, queue: publish(self.app, job, queue))
         except Exception as error:  # the next round tries again; the loop must never end

@@ -7,6 +7,7 @@ from typing import Annotated
 
 from anyio import CapacityLimiter
 from fastapi import Depends, Request, Security
+from fastapi.dependencies.models import Dependant
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 from sqlalchemy import select
 
@@ -84,10 +85,16 @@ def refuse_unknown(request: Request) -> None:
     Raises:
         RequestBad: where there is one.
     """
-    known = {field.alias for field in request.scope["route"].dependant.query_params}
+    known = _find_parameters(request.scope["route"].dependant)
     unknown = sorted(set(request.query_params) - known)
     if unknown:
         raise RequestBad(f"there is no parameter '{unknown[0][:60]}'; there are {', '.join(sorted(known)) or 'none'}.")
+
+
+def _find_parameters(route: Dependant) -> set[str]:
+    """Return the names of the query parameters of a route and of all that it depends on."""
+    own = {field.alias for field in route.query_params}
+    return own.union(*(_find_parameters(one) for one in route.dependencies))
 
 
 RoomsOf = Annotated[Rooms, Depends(get_rooms)]

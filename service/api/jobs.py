@@ -5,28 +5,29 @@ from __future__ import annotations
 import hashlib
 import json
 import tempfile
-from dataclasses import replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
 from anyio import CapacityLimiter, to_thread
-from fastapi import APIRouter, Header, Query, Response
-from sqlalchemy import select
+from fastapi import APIRouter, Depends, Header, Query, Response
 
 from ...core.body import is_builtin
 from ...core.settings import RecoverySettings
-from ..jobs import cancel, find_job, retry
+from ..families import cancel, retry
+from ..jobs import find_job
 from ..keys import Caller
-from ..models import JobRow, OwnerRow
+from ..models import JobRow
 from ..ordering import check_order
+from ..query import JobQuery, find_jobs
 from ..results import report_jobs
 from ..states import State
-from ..submission import Order, Submitted, submit
+from ..submission import Order, Submitted, clean_name, own_name, submit
 from ..uploads import begin_once, end_once, find_upload
 from .access import Reader, Rooms, RoomsOf, Submitter, find_own
 from .answers import Asked, Changed, Job, Jobs
 from .problems import RequestBad, show_answer
-from .schemas import JobIn
+from .schemas import JobIn, Text
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
 
@@ -36,8 +37,10 @@ EXAMPLE = {
     "template": "skirt", "fabric": "cotton_poplin", "body": "builtin:female,height=1.70", "bad_input": False,
     "queue": "cpu", "priority": 0, "settings": {"method": "deform", "fabric": "cotton_poplin"}, "version": "0.1.0",
     "metrics": {"surface_rms_mm.t2s": 0.41}, "gates": [], "warnings": [], "stage_seconds": {"drape": 12.3},
-    "cpu_seconds": 71.2, "peak_mb": 900.0,
+    "cpu_seconds": 71.2, "peak_mb": 900.0, "kind": "recover", "family": "3685ecfd4f81", "parent": None, "children": [],
+    "inputs": {}, "waits": [], "tags": ["spring"], "details": {},
 }  # fmt: skip
+Words = Annotated[Text | None, Query(max_length=255)]
 ASKED = {"job": "3685ecfd4f81", "state": "queued", "is_new": True}
 
 Token = Annotated[str | None, Header(max_length=128, pattern=r"^[!-~]+$", description="Makes a repeated request safe.")]
@@ -62,15 +65,32 @@ async def create_job(
     return {"job": done.job, "state": done.state, "is_new": done.is_new}
 
 
+@dataclass(frozen=True)
+class Given:
+    """Choose jobs by their fields; each job of a family has its tags."""
+
+    state: Words = None
+    name: Words = None
+    kind: Words = None
+    family: Words = None
+    parent: Words = None
+    tag: Words = None
+
+    @property
+    def chosen(self) -> dict[str, str]:
+        """Return the fields that are asked for."""
+        return {name: value for name, value in asdict(self).items() if value is not None}
+
+
 @router.get("", summary="List the newest jobs.", responses=show_answer({"jobs": [EXAMPLE]}, model=Jobs))
-def list_jobs(rooms: RoomsOf, caller: Reader, limit: Annotated[int, Query(ge=1, le=1000)] = 50) -> Any:
-    """Give the caller's jobs, newest first."""
-    statement = select(JobRow).order_by(JobRow.created.desc(), JobRow.id).limit(limit)
-    if not caller.sees_all:
-        statement = statement.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == caller.key)
-    with rooms.database.read() as session:
-        rows = list(session.scalars(statement))
-    return show_jobs(rooms, rows)
+def list_jobs(
+    rooms: RoomsOf,
+    caller: Reader,
+    given: Annotated[Given, Depends()],
+    limit: Annotated[int, Query(ge=1, le=1000)] = 50,
+) -> Any:
+    """Return the caller's jobs whose fields are as given, newest first."""
+    return answer_query(rooms, caller, JobQuery(given.chosen, limit=limit))
 
 
 @router.get("/{job}", summary="Show a job and what it found.", responses=show_answer(EXAMPLE, model=Job))
@@ -102,12 +122,14 @@ def retry_job(job: str, rooms: RoomsOf, caller: Submitter) -> Any:
 
 def show_job(rooms: Rooms, row: JobRow) -> dict[str, Any]:
     """Return a job as JSON values."""
-    return report_jobs(rooms.database, [row])[0].as_json()
+    return report_jobs(rooms.database, [row], rooms.settings)[0].as_json()
 
 
-def show_jobs(rooms: Rooms, rows: list[JobRow]) -> dict[str, Any]:
-    """Return the answer that lists some jobs."""
-    return {"jobs": [job.as_json() for job in report_jobs(rooms.database, rows)]}
+def answer_query(rooms: Rooms, caller: Caller, wanted: JobQuery) -> dict[str, Any]:
+    """Return the answer that lists those of the caller's jobs that a query asks for."""
+    owner = None if caller.sees_all else caller.key
+    rows = find_jobs(rooms.database, wanted.conditions, wanted.sort, wanted.limit, owner)
+    return {"jobs": [job.as_json() for job in report_jobs(rooms.database, rows, rooms.settings)]}
 
 
 def _create(rooms: Rooms, caller: Caller, wanted: JobIn, token: str | None) -> Submitted:
@@ -139,13 +161,15 @@ def _unpack(rooms: Rooms, caller: Caller, wanted: JobIn, folder: Path) -> Order:
 
     def unpack(part: str, sha256: str) -> Path:
         row = find_upload(rooms.database, caller.key, sha256)
-        return rooms.store.copy(sha256, folder / part / row.name)
+        return rooms.store.copy(sha256, folder / part / clean_name(row.name))
 
     body: Path | str | None = wanted.body
     if wanted.body is not None and not is_builtin(wanted.body):
         body = unpack("body", wanted.body)
     return Order(
         scan=unpack("scan", wanted.scan),
+        name=wanted.name or own_name(find_upload(rooms.database, caller.key, wanted.scan).name),
+        tags=tuple(wanted.tags),
         body=body,
         template=unpack("pattern", wanted.pattern) if wanted.pattern else None,
         settings=RecoverySettings(**wanted.settings.model_dump()),

@@ -17,6 +17,7 @@ BodySource = Annotated[
     str, StringConstraints(max_length=255, pattern=rf"^([0-9a-f]{{64}}|{BUILTIN}[A-Za-z0-9_=.,-]*)$")
 ]
 TemplateName = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_.-]{0,63}$")]
+Tag = Annotated[str, StringConstraints(min_length=1, max_length=64, pattern=r"^[^\x00-\x1f\x7f]*$")]
 LARGEST_SEED = 2**31 - 1
 MOST_JOBS = 1000
 """Jobs of one question; a larger batch asks more than once."""
@@ -62,6 +63,8 @@ class JobIn(BaseModel):
     priority: int = Field(0, ge=-100, le=100)
     queue: Literal[QUEUES] = QUEUES[0]  # type: ignore[valid-type]
     force: bool = False
+    name: Text = Field("", description="What the family is called; by default the scan's own name.")
+    tags: list[Tag] = Field(default=[], max_length=20, description="Words that it can be found by.")
 
 
 class JobsIn(BaseModel):

@@ -50,7 +50,7 @@ def _add(kind: str) -> None:
             await run_in_threadpool(check_day, rooms.database, caller.key, length, most)
             async with _received(request, rooms, Path(cleaned).suffix.lower()) as path:
                 await run_in_threadpool(_check, kind, path, cleaned, rooms)
-                keep = (rooms.database, rooms.store, caller.key, path, cleaned, most)
+                keep = (rooms.database, rooms.store, caller.key, path, name, most)
                 kept = await run_in_threadpool(keep_upload, *keep)
         response.headers["location"] = f"/v1/{kind}/{kept.sha256}"
         response.headers["etag"] = f'"{kept.sha256}"'
@@ -58,7 +58,7 @@ def _add(kind: str) -> None:
 
     def show(sha256: Sha256, rooms: RoomsOf, caller: Reader) -> Any:
         row = find_upload(rooms.database, caller.key, sha256)
-        return {"sha256": row.sha256, "name": row.name, "size": row.size}
+        return {"sha256": row.sha256, "name": clean_name(row.name), "size": row.size}
 
     what = KINDS[kind]
     body = {"content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}}}

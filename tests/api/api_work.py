@@ -7,7 +7,8 @@ import json
 import numpy as np
 from garmentq.service.jobs import claim
 from garmentq.service.keys import create_key
-from garmentq.service.results import store_recovery
+from garmentq.service.kinds.recover import Recover
+from garmentq.service.results import store_result
 
 HEADER = "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
 FACES = "element face {}\nproperty list uchar int vertex_indices\nend_header\n"
@@ -45,7 +46,7 @@ def finish(settings, database, store, job: str, folder) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "pattern.svg").write_text("<svg/>" * 100)
     (folder / "metrics.txt").write_text("1")
-    store_recovery(database, store, held, make_recovery(Request(folder / f"{held.name}.ply"), 3.0), folder)
+    store_result(database, store, held, Recover(), make_recovery(Request(folder / f"{held.name}.ply"), 3.0), folder)
 
 
 def make_key(database, name: str, *scopes: str, quota: int = 100) -> dict[str, str]:

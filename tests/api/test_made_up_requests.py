@@ -13,7 +13,7 @@ from api_work import finish, make_key, make_ply
 from garmentq.core.pattern import load_template, save_pattern
 from garmentq.service.api.app import make_app
 from garmentq.service.database import open_database
-from garmentq.service.jobs import cancel
+from garmentq.service.families import cancel
 from garmentq.service.stores import open_store
 from garmentq.service.submission import Order, submit
 from garmentq.service.templates import keep_template

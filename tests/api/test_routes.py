@@ -6,7 +6,8 @@ import hashlib
 import json
 
 from api_work import ask, code_of, finish, make_key, make_ply, upload
-from garmentq.service.jobs import cancel, find_job
+from garmentq.service.families import cancel
+from garmentq.service.jobs import find_job
 
 
 def test_an_upload_is_named_by_its_hash(client):

@@ -14,23 +14,14 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from garmentq.service.database import Database
-from garmentq.service.jobs import (
-    Claim,
-    FenceLost,
-    JobNotEnded,
-    cancel,
-    claim,
-    claim_next,
-    end_cancelled,
-    find_job,
-    read_events,
-    retry,
-)
+from garmentq.service.families import JobNotEnded, cancel, retry
+from garmentq.service.jobs import Claim, FenceLost, claim, claim_next, end_cancelled, find_job, read_events
+from garmentq.service.kinds.recover import Recover
 from garmentq.service.logs import JsonLines
 from garmentq.service.metrics import prometheus_text
 from garmentq.service.models import ArtifactRow, JobRow
 from garmentq.service.reaper import reap, report_loss, show_life
-from garmentq.service.results import load_checkpoint, save_checkpoint, store_recovery
+from garmentq.service.results import load_checkpoint, save_checkpoint, store_result
 from garmentq.service.store import StorageFull
 from garmentq.service.submission import Order, submit
 from garmentq.workers.recovery import make_hooks, run_job
@@ -129,7 +120,7 @@ def test_r11_cancel_in_each_state(database, store, queue_job, tmp_path):
     (tmp_path / "files").mkdir()
     actions = [
         lambda: end_cancelled(database, held),
-        lambda: store_recovery(database, store, held, recovery, tmp_path / "files"),
+        lambda: store_result(database, store, held, Recover(), recovery, tmp_path / "files"),
     ]
     threads = [threading.Thread(target=end, args=(action,)) for action in actions]
     [thread.start() for thread in threads]
@@ -169,7 +160,7 @@ def test_r14_a_crash_between_store_and_database(database, store, queue_job, tmp_
     (tmp_path / "files" / "out.txt").write_bytes(b"result")
     with database.read() as session:
         assert session.scalar(select(func.count()).select_from(ArtifactRow)) == 0
-    store_recovery(database, store, held, make_recovery_of(tmp_path), tmp_path / "files")
+    store_result(database, store, held, Recover(), make_recovery_of(tmp_path), tmp_path / "files")
     with database.read() as session:
         assert session.scalars(select(ArtifactRow.sha256)).all() == [orphan.sha256]
 

@@ -11,7 +11,8 @@ import click
 import pytest
 from click.testing import CliRunner
 from garmentq.cli.main import COMMANDS, group
-from garmentq.service.jobs import cancel, claim, fail, find_job
+from garmentq.service.families import cancel
+from garmentq.service.jobs import claim, fail, find_job
 from garmentq_home import put_file
 
 ROOT = Path(__file__).parents[2]

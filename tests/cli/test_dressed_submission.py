@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 from garmentq.service.jobs import claim, find_job
-from garmentq.workers.recovery import unpack_request
+from garmentq.service.kinds import read_request
+from garmentq.service.kinds.recover import RecoverRequest
+from garmentq.workers.recovery import unpack
 from garmentq_home import put_file
 
 
-def test_each_keep_is_a_job(cli, database, store, tmp_path):
+def unpack_request(settings, database, store, held, folder):
+    """Return what the pipeline would get, with the files in a folder."""
+    work = unpack(settings, database, store, held, folder)
+    return read_request(RecoverRequest, held.request).unpack(work.files)
+
+
+def test_each_keep_is_a_job(cli, settings, database, store, tmp_path):
     """Broken where the second garment of a scan is lost, or labels and colour do not reach the job that runs."""
     person, labels = put_file(tmp_path, "person.ply"), put_file(tmp_path, "labels.npz")
     done = cli("submit", person, "--labels", labels, "--labels-key", "part", "--keep", "upper", "--keep", "lower")
@@ -18,7 +26,7 @@ def test_each_keep_is_a_job(cli, database, store, tmp_path):
         chosen = find_job(database, job).request["settings"]
         assert (chosen["keep"], chosen["cloth"]) == (keep, "lower" if keep == "upper" else "upper")
         held = claim(database, job, "me", 60.0)
-        request = unpack_request(held, store, tmp_path / job)
+        request = unpack_request(settings, database, store, held, tmp_path / job)
         assert request.body is None and request.labels is not None
         assert request.labels.read_bytes() == labels.read_bytes()
         selection = request.selection
@@ -27,12 +35,12 @@ def test_each_keep_is_a_job(cli, database, store, tmp_path):
         assert selection.cloth == (chosen["cloth"],)
 
 
-def test_colour_reaches_the_job(cli, database, store, tmp_path):
+def test_colour_reaches_the_job(cli, settings, database, store, tmp_path):
     """Broken where a colour is dropped, or its tolerance."""
     person = put_file(tmp_path, "person.ply")
     done = cli("submit", person, "--keep-colour", "#465faa", "--colour-tolerance", "30")
     held = claim(database, done.stdout.strip(), "me", 60.0)
-    selection = unpack_request(held, store, tmp_path / "job").selection
+    selection = unpack_request(settings, database, store, held, tmp_path / "job").selection
     assert selection is not None
     assert (selection.colour, selection.tolerance, selection.labels) == ("#465faa", 30.0, None)
 

@@ -10,7 +10,8 @@ import pytest
 from garmentq.service.backup import BackupDamaged, BackupRefused, make_backup, restore_backup
 from garmentq.service.database import open_database
 from garmentq.service.jobs import claim, find_job, list_jobs
-from garmentq.service.results import export_files, load_checkpoint, save_checkpoint, store_recovery
+from garmentq.service.kinds.recover import Recover
+from garmentq.service.results import export_files, load_checkpoint, save_checkpoint, store_result
 from garmentq.service.stores import open_store
 from garmentq_home import make_settings
 from garmentq_standin import make_recovery
@@ -30,7 +31,7 @@ def filled(database, store, queue_job, tmp_path):
     files = tmp_path / "files"
     files.mkdir()
     (files / "pattern.svg").write_text("<svg/>")
-    store_recovery(database, store, claim(database, done, "a", 30.0), make_recovery(request, 1.0), files)
+    store_result(database, store, claim(database, done, "a", 30.0), Recover(), make_recovery(request, 1.0), files)
     save_checkpoint(database, store, claim(database, running, "a", 30.0), "drape", b"half way")
     store.put_bytes(b"named by nobody")
     return done, running, queued

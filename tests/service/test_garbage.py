@@ -9,7 +9,8 @@ from garmentq.cli.gc import GRACE_HOURS
 from garmentq.service import garbage
 from garmentq.service.garbage import collect_garbage
 from garmentq.service.jobs import claim
-from garmentq.service.results import load_checkpoint, save_checkpoint, store_recovery
+from garmentq.service.kinds.recover import Recover
+from garmentq.service.results import load_checkpoint, save_checkpoint, store_result
 from garmentq.service.store import ArtifactMissing
 from garmentq_home import put_file
 from garmentq_standin import make_recovery
@@ -34,7 +35,7 @@ def test_what_a_job_names_stays(database, store, queue_job, tmp_path):
     request = type("R", (), {"scan": tmp_path / "shirt.ply", "settings": type("S", (), {"fabric": "x", "seed": 0})})
     (tmp_path / "files").mkdir()
     (tmp_path / "files" / "a.txt").write_text("result")
-    store_recovery(database, store, held, make_recovery(request, 1.0), tmp_path / "files")
+    store_result(database, store, held, Recover(), make_recovery(request, 1.0), tmp_path / "files")
     collect(database, store)
     assert b"result" in {store.get_bytes(one.sha256) for one in store.list_kept()}
     assert before - {one.sha256 for one in store.list_kept()} <= {store.put_bytes(b"state").sha256}

@@ -9,11 +9,10 @@ from collections import Counter
 
 import pytest
 from garmentq.service.database import clock
+from garmentq.service.families import JobNotEnded, cancel, retry
 from garmentq.service.jobs import (
     FenceLost,
-    JobNotEnded,
     JobUnknown,
-    cancel,
     claim,
     end_cancelled,
     fail,
@@ -24,11 +23,11 @@ from garmentq.service.jobs import (
     release,
     renew,
     report,
-    retry,
 )
+from garmentq.service.kinds.recover import Recover
 from garmentq.service.models import ArtifactRow, EventRow, JobRow, MetricRow, OutboxRow
 from garmentq.service.reaper import dispatch, drop_duty, hold_duty, is_idle, reap, remind
-from garmentq.service.results import load_checkpoint, save_checkpoint, store_recovery
+from garmentq.service.results import load_checkpoint, save_checkpoint, store_result
 from garmentq_home import make_environment
 from garmentq_standin import make_recovery
 from sqlalchemy import func, select, update
@@ -99,7 +98,7 @@ def test_a_zombie_writes_nothing(database, store, queue_job, tmp_path):
         lambda: end_cancelled(database, zombie),
         lambda: release(database, zombie),
         lambda: save_checkpoint(database, store, zombie, "drape", b"state"),
-        lambda: store_recovery(database, store, zombie, recovery, folder),
+        lambda: store_result(database, store, zombie, Recover(), recovery, folder),
     ):
         with pytest.raises(FenceLost):
             write()
@@ -111,7 +110,7 @@ def test_a_zombie_writes_nothing(database, store, queue_job, tmp_path):
         assert session.scalar(select(func.count()).select_from(MetricRow)) == 0
     row = find_job(database, job)
     assert (row.state, row.owner, row.stage) == ("running", "owner", "")
-    store_recovery(database, store, owner, recovery, folder)
+    store_result(database, store, owner, Recover(), recovery, folder)
     assert find_job(database, job).state == "succeeded"
 
 

@@ -11,14 +11,16 @@ from garmentq.core.settings import RecoverySettings
 from garmentq.core.simulate import FabricEstimate
 from garmentq.service.database import open_database
 from garmentq.service.jobs import claim, list_jobs
+from garmentq.service.kinds.recover import Recover
 from garmentq.service.query import Condition, QueryBad, find_jobs, parse_conditions
 from garmentq.service.results import (
     ResultMissing,
     export_files,
     list_files,
     report_jobs,
-    store_recovery,
+    store_result,
 )
+from garmentq.service.settings import ServiceSettings
 from garmentq.service.store import Store
 from garmentq.service.submission import Order, submit
 from garmentq_home import drop_database, make_database, make_settings, put_file
@@ -71,7 +73,7 @@ def results(database, store, folder):
         recovery = make_recovery(order, rms)
         recovery = replace(recovery, metrics=recovery.metrics | measure_knowledge(KNOWN.get(name, ())))
         write(recovery, files)
-        store_recovery(database, store, held, recovery, files)
+        store_result(database, store, held, Recover(), recovery, files)
     submit(database, store, Order(put_file(folder, "queued.ply"), folder / "body.ply"))
     return ids
 
@@ -184,7 +186,7 @@ def test_a_stored_result_comes_back(database, store, results, tmp_path):
     """Broken where a row of the result is missing or belongs to another job."""
     job = results["skirt2"]
     row = next(row for row in list_jobs(database) if row.id == job)
-    (found,) = report_jobs(database, [row])
+    (found,) = report_jobs(database, [row], ServiceSettings())
     assert found.state == "succeeded" and found.garment == "skirt" and found.fabric == "cotton_poplin"
     assert found.metrics == {"surface_rms_mm.t2s": 2.0, "surface_rms_mm.s2t": 1.0, "panel_area_error": None}
     assert found.gates[0].verdict == "pass" and found.warnings == ["this is a stand-in"]

@@ -8,7 +8,8 @@ from dataclasses import replace
 import pytest
 from garmentq.core.errors import BadInput
 from garmentq.core.settings import RecoverySettings
-from garmentq.service.jobs import cancel, claim, fail, find_job, list_jobs, retry
+from garmentq.service.families import cancel, retry
+from garmentq.service.jobs import claim, fail, find_job, list_jobs
 from garmentq.service.keys import QueueFull, create_key
 from garmentq.service.submission import BodyUnreadable, Order, clean_name, submit
 from garmentq_home import put_file

@@ -17,9 +17,10 @@ from unittest import mock
 import pytest
 from garmentq.cli.main import main
 from garmentq.service.database import Database, open_database, upgrade
-from garmentq.service.jobs import ENDED, find_job
+from garmentq.service.jobs import find_job
 from garmentq.service.models import JobRow
 from garmentq.service.settings import ServiceSettings
+from garmentq.service.states import ENDED
 from garmentq.service.store import Store
 from garmentq.service.submission import Order, submit
 from postgres_server import PostgresServer

@@ -1,0 +1,253 @@
+"""Families of jobs: what passes down from a parent to its children, and what one sibling waits for.
+
+A job's children are made with its result, so a job that has children has succeeded; only what stands below it can be
+tried again. Rows are locked from the parent down, a level at a time: whoever holds a job's row can be sure that nobody
+gives it children meanwhile.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+
+from sqlalchemy import ColumnElement, exists, select
+from sqlalchemy import delete as delete_rows
+from sqlalchemy.orm import Session, aliased
+
+from ..core.errors import BadInput, GarmentqError
+from .database import Database
+from .jobs import JobUnknown, NewJob, create, move, record
+from .keys import check_quota, own
+from .kinds.kind import PARENT, ChildRequest
+from .models import IdempotencyRow, JobInputRow, JobRow, JobTagRow, JobWaitRow, OwnerRow
+from .states import OPEN, UNSUCCESSFUL, State
+
+AWAITED = "job.awaited_failed"
+"""Code of a job whose sibling did not succeed."""
+
+BATCH = 50
+"""Waiting jobs looked at in one transaction."""
+
+
+class JobNotEnded(BadInput):
+    """The job has not ended; cancel it first, or wait."""
+
+    code = "job.not_ended"
+
+
+class JobSucceeded(BadInput):
+    """The job succeeded, so there is nothing to try again; submit it with --force to compute it once more."""
+
+    code = "job.succeeded"
+
+
+class JobInUse(BadInput):
+    """Another job reads this one's result, or waits for it; delete that one first."""
+
+    code = "job.in_use"
+
+
+class ChildrenBad(GarmentqError):
+    """A job asks for children that cannot be; this is a fault of its kind, please report it."""
+
+    code = "job.children_bad"
+
+
+def find_tree(session: Session, row: JobRow, is_locked: bool = False) -> list[JobRow]:
+    """Return a job and all below it, parents before their children; where these are to be locked, `row` must be."""
+    tree, level = [row], [row.id]
+    while level:
+        below = select(JobRow).where(JobRow.parent.in_(level)).order_by(JobRow.created, JobRow.id)
+        found = session.scalars(below.with_for_update() if is_locked else below).all()
+        tree += found
+        level = [one.id for one in found]
+    return tree
+
+
+def cancel(database: Database, job: str) -> State:
+    """Ask a job and all below it to stop: what is queued or waits ends at once, what runs at its worker's next look.
+
+    Returns:
+        The job's own state after this call: `cancelled`, `running`, or the state it had ended in before.
+
+    Raises:
+        JobUnknown: where there is none of that id.
+    """
+    with database.write() as session:
+        row = _lock(session, job)
+        for one in find_tree(session, row, is_locked=True):
+            _cancel(session, one)
+        return row.state
+
+
+def retry(database: Database, job: str, key: str = "", quota: int = 0) -> None:
+    """Try again what did not succeed of a job and all below it, with all attempts; checkpoints are used again.
+
+    A job that waits for a sibling takes that one along, where it did not succeed either.
+
+    Raises:
+        JobUnknown: where there is none of that id.
+        JobNotEnded: where it is queued or running, or nothing below it has ended without success.
+        JobSucceeded: where it and all below it ended well.
+        QueueFull: where the API key that asks has as many open jobs as it may.
+    """
+    with database.write() as session:
+        row = _lock(session, job)
+        tree = find_tree(session, row, is_locked=True)
+        stuck = [one for one in tree if one.state in UNSUCCESSFUL]
+        still = next((one for one in tree if one.state in OPEN), None)
+        if still is not None and (still is row or not stuck):
+            raise JobNotEnded(f"job {still.id} is {still.state}; cancel it first, or wait.")
+        if not stuck:
+            raise JobSucceeded()
+        check_quota(session, key, quota)
+        try_again(session, stuck, "retried", key)
+
+
+def try_again(session: Session, rows: Sequence[JobRow], event: str, payer: str) -> None:
+    """Queue locked jobs that ended without success, with what they wait for; `advance` lets go who waits."""
+    left = {row.id: row for row in rows}
+    while left:
+        _, row = left.popitem()
+        waits = select(JobWaitRow.awaited).where(JobWaitRow.job == row.id)
+        siblings = select(JobRow).where(JobRow.id.in_(waits)).order_by(JobRow.id)
+        awaited = session.scalars(siblings.with_for_update()).all()
+        move(session, row, State.WAITING if awaited else State.QUEUED, event, payer=payer)
+        left |= {one.id: one for one in awaited if one.state in UNSUCCESSFUL}
+
+
+def delete(database: Database, job: str) -> tuple[str, ...]:
+    """Remove an ended job and all below it, with events and results; `gc` removes the files that nobody names then.
+
+    Returns:
+        The ids of what is gone.
+
+    Raises:
+        JobUnknown: where there is none of that id.
+        JobNotEnded: where one of them has not ended.
+        JobInUse: where another job reads one's result or waits for it.
+    """
+    with database.write() as session:
+        tree = find_tree(session, _lock(session, job), is_locked=True)
+        ids = [one.id for one in tree]
+        for one in tree:
+            if one.state in OPEN:
+                raise JobNotEnded(f"job {one.id} is {one.state}; cancel it first, or wait.")
+        for table, column in ((JobInputRow, JobInputRow.input), (JobWaitRow, JobWaitRow.awaited)):
+            users = select(table.job).where(column.in_(ids), table.job.not_in(ids)).limit(1)
+            if (user := session.scalars(users).one_or_none()) is not None:
+                raise JobInUse(f"job {user} uses the result of {job}; delete that one first.")
+        session.execute(delete_rows(IdempotencyRow).where(IdempotencyRow.job.in_(ids)))
+        for table in (JobInputRow, JobWaitRow):
+            session.execute(delete_rows(table).where(table.job.in_(ids)))
+        session.execute(delete_rows(JobRow).where(JobRow.id.in_(ids)))
+        return tuple(ids)
+
+
+def advance(database: Database) -> int:
+    """Queue the waiting jobs whose siblings have succeeded, and end those with a sibling that ended otherwise.
+
+    Returns:
+        How many jobs went on.
+    """
+    with database.read() as session:
+        if not session.execute(select(exists().where(_is_ready()))).scalar():
+            return 0
+    with database.write() as session:
+        ready = select(JobRow).where(_is_ready()).order_by(JobRow.id).limit(BATCH).with_for_update(skip_locked=True)
+        rows = session.scalars(ready).all()
+        for row in rows:
+            _go_on(session, row)
+        return len(rows)
+
+
+def make_children(session: Session, parent: str, children: Sequence[ChildRequest]) -> dict[str, str]:
+    """Make the children that a result asks for, in the transaction that stores it.
+
+    They have their parent's priority, tags, payer and owners. Where the parent was cancelled in its last moment they
+    are made cancelled, so that a retry finds them.
+
+    Returns:
+        Their ids by name.
+
+    Raises:
+        ChildrenBad: where a name comes twice, or stands for no sibling before.
+    """
+    if not children:
+        return {}
+    row = session.get_one(JobRow, parent, populate_existing=True)
+    tags = tuple(session.scalars(select(JobTagRow.tag).where(JobTagRow.job == parent)))
+    owners = session.scalars(select(OwnerRow.key).where(OwnerRow.job == parent)).all()
+    made: dict[str, JobRow] = {}
+    for child in children:
+        if child.name in made or not set(child.waits) <= set(made):
+            raise ChildrenBad(f"the child '{child.name[:40]}' of job {parent} is no new one, or waits for none before.")
+        dedup = hashlib.sha256(f"{parent} {child.name}".encode()).hexdigest()
+        known = session.scalars(select(JobRow).where(JobRow.dedup == dedup)).one_or_none()
+        made[child.name] = known or create(session, _describe(row, child, dedup, tags, made))
+        for key in owners:
+            own(session, key, made[child.name].id)
+        if row.cancel:
+            _cancel(session, made[child.name])
+    return {name: one.id for name, one in made.items()}
+
+
+def share(session: Session, key: str, row: JobRow) -> None:
+    """Let a key see a job and all below it."""
+    for one in find_tree(session, row):
+        own(session, key, one.id)
+
+
+def _lock(session: Session, job: str) -> JobRow:
+    row = session.get(JobRow, job, with_for_update=True)
+    if row is None:
+        raise JobUnknown(f"there is no job '{job}'; `garmentq status` lists them all.")
+    return row
+
+
+def _cancel(session: Session, row: JobRow) -> None:
+    if row.state in (State.WAITING, State.QUEUED):
+        move(session, row, State.CANCELLED, "cancelled")
+    elif row.state == State.RUNNING and not row.cancel:
+        row.cancel = True
+        record(session, row.id, "cancel_requested")
+
+
+def _is_ready() -> ColumnElement[bool]:
+    """Return the condition of a waiting job of whose siblings none is open any more."""
+    awaited = aliased(JobRow)
+    on = (JobWaitRow.job == JobRow.id) & (JobWaitRow.awaited == awaited.id) & awaited.state.in_(OPEN)
+    return (JobRow.state == State.WAITING) & ~exists().where(on)
+
+
+def _go_on(session: Session, row: JobRow) -> None:
+    awaited = select(JobRow.id, JobRow.state).join(JobWaitRow, JobWaitRow.awaited == JobRow.id)
+    failed = session.execute(
+        awaited.where(JobWaitRow.job == row.id, JobRow.state.in_(UNSUCCESSFUL)).order_by(JobRow.id).limit(1)
+    ).one_or_none()
+    if failed is None:
+        move(session, row, State.QUEUED, "queued")
+        return
+    message = f"it waited for job {failed.id}, which is {failed.state}; `garmentq retry {row.id}` tries both again."
+    note = {"code": AWAITED, "message": message}
+    move(session, row, State.FAILED, "failed", note, error_code=AWAITED, error_message=message)
+
+
+def _describe(
+    parent: JobRow, child: ChildRequest, dedup: str, tags: tuple[str, ...], siblings: Mapping[str, JobRow]
+) -> NewJob:
+    places = {PARENT: parent.id, **{name: siblings[name].id for name in child.waits}}
+    return NewJob(
+        dedup,
+        child.kind,
+        child.request,
+        parent.scan,
+        child.name,
+        priority=parent.priority,
+        queue=child.queue or parent.queue,
+        payer=parent.payer,
+        tags=tags,
+        inputs={name: places.get(read, read) for name, read in child.inputs.items()},
+        parent=(parent.id, parent.family or parent.id),
+        waits=tuple(siblings[name].id for name in child.waits),
+    )

@@ -1,0 +1,45 @@
+"""What a job can be: each kind is one registered class, loaded on first use so that the room stays light."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+from ...core.errors import GarmentqError
+from ..settings import ServiceSettings
+from .kind import PARENT, ChildRequest, Kind, Outcome, Work
+from .request import FileRef, RequestBad, pack_request, read_request
+
+__all__ = [
+    "KINDS", "PARENT", "ChildRequest", "FileRef", "Kind", "KindUnknown", "Outcome", "RequestBad", "Work", "find_kind",
+    "pack_request", "read_request",
+]  # fmt: skip
+
+KINDS = {"recover": "garmentq.service.kinds.recover:Recover"}
+"""Dotted path of each kind's class by name."""
+
+
+class KindUnknown(GarmentqError):
+    """No such kind of job is known here; set GARMENTQ_KINDS as where it was submitted, or upgrade this garmentq."""
+
+    code = "job.kind_unknown"
+
+
+def find_kind(settings: ServiceSettings, name: str) -> Kind:
+    """Return the kind of a name, one of `KINDS` or of the dotted paths in GARMENTQ_KINDS.
+
+    Raises:
+        KindUnknown: where there is none.
+    """
+    if name in KINDS:
+        return _load(KINDS[name])
+    for path in filter(None, settings.kinds.split(",")):
+        kind = _load(path.strip())
+        if kind.name == name:
+            return kind
+    raise KindUnknown(f"this garmentq knows no kind of job '{name[:32]}'; {KindUnknown().message}")
+
+
+def _load(path: str) -> Kind:
+    module, _, name = path.partition(":")
+    kind: Kind = getattr(import_module(module), name)()
+    return kind

@@ -1,0 +1,114 @@
+"""What every kind of job is made of."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+if TYPE_CHECKING:
+    from sqlalchemy.orm import Session
+
+    from ...core.hooks import Hooks
+    from ..jobs import Claim
+    from ..models import JobRow
+    from ..settings import ServiceSettings
+
+PARENT = "parent"
+"""Stands among a child's inputs for the job that it is made by."""
+
+
+@dataclass(frozen=True)
+class ChildRequest:
+    """Ask for one child, made in the transaction that stores its parent's result.
+
+    Attributes:
+        name: What it is called; unlike any sibling's. With the parent's id it makes the child exactly once.
+        kind: Name of its kind.
+        request: Its request, as `pack_request` writes it.
+        waits: Names of siblings before it that must have succeeded before it begins.
+        inputs: The results that it reads: `PARENT`, the name of a sibling that it waits for, or a job's id, by the name
+            of the folder in which the child finds the files.
+        queue: One of `QUEUES`; None: its parent's.
+    """
+
+    name: str
+    kind: str
+    request: dict[str, Any]
+    waits: tuple[str, ...] = ()
+    inputs: Mapping[str, str] = field(default_factory=dict)
+    queue: str | None = None
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What storing a result leaves for the job's row.
+
+    Attributes:
+        summary: JSON values for the row's `result`: `gates`, `warnings`, `stage_seconds`, `cpu_seconds` and `peak_mb`
+            are shown by their names.
+        children: What is to be done next.
+    """
+
+    summary: dict[str, Any]
+    children: tuple[ChildRequest, ...] = ()
+
+
+@dataclass(frozen=True)
+class Work:
+    """What a run has beside its request.
+
+    Attributes:
+        settings: Where everything is.
+        files: Holds each file of the request, as FIELD/NAME.
+        inputs: Folder of the result files of each job that is read, by the input's name.
+        out: Takes the files of the result; names below it are kept.
+    """
+
+    settings: ServiceSettings
+    files: Path
+    inputs: Mapping[str, Path]
+    out: Path
+
+
+class Kind(ABC):
+    """One kind of job. It has no state; a worker and the service make one whenever they need it.
+
+    Attributes:
+        name: Stored with each job.
+        request: Frozen dataclass of what is asked for; `read_request` and `pack_request` turn it from and to JSON.
+        stages: Names of the stages in order, by which progress is reported; the first is always `check`.
+    """
+
+    name: ClassVar[str]
+    request: ClassVar[type[Any]]
+    stages: ClassVar[tuple[str, ...]]
+
+    def check(self, request: Any, files: Path) -> dict[str, Any]:
+        """Read the user's bytes and refuse what cannot be used: the first stage, in a limited process.
+
+        Args:
+            request: What is asked for.
+            files: Holds each file of the request, as FIELD/NAME.
+
+        Returns:
+            What was found out, as JSON values.
+
+        Raises:
+            BadInput: with the code of what cannot be used.
+        """
+        return {}
+
+    @abstractmethod
+    def run(self, request: Any, work: Work, hooks: Hooks) -> Any:
+        """Do the work, write its files into `work.out`, and return the result."""
+
+    @abstractmethod
+    def store(self, session: Session, claim: Claim, result: Any) -> Outcome:
+        """Add the result's rows, in the transaction that ends the job; the files are kept already."""
+
+    def show(self, session: Session, row: JobRow) -> dict[str, Any]:
+        """Return what this kind shows of a job, as JSON values; the same names for every state."""
+        return {}

@@ -1,0 +1,169 @@
+"""The kind `recover`: a garment's scan becomes a pattern, a fabric and meshes."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from sqlalchemy.orm import Session
+
+from ...core.recovery import STAGES, Request
+from ...core.settings import RecoverySettings
+from ..database import serialise
+from ..jobs import Claim
+from ..models import BodyRow, JobRow, MaterialRow, MetricRow, PanelRow, PatternRow, ScanRow
+from .kind import Kind, Outcome, Work
+from .request import FileRef
+
+if TYPE_CHECKING:
+    from ...core.body import Body
+    from ...core.hooks import Hooks
+    from ...core.recovery import Recovery
+    from ...core.simulate import Fabric
+
+
+@dataclass(frozen=True)
+class RecoverRequest:
+    """Ask for one recovery.
+
+    Attributes:
+        scan: The garment's or the dressed person's file.
+        body: The wearer's file, the description of a built-in body, or None: then it is in the scan.
+        template: A pattern file, or None.
+        settings: Everything else.
+        labels: One label per vertex of a dressed person's scan, or None.
+    """
+
+    scan: FileRef
+    body: FileRef | str | None
+    template: FileRef | None
+    settings: RecoverySettings = field(default_factory=RecoverySettings)
+    labels: FileRef | None = None
+
+    def unpack(self, files: Path) -> Request:
+        """Return the pipeline's request, with the files in a folder as FIELD/NAME."""
+
+        def find(part: str, file: FileRef | None) -> Path | None:
+            return files / part / file.name if file is not None else None
+
+        return Request(
+            scan=files / "scan" / self.scan.name,
+            body=find("body", self.body) if isinstance(self.body, FileRef) else self.body,
+            template=find("template", self.template),
+            settings=self.settings,
+            labels=find("labels", self.labels),
+        )
+
+
+class Recover(Kind):
+    """Recover a garment's pattern, fabric and meshes from its scan."""
+
+    name = "recover"
+    request = RecoverRequest
+    stages = ("check", *STAGES)
+
+    def run(self, request: RecoverRequest, work: Work, hooks: Hooks) -> Recovery:
+        """Run the pipeline and write its files."""
+        recovery: Recovery = work.settings.find("pipeline")(request.unpack(work.files), hooks)
+        work.settings.find("writer")(recovery, work.out)
+        return recovery
+
+    def store(self, session: Session, claim: Claim, result: Recovery) -> Outcome:
+        """Add the rows of pattern, panels, fabric, wearer and metrics."""
+        _add_scan(session, result)
+        session.add(_body_row(claim.job, result.body))
+        material = _add_material(session, result.fabric)
+        session.flush()
+        _add_pattern(session, claim.job, result, material)
+        for name, value in result.metrics.items():
+            session.add(MetricRow(job=claim.job, name=name, value=_finite(value)))
+        return Outcome(_summary(result))
+
+    def show(self, session: Session, row: JobRow) -> dict[str, Any]:
+        """Return garment, template, fabric and body by name."""
+        pattern = session.get(PatternRow, row.id)
+        material = session.get(MaterialRow, pattern.material) if pattern else None
+        body = session.get(BodyRow, row.id)
+        return {
+            "garment": pattern.category if pattern else None,
+            "template": pattern.template if pattern else None,
+            "fabric": material.name if material else None,
+            "body": body.source if body else None,
+        }
+
+
+def _add_scan(session: Session, recovery: Recovery) -> None:
+    row = session.get(ScanRow, recovery.scan.sha256) if recovery.scan.sha256 else None
+    if row is not None:
+        scan = recovery.scan
+        row.details = {
+            "units": scan.units,
+            "up_axis": scan.up_axis,
+            "vertices": len(scan.vertices),
+            "faces": len(scan.faces),
+            "repairs": list(scan.repairs),
+            "contours": {c.name: c.length for c in recovery.target.contours},
+        }
+
+
+def _body_row(job: str, body: Body) -> BodyRow:
+    from ...core.body import JOINTS
+
+    joints = {name: position.tolist() for name, position in zip(JOINTS, body.joints, strict=True)}
+    parameters = {name: np.asarray(value).tolist() for name, value in body.parameters.items()}
+    return BodyRow(job=job, source=body.source, fit_rms=float(body.fit_rms), joints=joints, parameters=parameters)
+
+
+def _add_material(session: Session, fabric: Fabric) -> str:
+    values = asdict(fabric)
+    values["sources"] = [list(pair) for pair in fabric.sources]
+    key = hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
+    serialise(session, key)  # two workers may be the first to use a fabric
+    if session.get(MaterialRow, key) is None:
+        session.add(MaterialRow(id=key, **values))
+    return key
+
+
+def _add_pattern(session: Session, job: str, recovery: Recovery, material: str) -> None:
+    from ...core.pattern import polygon_area
+
+    pattern = recovery.pattern
+    category = pattern.category or recovery.target.category
+    session.add(
+        PatternRow(
+            job=job,
+            name=pattern.name,
+            category=category,
+            template=recovery.template,
+            material=material,
+            seams=len(pattern.seams),
+        )
+    )
+    session.flush()
+    for panel in pattern.panels:
+        edges = [{"kind": e.kind, "handles": e.handles.tolist(), "contour": e.contour} for e in panel.edges]
+        points, area = panel.points.tolist(), polygon_area(panel.points)
+        session.add(PanelRow(job=job, name=panel.name, label=panel.label, points=points, edges=edges, area=area))
+
+
+def _summary(recovery: Recovery) -> dict[str, Any]:
+    return {
+        "gates": [
+            {**asdict(gate), "value": _finite(gate.value), "limit": _finite(gate.limit)} for gate in recovery.gates
+        ],
+        "warnings": list(recovery.warnings),
+        "stage_seconds": {name: round(value, 3) for name, value in recovery.stage_seconds.items()},
+        "cpu_seconds": round(recovery.cpu_seconds, 3),
+        "peak_mb": round(recovery.peak_mb, 1),
+        "manifest": json.loads(json.dumps(recovery.manifest, default=str)),
+    }
+
+
+def _finite(value: float | None) -> float | None:
+    """Give a number that every database can keep, or None."""
+    return None if value is None or not math.isfinite(value) else float(value)

@@ -1,0 +1,95 @@
+"""Requests of jobs: frozen dataclasses, written to JSON and read back with every value checked."""
+
+from __future__ import annotations
+
+import re
+import types
+from collections.abc import Mapping
+from dataclasses import MISSING, dataclass, fields, is_dataclass
+from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
+
+from ...core.errors import BadInput
+
+HASH = re.compile(r"[0-9a-f]{64}")
+NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]{0,99}")
+
+T = TypeVar("T")
+
+
+class RequestBad(BadInput):
+    """The job's request does not fit its kind; submit it anew with this version of garmentq."""
+
+    code = "job.request_bad"
+
+
+@dataclass(frozen=True)
+class FileRef:
+    """Name a stored file: its key, and the cleaned name under which a job finds it."""
+
+    sha256: str
+    name: str
+
+    def __post_init__(self) -> None:
+        """Refuse what could name a path."""
+        if not HASH.fullmatch(self.sha256) or not NAME.fullmatch(self.name):
+            raise RequestBad(f"'{self.name[:40]}' with the key '{self.sha256[:12]}' names no stored file.")
+
+
+def pack_request(request: Any) -> dict[str, Any]:
+    """Return a request as JSON values; fields that are None by default are left out where they are None."""
+    values = {field.name: (getattr(request, field.name), field.default) for field in fields(request)}
+    return {name: _pack(value) for name, (value, default) in values.items() if value is not None or default is not None}
+
+
+def _pack(value: Any) -> Any:
+    if is_dataclass(value) and not isinstance(value, type):
+        return {field.name: _pack(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, list | tuple):
+        return [_pack(one) for one in value]
+    if isinstance(value, Mapping):
+        return {str(key): _pack(one) for key, one in value.items()}
+    return value
+
+
+def read_request(kind: type[T], given: Mapping[str, Any]) -> T:
+    """Build a request from JSON values.
+
+    Raises:
+        RequestBad: where a field is missing, unknown, or of another type.
+        BadInput: where the dataclass itself refuses a value.
+    """
+    hints, known = get_type_hints(kind), {field.name: field for field in fields(kind)}  # type: ignore[arg-type]
+    required = {f.name for f in known.values() if f.default is MISSING and f.default_factory is MISSING}
+    wrong = sorted((set(given) - set(known)) | (required - set(given)))
+    if wrong:
+        has = "unknown" if wrong[0] in given else "missing"
+        raise RequestBad(f"'{str(wrong[0])[:40]}' is {has}. {RequestBad().message}")
+    return kind(**{name: _read(hints[name], value, name) for name, value in given.items()})
+
+
+def _read(hint: Any, value: Any, name: str) -> Any:
+    if get_origin(hint) in (Union, types.UnionType):
+        for one in get_args(hint):
+            if _fits(one, value):
+                return _read(one, value, name)
+    elif _fits(hint, value):
+        if is_dataclass(hint):
+            return read_request(hint, value)  # type: ignore[arg-type]
+        if get_origin(hint) is tuple:
+            return tuple(_read(get_args(hint)[0], one, name) for one in value)
+        return value
+    raise RequestBad(f"'{name}' cannot be {value!r:.60}. {RequestBad().message}")
+
+
+def _fits(hint: Any, value: Any) -> bool:
+    """Return whether a JSON value can be of a type; the parts of a dataclass or tuple are judged when they are read."""
+    origin = get_origin(hint) or hint
+    if hint is Any:
+        return True
+    if is_dataclass(hint) or origin in (dict, Mapping):
+        return isinstance(value, Mapping)
+    if origin is tuple:
+        return isinstance(value, list)
+    if hint is float:
+        return isinstance(value, int | float) and not isinstance(value, bool)
+    return isinstance(value, origin) and (hint is bool or not isinstance(value, bool))
