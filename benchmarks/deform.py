@@ -14,10 +14,9 @@ import torch
 import trimesh
 from garmentq.core.body import Body, ExposedSurface
 from garmentq.core.deform import DeformSettings, deform
-from garmentq.core.deform.operators import gradient_operator, vertex_normals
 from garmentq.core.deform.poisson import PoissonSystem
 from garmentq.core.measure import measure_distance
-from garmentq.core.mesh import TriangleSurface, self_intersections
+from garmentq.core.mesh import TriangleSurface, gradient_operator, self_intersections, vertex_normals
 from garmentq.core.pattern import Edge, EdgeRef, Garment, Panel, Pattern, Seam, mesh_pattern
 from garmentq.core.segment import Contour, Target
 

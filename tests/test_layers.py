@@ -131,3 +131,70 @@ def test_files_are_of_a_size_to_read():
         for path in (ROOT / layer).rglob("*.py")
     }
     assert {name: size for name, size in sizes.items() if size > 440} == {}
+
+
+FACTORING = {
+    "splu",
+    "spilu",
+    "spsolve",
+    "spsolve_triangular",
+    "factorized",
+    "cholesky",
+    "cholesky_banded",
+    "cho_factor",
+}
+"""Names by which scipy and its like factor a matrix; those of `SPARSE` packages are meant."""
+
+SPARSE = ("scipy.sparse", "sksparse", "pypardiso", "umfpack")
+"""Packages that factor sparse matrices."""
+
+
+def find_factoring(tree: ast.AST) -> set[str]:
+    """Find what a module imports or calls to factor a sparse matrix, by whatever name."""
+    found, aliases = set(), {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            aliases |= {name.asname or name.name.split(".")[0]: name.name for name in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            aliases |= {name.asname or name.name: f"{node.module}.{name.name}" for name in node.names}
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Name | ast.Attribute):
+            continue
+        path = []
+        while isinstance(node, ast.Attribute):
+            path.append(node.attr)
+            node = node.value
+        if isinstance(node, ast.Name) and node.id in aliases:
+            whole = ".".join([aliases[node.id], *reversed(path)])
+            if whole.startswith(SPARSE) and whole.split(".")[-1] in FACTORING:
+                found.add(whole)
+    imported = {whole for whole in aliases.values() if whole.startswith(SPARSE) and whole.split(".")[-1] in FACTORING}
+    return found | imported
+
+
+def test_sparse_matrices_are_factored_in_one_place():
+    """Broken where a room factors a sparse matrix by itself: with options, and checks, of its own."""
+    modules = [path for layer in LAYERS for path in (ROOT / layer).rglob("*.py")]
+    found = {
+        str(path.relative_to(ROOT)): find_factoring(ast.parse(path.read_text(encoding="utf-8"))) for path in modules
+    }
+    assert {name: calls for name, calls in found.items() if calls and not name.startswith("core/mesh/")} == {}
+    assert found["core/mesh/linear.py"]  # or the reader sees nothing
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "from scipy.sparse.linalg import splu as lu",
+        "import scipy.sparse as sp\nsp.linalg.spsolve(1, 2)",
+        "import scipy.sparse.linalg\nscipy.sparse.linalg.factorized(1)",
+        "from scipy.sparse import linalg\nlinalg.splu(1)",
+        "from sksparse.cholmod import cholesky",
+    ],
+)
+def test_the_reader_of_factorisations_sees_them(code):
+    """Broken where one of the ways to write it goes unseen."""
+    assert find_factoring(ast.parse(code))
+    assert not find_factoring(
+        ast.parse("import numpy as np\nfrom scipy.linalg import cho_factor\nnp.linalg.cholesky(1)")
+    )

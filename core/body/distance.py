@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 
 from ..errors import BadInput
+from ..mesh import HalfEdges
 from .solid import Solid
 
 BAND = 4
@@ -165,8 +166,7 @@ def _inside(
 
 def _is_closed(faces: np.ndarray) -> bool:
     """Tell whether every edge borders two faces."""
-    ends = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    return bool((np.unique(ends[:, 0] * (faces.max() + 1) + ends[:, 1], return_counts=True)[1] == 2).all())
+    return bool((HalfEdges.of(faces).face_counts == 2).all())
 
 
 @njit(cache=True, inline="always")

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import BadInput
 from ..hooks import SILENT, Hooks
-from ..mesh import TriangleSurface
+from ..mesh import TriangleSurface, face_areas, face_normals, vertex_areas
 from .body import JOINTS, Body
 from .fit import Fitter, OrientedPoints, Stage, State, vectors_of
 from .skinning import skin
@@ -167,7 +167,7 @@ def _find(
     few = OrientedPoints(surface.points[first], surface.normals[first], hidden)
     subset = _spread_subset(template, settings.fine_count, rng)
     coarse = Fitter(template, subset[: settings.coarse_count], few)
-    starts = _starts(template, surface, _area(vertices, faces), subset)
+    starts = _starts(template, surface, float(face_areas(vertices, faces).sum()), subset)
     ranked = []
     for i, start in enumerate(starts):
         hooks.progress(STAGE, 0.5 * i / len(starts), "trying headings and poses")
@@ -219,7 +219,7 @@ def _starts(template: Template, surface: OrientedPoints, area: float, subset: np
     """Give every start: each pose at each heading, as large as the mesh's area says, centred on the mesh."""
     centre = surface.points.mean(axis=0)
     # The area says the size in every pose; a wrinkled or noisy mesh has too much of it, hence the bounds.
-    factor = np.sqrt(area / _area(template.vertices, template.faces))
+    factor = np.sqrt(area / face_areas(template.vertices, template.faces).sum())
     height = float(np.clip(factor * np.ptp(template.vertices[:, 1]), 1.4, 2.0))
     slope = template.directions[:, template.vertices[:, 1].argmax(), 1]
     shape = (slope * (height - np.ptp(template.vertices[:, 1])) / (slope @ slope))[: COARSE[0].shape_count]
@@ -241,9 +241,7 @@ def _starts(template: Template, surface: OrientedPoints, area: float, subset: np
 
 def _spread_subset(template: Template, count: int, rng: np.random.Generator) -> np.ndarray:
     """Give indices of vertices drawn in proportion to their area."""
-    corners = template.vertices[template.faces]
-    face_area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    area = np.bincount(template.faces.ravel(), np.repeat(face_area, 3), len(template.vertices))
+    area = vertex_areas(template.vertices, template.faces)
     return rng.choice(len(area), count, replace=False, p=area / area.sum())
 
 
@@ -251,21 +249,12 @@ def _sample(
     vertices: np.ndarray, faces: np.ndarray, count: int, rng: np.random.Generator, cloth: np.ndarray | None = None
 ) -> OrientedPoints:
     """Draw points uniformly by area, with their faces' normals; a face with a corner on cloth is cloth."""
-    corners = vertices[faces]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = np.linalg.norm(normal, axis=1)
+    normals, area = face_normals(vertices, faces)
     face = rng.choice(len(faces), count, p=area / area.sum())
     u, v = np.sqrt(rng.random((count, 1))), rng.random((count, 1))
-    a, b, c = (corners[face, k] for k in range(3))
+    a, b, c = (vertices[faces[face, k]] for k in range(3))
     hidden = None if cloth is None else cloth[faces[face]].any(axis=1)
-    return OrientedPoints((1 - u) * a + u * (1 - v) * b + u * v * c, normal[face] / area[face, None], hidden)
-
-
-def _area(vertices: np.ndarray, faces: np.ndarray) -> float:
-    corners = vertices[faces]
-    return 0.5 * float(
-        np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
-    )
+    return OrientedPoints((1 - u) * a + u * (1 - v) * b + u * v * c, normals[face], hidden)
 
 
 def _misfit(model: np.ndarray, model_faces: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> float:

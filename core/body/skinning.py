@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..mesh import face_areas
 from .body import Body
 
 SMOOTHING_LENGTH = 0.03
@@ -59,7 +60,7 @@ def weights_at(body: Body, points: np.ndarray, rest: bool) -> np.ndarray:
     vertices, faces, weights = (
         (body.rest_vertices, body.rest_faces, body.rest_weights) if rest else (body.vertices, body.faces, body.weights)
     )
-    centres, area = _face_samples(vertices, faces)
+    centres, area = vertices[faces].mean(axis=1), face_areas(vertices, faces)
     values = weights[faces].mean(axis=1)
     # 128 faces of 1.5 cm cover a disk of 10 cm radius: three widths of the blend.
     reach = min(128, len(centres))
@@ -87,9 +88,3 @@ def rest_body(body: Body) -> Body:
         heading=np.eye(3),
         fit_rms=0.0,
     )
-
-
-def _face_samples(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    corners = vertices[faces]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return corners.mean(axis=1), 0.5 * np.linalg.norm(normal, axis=1)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh import self_intersections
-from .operators import face_vectors, half_edges, incidence, unit
+from ..mesh import HalfEdges, face_normals, self_intersections
 from .target_repair import PreparedTarget
 
 ROUNDS = 4
@@ -50,7 +49,7 @@ def accept_polish(
 def flipped(nodes: np.ndarray, faces: np.ndarray, target: PreparedTarget) -> np.ndarray:
     """Tell which faces point against the target at the point closest to their centre, shape [face_count]."""
     found = target.surface.closest(nodes[faces].mean(axis=1))
-    cosine = (unit(face_vectors(nodes, faces)) * found.interpolate(target.normals, target.surface.faces)).sum(1)
+    cosine = (face_normals(nodes, faces)[0] * found.interpolate(target.normals, target.surface.faces)).sum(1)
     return np.zeros(len(faces), dtype=bool) if target.unsigned else cosine < 0
 
 
@@ -63,8 +62,9 @@ def crossing(nodes: np.ndarray, faces: np.ndarray) -> np.ndarray:
 
 def fade(wrong: np.ndarray, faces: np.ndarray, count: int, rings: int) -> np.ndarray:
     """Give 1 at the nodes of wrong faces and their first ring, falling linearly to 0 over the given rings."""
-    reach = (incidence(faces, count) @ wrong > 0).astype(np.float64)
-    edges, _ = half_edges(faces)
+    reach = np.zeros(count)
+    reach[faces[wrong]] = 1.0
+    edges = HalfEdges.of(faces, count).edges
     level = reach.copy()
     for ring in range(rings):
         grown = reach.copy()

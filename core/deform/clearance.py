@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
 
 from ..body import ExposedSurface
+from ..mesh import bending_matrix, factor_symmetric, vertex_areas
 from .easing import LOWEST, out_of_bounds
-from .operators import vertex_areas
 
 SMOOTH_LENGTH = 0.02
 """Length over which a push fades [m]: beyond an edge, so that neighbours follow and no face turns over."""
@@ -105,7 +104,7 @@ def clear_body(
     """
     laplacian = (gradient.T @ sp.diags(np.repeat(areas, 2)) @ gradient).tocsr()
     mass = np.maximum(vertex_areas(nodes, watch.faces), 1e-12)
-    stay = sp.diags(mass) + SMOOTH_LENGTH**4 * (laplacian @ sp.diags(1 / mass) @ laplacian).tocsr()
+    stay = sp.diags(mass) + SMOOTH_LENGTH**4 * bending_matrix(laplacian, 1 / mass)
     typical = float(mass.mean())
     x, weight, shallowest = np.array(nodes), PUSH * typical, np.inf
     best, least = x, (np.inf, 0)
@@ -123,6 +122,6 @@ def clear_body(
         shallowest = min(shallowest, depth)
         pull = (gradient.T @ sp.diags(np.repeat(HOLD * areas * wrong, 2))).tocsr()
         system = stay + weight * (rows.T @ rows) + pull @ gradient
-        factor = splu(system.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+        factor = factor_symmetric(system)
         x = x + factor.solve(weight * np.asarray(rows.T @ push) + pull @ change)
     return best

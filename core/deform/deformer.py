@@ -6,7 +6,7 @@ import numpy as np
 
 from ..body import ExposedSurface, penetration_depth, project_outside
 from ..hooks import SILENT, Hooks
-from ..mesh import self_intersections
+from ..mesh import gradient_operator, self_intersections, shape_gradients
 from ..pattern import Garment
 from ..segment import Target
 from .acceptance import accept_polish, crossing, flipped
@@ -15,7 +15,6 @@ from .deformation import Deformation
 from .easing import ease_stretch, iron_crossings
 from .jacobian_stage import optimise_jacobians
 from .objective import Objective
-from .operators import gradient_operator
 from .polish import polish_nodes
 from .rest_metric import RestMetric
 from .settings import DeformSettings
@@ -63,7 +62,7 @@ def deform(
     gradient, areas = gradient_operator(garment.rest, faces, len(nodes))
     goal = prepare_target(target, nodes, faces, garment.contours, settings.repair)
     metric = RestMetric(faces, garment.panel_of_face, areas, settings.metric_scale)
-    inverse = inverse_rest(garment.rest)
+    inverse = shape_gradients(garment.rest)[:, 1:]
     objective = Objective(nodes, faces, inverse, areas, goal, body.whole, settings)
     hooks.progress("deform", 0.1, "Jacobians")
     stage = optimise_jacobians(nodes, gradient, areas, objective, metric, settings, hooks)
@@ -98,15 +97,6 @@ def deform(
         body_depth=depth,
         warnings=_warnings(garment, target, goal, flips, crossings, depth),
     )
-
-
-def inverse_rest(rest: np.ndarray) -> np.ndarray:
-    """Give the inverse edge matrices of flat triangles [1/m], shape [face_count, 2, 2], columns edges 0-1 and 0-2."""
-    edges = np.stack([rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0]], axis=2)
-    identity = np.array([[1.0, 0.0], [0.0, 1.0]])
-    # a degenerate triangle (aspect beyond 1e6) takes no part in the strain: its area is zero, its inverse arbitrary
-    flat = np.abs(np.linalg.det(edges)) < 1e-6 * (edges**2).sum((1, 2)) + 1e-16
-    return np.asarray(np.linalg.inv(np.where(flat[:, None, None], identity, edges)))
 
 
 def _warnings(

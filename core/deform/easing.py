@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
 
+from ..mesh import bending_matrix, factor_symmetric, vertex_areas
 from .acceptance import crossing, fade
-from .operators import vertex_areas
 
 LOWEST, HIGHEST = 0.45, 1.55
 """Bounds on the singular values of flat panel to surface. Cloth at rest keeps within 0.9 to 1.2, and panels may be off
@@ -66,7 +65,7 @@ def ease_stretch(nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, 
         if fewest == 0:
             break
         pull = (gradient.T @ sp.diags(np.repeat(HOLD * areas * wrong, 2))).tocsr()
-        factor = splu((stay + pull @ gradient).tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+        factor = factor_symmetric(stay + pull @ gradient)
         x = x + factor.solve(pull @ change)
     return best
 
@@ -122,8 +121,8 @@ def iron_crossings(
             return x
         free = np.maximum(free, fade(wrong, faces, len(nodes), RINGS + turn // 2))
         weight = mass * np.maximum((1.0 - free) ** 2, LET_GO)
-        matrix = (sp.diags(weight) + 1e-2 * (IRON * GROW**turn) ** 4 * bending).tocsc()
-        factor = splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+        matrix = sp.diags(weight) + 1e-2 * (IRON * GROW**turn) ** 4 * bending
+        factor = factor_symmetric(matrix)
         x = nodes + np.minimum(2.0 * free, 1.0)[:, None] * (factor.solve(weight[:, None] * nodes) - nodes)
     return nodes
 
@@ -133,7 +132,7 @@ def _mass_and_bending(
 ) -> tuple[np.ndarray, sp.csr_matrix]:
     mass = np.maximum(vertex_areas(nodes, faces), 1e-12)
     laplacian = (gradient.T @ sp.diags(np.repeat(areas, 2)) @ gradient).tocsr()
-    return mass, (laplacian @ sp.diags(1 / mass) @ laplacian).tocsr()
+    return mass, bending_matrix(laplacian, 1 / mass)
 
 
 def _stay(nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, faces: np.ndarray) -> sp.csr_matrix:

@@ -10,9 +10,8 @@ from scipy.spatial import cKDTree
 from torch.nn.functional import normalize
 
 from ..body import ExposedSurface
-from ..mesh import Closest, TriangleSurface
+from ..mesh import Closest, HalfEdges, TriangleSurface, vertex_areas
 from .contour_match import ContourMatch, CurveRows
-from .operators import hinges, vertex_areas
 from .rest_metric import RestMetric
 from .settings import DeformSettings
 from .target_repair import PreparedTarget
@@ -69,7 +68,10 @@ class Objective:
         self._faces = torch.from_numpy(self._array_faces)
         self._inverse = torch.from_numpy(inverse_rest)
         self._areas = torch.from_numpy(areas)
-        self._hinges = torch.from_numpy(hinges(faces))
+        edges = HalfEdges.of(faces)
+        first, _ = edges.pairs.T
+        hinges = np.column_stack([edges.tail[first], edges.head[first], edges.pairs // 3])
+        self._hinges = torch.from_numpy(hinges)
         share = vertex_areas(nodes, faces)
         self._share = share / share.sum()
         picked, shares = np.arange(len(target.shares)), target.shares

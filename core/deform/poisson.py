@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 import torch
-from scipy.sparse.linalg import splu
+
+from ..mesh import factor_symmetric
 
 PIN = 1e-10
 """Share of the mean diagonal added to it: the solve leaves translation free, which makes the Laplacian singular."""
@@ -26,7 +27,7 @@ class PoissonSystem:
         weights = sp.diags(np.repeat(areas, 2))
         laplacian = gradient.T @ weights @ gradient
         laplacian = laplacian + PIN * laplacian.diagonal().mean() * sp.identity(laplacian.shape[0])
-        self._factor = splu(laplacian.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+        self._factor = factor_symmetric(laplacian)
         self._divergence = (gradient.T @ weights).tocsr()
         self._adjoint = self._divergence.T.tocsr()
 

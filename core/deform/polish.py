@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
 
 from ..body import ExposedSurface
 from ..hooks import Hooks
-from ..mesh import TriangleSurface
+from ..mesh import (
+    TriangleSurface,
+    bending_matrix,
+    factor_symmetric,
+    polar_rotations,
+    unit,
+    vertex_areas,
+    vertex_normals,
+)
 from .contour_match import ContourMatch
 from .jacobian_stage import rows_to_jacobians
-from .operators import unit, vertex_areas, vertex_normals
 from .rest_metric import RestMetric
 from .settings import DeformSettings
 from .target_repair import PreparedTarget
@@ -71,7 +77,7 @@ def polish_nodes(
     weighted = (gradient.T @ sp.diags(np.repeat(areas, 2))).tocsr()
     laplacian = (weighted @ gradient).tocsr()
     mass = vertex_areas(nodes, faces)
-    bending = (laplacian @ sp.diags(1 / np.maximum(mass, 1e-12)) @ laplacian).tocsr()
+    bending = bending_matrix(laplacian, 1 / np.maximum(mass, 1e-12))
     curves = ContourMatch(target.pairs, nodes, target.surface.vertices)
     goal_area = target.shares * mass.sum()
     x = nodes.copy()
@@ -97,23 +103,12 @@ def polish_nodes(
         inside, push = _inside(x, planes, settings.body_margin)
         weight = BODY_PULL * mass * inside
         matrix, right = matrix + sp.diags(weight), right + weight[:, None] * (x + push)
-        rotation = rotations(rows_to_jacobians(gradient @ x) @ metric.undo) @ metric.stretch
+        rotation = polar_rotations(rows_to_jacobians(gradient @ x) @ metric.undo) @ metric.stretch
         right = right + rigidity * (weighted @ rotation.transpose(0, 2, 1).reshape(-1, 3))
-        system = (matrix + rigidity * laplacian + stiffness * bending).tocsc()
-        x = splu(system, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(right)
+        system = matrix + rigidity * laplacian + stiffness * bending
+        x = factor_symmetric(system).solve(right)
         hooks.progress("deform", 0.7 + 0.2 * (step + 1) / steps, f"polish {step + 1}")
     return np.asarray(x)
-
-
-def rotations(jacobians: np.ndarray) -> np.ndarray:
-    """Give the 3x2 orthonormal frames nearest to 3x2 matrices, F (F^T F)^(-1/2) in closed form."""
-    product = np.einsum("fki,fkj->fij", jacobians, jacobians)
-    a, b, d = product[:, 0, 0], product[:, 0, 1], product[:, 1, 1]
-    root = np.sqrt(np.maximum(a * d - b * b, 1e-12))
-    scale = np.sqrt(np.maximum(a + d + 2 * root, 1e-12))
-    # sqrt(C) = (C + sqrt(det C) I) / trace, and its determinant is sqrt(det C)
-    inverse = np.stack([d + root, -b, -b, a + root], axis=1).reshape(-1, 2, 2) / (scale * root)[:, None, None]
-    return np.asarray(jacobians @ inverse)
 
 
 def _gate(cosine: np.ndarray, unsigned: bool) -> np.ndarray:

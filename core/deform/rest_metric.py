@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
 
-from .operators import twins
+from ..mesh import HalfEdges, factor_symmetric
 
 LOWEST, HIGHEST = 0.6, 1.6
 """Bounds on a smoothed stretch: a panel that is off by more than this was graded wrongly, and must not be copied."""
@@ -35,8 +34,7 @@ class RestMetric:
         self.undo = self.stretch.copy()
         if scale <= 0:
             return
-        pairs, _ = twins(faces)
-        pairs = pairs // 3
+        pairs = HalfEdges.of(faces).pairs // 3
         pairs = pairs[panel_of_face[pairs[:, 0]] == panel_of_face[pairs[:, 1]]]
         # on an equilateral mesh edge length over centre distance is sqrt(3): the finite-volume weight of a dual edge
         weight = np.full(len(pairs), np.sqrt(3.0))
@@ -45,7 +43,7 @@ class RestMetric:
         link = link + link.T
         laplacian = sp.diags(np.asarray(link.sum(axis=1)).ravel()) - link
         self._areas = areas
-        self._solve = splu((sp.diags(areas) + scale**2 * laplacian).tocsc(), permc_spec="MMD_AT_PLUS_A").solve
+        self._solve = factor_symmetric(sp.diags(areas) + scale**2 * laplacian).solve
 
     def follow(self, jacobians: np.ndarray) -> None:
         """Set the stretch from the current 3x2 Jacobians, shape [face_count, 3, 2]."""

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..mesh import Closest, TriangleSurface
+from ..mesh import Closest, HalfEdges, TriangleSurface, unit, vertex_normals
 from ..segment import Contour, Target, flatten_spikes, smooth_noise
-from .operators import border_edges, half_edges, twins, unit, vertex_areas, vertex_normals
 
 UNSIGNED_SHARE = 0.25
 """Share of normals against the source after the vote above which signs mean nothing. Wrong folds give about 0.05."""
@@ -78,7 +77,7 @@ def prepare_target(
         normals = -normals if turned else normals
     pairs = match_contours(contours, target.contours)
     rim_edges, rim_vertices = _rims(target, pairs)
-    areas = vertex_areas(vertices, surface.faces)
+    areas = surface.vertex_areas
     return PreparedTarget(
         surface=surface,
         normals=normals,
@@ -101,8 +100,8 @@ def vote_orientation(
     reversed_ = bool(cosine.mean() < 0)
     share = float(((-cosine if reversed_ else cosine) < 0).mean())
     # signs may also disagree between neighbours: then they average out at the closest points
-    edges = half_edges(surface.faces)[0]
-    discord = float(((normals[edges[:, 0]] * normals[edges[:, 1]]).sum(axis=1) < 0).mean())
+    edges = surface.half_edges
+    discord = float(((normals[edges.tail] * normals[edges.head]).sum(axis=1) < 0).mean())
     return reversed_, max(share, discord) > UNSIGNED_SHARE
 
 
@@ -118,10 +117,11 @@ def _rims(target: Target, pairs: tuple[tuple[Contour, Contour], ...]) -> tuple[n
     on_contour = np.zeros(count, dtype=bool)
     for _, contour in pairs:
         on_contour[contour.vertices] = True
-    border = border_edges(target.faces)
+    edges = HalfEdges.of(target.faces, count)
+    border = edges.border[~(on_contour[edges.tail] & on_contour[edges.head])[edges.border]]
     rim_vertices = np.zeros(count, dtype=bool)
-    rim_vertices[border[~on_contour[border].all(axis=1)]] = True
-    _, single = twins(target.faces)
+    rim_vertices[edges.tail[border]] = rim_vertices[edges.head[border]] = True
     rim_edges = np.zeros(3 * len(target.faces), dtype=bool)
-    rim_edges[single[~on_contour[border].all(axis=1)]] = True
-    return rim_edges.reshape(-1, 3), rim_vertices & ~on_contour
+    rim_edges[border] = True
+    # the half-edge opposite corner k is the one after that which leaves it
+    return np.roll(rim_edges.reshape(-1, 3), -1, axis=1), rim_vertices & ~on_contour

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
 from scipy.spatial.transform import Rotation
 
 from ..body import (
@@ -23,7 +22,7 @@ from ..body import (
     unskin,
     weights_at,
 )
-from ..mesh import self_intersections, undo_crossings, vertex_normals
+from ..mesh import adjacency_matrix, factor_symmetric, self_intersections, undo_crossings, vertex_normals
 from .follow import FollowSettings, Threads, follow
 from .shell import Shell, ShellBeside
 
@@ -279,6 +278,5 @@ def _spreading(threads: Threads, width: float) -> Callable[[np.ndarray], np.ndar
     pairs = threads.ends[threads.stiffness == 1.0]
     share = 2.0 * width**2 / (3.0 * float(np.mean(threads.lengths[threads.stiffness == 1.0] ** 2)))
     count = len(threads.inverse_mass)
-    links = sparse.csr_matrix((np.full(len(pairs), share), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    matrix = sparse.identity(count) + sparse.csgraph.laplacian(links + links.T)
-    return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve
+    matrix = sparse.identity(count) + sparse.csgraph.laplacian(share * adjacency_matrix(pairs, count))
+    return factor_symmetric(matrix).solve

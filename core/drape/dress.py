@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import spsolve
 from scipy.spatial import ConvexHull
 
 from ..body import Body, SignedDistance
 from ..hooks import SILENT, Hooks
+from ..mesh import HalfEdges, factor_symmetric
 from ..pattern import Garment
 from ..segment import find_loops
 from .follow import FollowSettings, Threads, follow, lay_threads
@@ -116,12 +116,11 @@ def convex_girth(body: Body, height: float) -> float:
 
 def _loop_length(garment: Garment, loop: np.ndarray) -> float:
     """Measure the flat length of a loop of nodes [m]: of its uv edges, each once."""
-    ends = np.sort(garment.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    flat = garment.rest[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2, 2)
+    count, edges = len(garment.nodes), HalfEdges.of(garment.faces)
     sides = np.sort(np.column_stack([loop, np.roll(loop, -1)]), axis=1)
-    count = len(garment.nodes)
-    on_loop = np.isin(ends[:, 0] * count + ends[:, 1], sides[:, 0] * count + sides[:, 1])
-    return float(np.linalg.norm(flat[on_loop, 1] - flat[on_loop, 0], axis=1).sum())
+    on_loop = np.isin(edges.edges @ [count, 1], sides @ [count, 1])[edges.edge]
+    lengths = np.linalg.norm(np.roll(garment.rest, -1, axis=1) - garment.rest, axis=2).ravel()
+    return float(lengths[on_loop].sum())
 
 
 def _weld_flat(garment: Garment, body: Body) -> np.ndarray:
@@ -156,15 +155,13 @@ def _weld_flat(garment: Garment, body: Body) -> np.ndarray:
 
 def _spread(faces: np.ndarray, count: int, fixed: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Extend values at fixed vertices harmonically over a flat mesh (uniform Laplacian), shape [count, 2]."""
-    sides = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-    adjacency = sparse.csr_matrix((np.ones(len(sides)), (sides[:, 0], sides[:, 1])), shape=(count, count))
-    adjacency = ((adjacency + adjacency.T) > 0).astype(np.float64)
+    adjacency = HalfEdges.of(faces, count).adjacency
     laplacian = sparse.csr_matrix(sparse.csgraph.laplacian(adjacency) + 1e-9 * sparse.identity(count))
     free = np.setdiff1d(np.arange(count), fixed)
     result = np.zeros((count, 2))
     result[fixed] = values
     right = -(laplacian[free][:, fixed] @ values)
-    result[free] = spsolve(laplacian[free][:, free].tocsc(), right)
+    result[free] = factor_symmetric(laplacian[free][:, free]).solve(right)
     return result
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from ..body import SignedDistance
-from ..mesh import self_intersections, undo_crossings
+from ..mesh import HalfEdges, lump, self_intersections, signed_areas, undo_crossings
 from ..pattern import Garment
 from .layers import HalfSpaces, find_layers
 
@@ -86,36 +86,24 @@ def lay_threads(garment: Garment, bending: float = 0.1) -> Threads:
     of its two lengths; opposite corners across a seam take the sum of the heights, as if it were pressed flat.
     """
     faces, rest = garment.faces, garment.rest
-    corner = np.array([[0, 1], [1, 2], [2, 0]])
-    ends = np.sort(faces[:, corner].reshape(-1, 2), axis=1)
-    length = np.linalg.norm(rest[:, corner[:, 0]] - rest[:, corner[:, 1]], axis=2).reshape(-1)
-    pairs, inverse = np.unique(ends, axis=0, return_inverse=True)
-    counts = np.bincount(inverse)
-    lengths = np.bincount(inverse, weights=length) / counts
-    cross, cross_lengths = _hinge_pairs(faces, rest, inverse, counts)
-    mass = np.zeros(len(garment.nodes))
-    d1, d2 = rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0]
-    area = 0.5 * np.abs(d1[:, 0] * d2[:, 1] - d1[:, 1] * d2[:, 0])
-    np.add.at(mass, faces, area[:, None] / 3)
+    edges = HalfEdges.of(faces, len(garment.nodes))
+    sides = np.linalg.norm(rest - np.roll(rest, -1, axis=1), axis=2).reshape(-1)
+    lengths = np.bincount(edges.edge, weights=sides) / edges.face_counts
+    cross, cross_lengths = _hinge_pairs(edges, rest)
+    mass = lump(np.abs(signed_areas(rest)), faces, len(garment.nodes))
     return Threads(
-        ends=np.concatenate([pairs, cross]).astype(np.int64),
+        ends=np.concatenate([edges.edges, cross]).astype(np.int64),
         lengths=np.concatenate([lengths, cross_lengths]),
-        stiffness=np.concatenate([np.ones(len(pairs)), np.full(len(cross), bending)]),
+        stiffness=np.concatenate([np.ones(len(edges.edges)), np.full(len(cross), bending)]),
         inverse_mass=mass.mean() / np.maximum(mass, 1e-3 * mass.mean()),
         faces=faces,
-        edges=pairs,
+        edges=edges.edges,
     )
 
 
-def _hinge_pairs(
-    faces: np.ndarray, rest: np.ndarray, edge_of_side: np.ndarray, counts: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def _hinge_pairs(edges: HalfEdges, rest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Pair the opposite corners of every interior edge with their distance when the hinge lies flat [m]."""
-    order = np.argsort(edge_of_side, kind="stable")
-    first = np.concatenate([[0], np.cumsum(counts)[:-1]])[counts == 2]
-    sides = np.stack([order[first], order[first + 1]], axis=1)
-    face, side = sides // 3, sides % 3
-    opposite = np.take_along_axis(faces[face], ((side + 2) % 3)[..., None], axis=2)[..., 0]
+    face, side = edges.pairs // 3, edges.pairs % 3
     a = np.take_along_axis(rest[face], side[..., None, None].repeat(2, 3), axis=2)[:, :, 0]
     b = np.take_along_axis(rest[face], ((side + 1) % 3)[..., None, None].repeat(2, 3), axis=2)[:, :, 0]
     c = np.take_along_axis(rest[face], ((side + 2) % 3)[..., None, None].repeat(2, 3), axis=2)[:, :, 0]
@@ -126,7 +114,7 @@ def _hinge_pairs(
     height = np.abs((c - a)[..., 0] * axis[..., 1] - (c - a)[..., 1] * axis[..., 0])
     # The two faces run along their common edge in opposite directions.
     offset = along[:, 0] - (span[:, 1, 0] - along[:, 1])
-    return opposite, np.hypot(offset, height.sum(1))
+    return edges.opposite[edges.pairs], np.hypot(offset, height.sum(1))
 
 
 @njit(cache=True)

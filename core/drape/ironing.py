@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from ..body import SignedDistance
-from ..mesh import self_intersections
+from ..mesh import adjacency_matrix, factor_symmetric, self_intersections
 from .follow import FollowSettings, Threads, follow
 
 ROUNDS = 6
@@ -43,8 +42,7 @@ def iron_crossings(
         Positions [m], shape [node_count, 3]; the given ones where nothing crosses.
     """
     count = len(nodes)
-    links = sparse.csr_matrix((np.ones(len(threads.edges)), threads.edges.T), shape=(count, count))
-    laplacian = sparse.csr_matrix(sparse.csgraph.laplacian(links + links.T))
+    laplacian = sparse.csr_matrix(sparse.csgraph.laplacian(adjacency_matrix(threads.edges, count)))
     for turn in range(ROUNDS):
         crossed = self_intersections(nodes, threads.faces)
         if not len(crossed):
@@ -56,7 +54,7 @@ def iron_crossings(
         if not len(free) or not len(rim):
             break
         nodes = nodes.copy()
-        nodes[free] = splu(laplacian[free][:, free].tocsc()).solve(-(laplacian[free][:, rim] @ nodes[rim]))
+        nodes[free] = factor_symmetric(laplacian[free][:, free]).solve(-(laplacian[free][:, rim] @ nodes[rim]))
         nodes, _ = follow(threads, nodes, body, UNFOLD, settings=settings, held=held, apart=True, centres=True)
     return nodes
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..body import SignedDistance, Solid
-from ..mesh import vertex_normals
+from ..mesh import edge_curvature, vertex_normals
 from .follow import FollowSettings
 
 NEIGHBOURS = 12
@@ -59,7 +59,7 @@ class Shell:
         """Keep the open vertices of a body's mesh (vertices [m], [n, 3]); `bare` tells which they are, where known."""
         normals = vertex_normals(vertices, faces)
         bare = Solid(vertices, faces).exposed(vertices, normals) if bare is None else bare
-        bends = _mean_curvature(vertices, normals, faces)
+        bends = np.clip(edge_curvature(vertices, normals, faces), -SHARPEST, SHARPEST)
         return cls(vertices[bare], normals[bare], bends[bare], cKDTree(vertices[bare]))
 
     def surfaces(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -137,13 +137,3 @@ class ShellBeside:
         """Return the distances to both surfaces [m] and their gradients, shapes [2 n] and [2 n, 3]."""
         distance, gradient = self.body.measure(points)
         return Shell.open_hollows(*self.shell.surfaces(points), distance, gradient)
-
-
-def _mean_curvature(vertices: np.ndarray, normals: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Give each vertex's mean curvature [1/m]: the mean over its edges e of -2 n . e / |e|^2, positive where convex."""
-    start, end = faces.reshape(-1), faces[:, [1, 2, 0]].reshape(-1)
-    edge = vertices[end] - vertices[start]
-    bend = -2.0 * np.einsum("ed,ed->e", edge, normals[start]) / np.maximum((edge**2).sum(1), 1e-12)
-    count = len(vertices)
-    total, degree = np.bincount(start, bend, count), np.bincount(start, minlength=count)
-    return np.clip(total / np.maximum(degree, 1), -SHARPEST, SHARPEST)

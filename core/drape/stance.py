@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy import sparse
 
 from ..body import Body
+from ..mesh import HalfEdges, find_components
 
 ACROSS = 0.01
 """Distance from the middle within which the crotch is looked for [m]: the spacing of the body's vertices."""
@@ -34,10 +34,9 @@ def spread_legs(nodes: np.ndarray, faces: np.ndarray, body: Body) -> np.ndarray:
     centre = body.joint("pelvis")[0]
     top = 0.5 * (crotch_height(body) + body.joint("left_knee")[1])
     below = nodes[:, 1] < top
-    sides = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    sides = HalfEdges.of(faces).edges
     sides = sides[below[sides].all(axis=1)]
-    links = sparse.csr_matrix((np.ones(len(sides)), sides.T), shape=(len(nodes), len(nodes)))
-    _, part = sparse.csgraph.connected_components(links, directed=False)
+    _, part = find_components(len(nodes), sides[:, 0], sides[:, 1])
     names, sizes = np.unique(part[below], return_counts=True)
     largest = [part == name for name in names[np.argsort(-sizes, kind="stable")[:2]]]
     shift = np.zeros(len(nodes))

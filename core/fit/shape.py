@@ -11,6 +11,7 @@ from ..body import DistanceGrid
 from ..checkpoints import load, save
 from ..grade import find_proportions, mean_width
 from ..hooks import SILENT, Hooks
+from ..mesh import signed_areas
 from ..pattern import (
     Garment,
     Pattern,
@@ -231,9 +232,7 @@ class ShapeProblem:
         except (PanelCrossing, PanelDegenerate):
             return None
         uv = self.garment.uv + map_controls(self.garment).apply(pattern.points - self.garment.pattern.points)
-        spans = uv[self.garment.uv_faces][:, 1:] - uv[self.garment.uv_faces][:, :1]
-        turned = spans[:, 0, 0] * spans[:, 1, 1] - spans[:, 0, 1] * spans[:, 1, 0]
-        return pattern if turned.min() > 0.0 else None
+        return pattern if signed_areas(uv[self.garment.uv_faces]).min() > 0.0 else None
 
 
 def _precision(pattern: Pattern, like: Pattern, symmetry: Symmetry, settings: ShapeSettings) -> np.ndarray:

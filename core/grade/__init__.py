@@ -7,11 +7,9 @@ from .flattening import (
     fit_control_points,
     mean_width,
     narrow_panels,
-    right_stretch,
     seam_rows,
     solve_sewn,
     stretch_between,
-    uv_gradient,
 )
 from .grading import GradeSettings, Grading, grade_pattern, move_pattern, step_without_folds
 from .isometry import Isometry, IsometrySettings
@@ -43,12 +41,10 @@ __all__ = [
     "narrow_panels",
     "position_along",
     "register_coarsely",
-    "right_stretch",
     "seam_rows",
     "slide_seams",
     "solve_isometry",
     "solve_sewn",
     "step_without_folds",
     "stretch_between",
-    "uv_gradient",
 ]

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
 
+from ..mesh import Factor, deformation_gradients, factor_symmetric, gradient_operator, right_stretch
 from ..pattern import Garment, Panel, Pattern, edge_length, find_symmetry, map_controls, panel_area
 
 SHORT = 0.01
@@ -70,7 +69,7 @@ class FlatPanels:
     gradient: sp.csr_matrix
     weight: np.ndarray
     inner: np.ndarray
-    factor: Any
+    factor: Factor
     follow: sp.csr_matrix
     border: np.ndarray
     carried: np.ndarray
@@ -84,12 +83,10 @@ def lay_flat(garment: Garment) -> FlatPanels:
         rim[line] = True
     inner = np.flatnonzero(~rim)
     follow = sp.csr_matrix(sp.diags(np.repeat(rim, 2).astype(float)) @ map_controls(garment).matrix)
-    gradient, area = uv_gradient(garment)
+    gradient, area = gradient_operator(garment.rest, garment.uv_faces, len(garment.uv))
     weight = np.repeat(area, 2)
     stiffness = sp.csr_matrix(gradient.T @ sp.diags(weight) @ gradient)
-    factor = splu(
-        sp.csc_matrix(stiffness[inner][:, inner]), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}
-    )
+    factor = factor_symmetric(stiffness[inner][:, inner])
     loaded = sp.csr_matrix(sp.kron(stiffness, sp.eye(2)) @ follow)
     pairs = (2 * inner[:, None] + np.arange(2)).ravel()
     border = loaded[pairs].toarray()
@@ -112,7 +109,7 @@ def stretch_between(garment: Garment, moved: np.ndarray, settings: FlatteningSet
         settings: Believable strains, and the limit of A's singular values.
     """
     settings = settings or FlatteningSettings()
-    before, after = right_stretch(garment, garment.nodes), right_stretch(garment, moved)
+    before, after = garment_stretch(garment, garment.nodes), garment_stretch(garment, moved)
     values, axes = np.linalg.eigh(before)
     believed = np.clip(values, settings.least_strain, settings.most_strain)
     narrow = narrow_panels(garment.pattern, settings)
@@ -234,30 +231,9 @@ def _turn_towards(stretch: np.ndarray, slope: np.ndarray) -> np.ndarray:
     return np.asarray(rotation @ stretch)
 
 
-def right_stretch(garment: Garment, nodes: np.ndarray) -> np.ndarray:
-    """Give U = sqrt(F^T F) of every face, shape [face_count, 2, 2].
+def garment_stretch(garment: Garment, nodes: np.ndarray) -> np.ndarray:
+    """Compute the right stretch U of every face from its flat panel to nodes [m], shape [face_count, 2, 2].
 
-    sqrt(C) = (C + s I) / sqrt(tr C + 2 s) with s = sqrt(det C), for 2 x 2 matrices.
+    A collapsed face keeps a thousandth of its width, so that U can be inverted.
     """
-    rest, placed = garment.rest, nodes[garment.faces]
-    flat = np.stack([rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0]], axis=2)
-    spans = np.stack([placed[:, 1] - placed[:, 0], placed[:, 2] - placed[:, 0]], axis=2)
-    slope = spans @ np.linalg.inv(flat)
-    square = np.swapaxes(slope, 1, 2) @ slope
-    # A millionth: faces that collapsed in 3D keep a tiny width, so that the inverse exists; the clip takes them.
-    square = square + 1e-6 * np.eye(2)
-    root = np.sqrt(np.linalg.det(square))
-    trace = square[:, 0, 0] + square[:, 1, 1]
-    return np.asarray((square + root[:, None, None] * np.eye(2)) / np.sqrt(trace + 2 * root)[:, None, None])
-
-
-def uv_gradient(garment: Garment) -> tuple[sp.csr_matrix, np.ndarray]:
-    """Give the gradient on the flat faces, shape [2 face_count, uv_count], and their areas [m2]."""
-    rest, faces = garment.rest, garment.uv_faces
-    flat = np.stack([rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0]], axis=1)
-    inverse = np.linalg.inv(flat)
-    weights = np.concatenate([-inverse.sum(axis=2, keepdims=True), inverse], axis=2)
-    rows = np.repeat(np.arange(2 * len(faces)).reshape(-1, 2, 1), 3, axis=2)
-    columns = np.repeat(faces[:, None, :], 2, axis=1)
-    matrix = sp.csr_matrix((weights.ravel(), (rows.ravel(), columns.ravel())), (2 * len(faces), len(garment.uv)))
-    return matrix, np.abs(np.linalg.det(flat)) / 2
+    return right_stretch(deformation_gradients(nodes, garment.faces, garment.rest), least=1e-3)

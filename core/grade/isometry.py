@@ -9,10 +9,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..body import Body
-from ..mesh import ClosedCurve, TriangleSurface
+from ..mesh import ClosedCurve, TriangleSurface, gradient_operator, lump
 from ..pattern import Garment, Pattern, find_symmetry, map_controls
 from ..segment import Target, name_contours
-from .flattening import narrow_panels, seam_rows, solve_sewn, uv_gradient
+from .flattening import narrow_panels, seam_rows, solve_sewn
 from .grading import GradeSettings, move_pattern, step_without_folds
 from .proportion import Proportions, find_proportions
 from .registration import match_surface
@@ -149,7 +149,7 @@ class Isometry:
 
     def step(self, garment: Garment) -> Garment:
         """Solve once for nodes and control points with the rotations as they are."""
-        on_uv, area = uv_gradient(garment)
+        on_uv, area = gradient_operator(garment.rest, garment.uv_faces, len(garment.uv))
         weight = np.repeat(area, 2)
         gradient = sp.csr_matrix(on_uv @ _uv_of_nodes(garment))
         wanted = self._turned_strain(gradient, garment.nodes)
@@ -193,7 +193,7 @@ class Isometry:
     def _hold_on_target(self, garment: Garment, area: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Give what holds the nodes on the target: each one's block, [n, 3, 3], and right side, shape [n, 3]."""
         chosen, nodes, count = self.settings, garment.nodes, len(garment.nodes)
-        mass = np.bincount(garment.faces.ravel(), np.repeat(area / 3.0, 3), minlength=count)
+        mass = lump(area, garment.faces, count)
         own = TriangleSurface(nodes, garment.faces).vertex_normals
         found, seen = match_surface(self.goal, nodes, own, chosen.facing)
         for line, _ in self.borders:
@@ -229,7 +229,7 @@ class Isometry:
 
 def _anchor(garment: Garment, free: np.ndarray, settings: IsometrySettings) -> np.ndarray:
     """Give the matrix that holds the panels' shape where it is, by the effective control points."""
-    on_uv, area = uv_gradient(garment)
+    on_uv, area = gradient_operator(garment.rest, garment.uv_faces, len(garment.uv))
     narrow = narrow_panels(garment.pattern)[garment.panel_of_face]
     weight = area * np.where(narrow, settings.stay_band, settings.stay)
     rates = _slope_rates(garment, on_uv, free).reshape(4 * len(area), -1)

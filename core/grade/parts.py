@@ -6,9 +6,8 @@ from collections import Counter
 from itertools import takewhile
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
 
+from ..mesh import find_components
 from ..pattern import Panel, Pattern, edge_length
 from .flattening import SHORT
 
@@ -39,8 +38,7 @@ def find_parts(pattern: Pattern) -> np.ndarray:
     at = {panel.name: i for i, panel in enumerate(pattern.panels)}
     pairs = [(at[a], at[b]) for (a, b), count in count_seams(pattern).items() if count >= 2]
     rows = np.array(pairs, dtype=np.int64).reshape(-1, 2)
-    link = sp.csr_matrix((np.ones(len(rows)), (rows[:, 0], rows[:, 1])), (len(at), len(at)))
-    return np.asarray(connected_components(link, directed=False)[1])
+    return find_components(len(at), rows[:, 0], rows[:, 1])[1]
 
 
 def across_armholes(pattern: Pattern) -> tuple[tuple[tuple[int, int], tuple[int, int]], ...]:

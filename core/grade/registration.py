@@ -6,10 +6,19 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
 
 from ..hooks import SILENT, Hooks
-from ..mesh import ClosedCurve, Closest, TriangleSurface
+from ..mesh import (
+    ClosedCurve,
+    Closest,
+    HalfEdges,
+    TriangleSurface,
+    bending_matrix,
+    cotangent_laplacian,
+    factor_symmetric,
+    lump,
+    signed_areas,
+)
 from ..pattern import Garment
 from ..segment import Target
 from .parts import find_parts
@@ -86,9 +95,7 @@ def register_coarsely(
         system = fixed + sp.diags(weight + still) + on_faces.T @ sp.diags(pull) @ on_faces
         right = weight[:, None] * lead + still[:, None] * (moved - start) + pins[:, None] * pinned
         right += on_faces.T @ (pull[:, None] * (goal.vertices[picked] - on_faces @ start))
-        moved = start + splu(sp.csc_matrix(system), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(
-            right
-        )
+        moved = start + factor_symmetric(system).solve(right)
     return moved
 
 
@@ -155,25 +162,7 @@ def bending_operators(garment: Garment, across: float = 1.0) -> tuple[sp.csr_mat
 
 
 def _bending(corners: np.ndarray, faces: np.ndarray, count: int) -> tuple[sp.csr_matrix, np.ndarray]:
-    rows, columns, values = [], [], []
-    for k in range(3):
-        i, j = faces[:, (k + 1) % 3], faces[:, (k + 2) % 3]
-        a, b = corners[:, (k + 1) % 3] - corners[:, k], corners[:, (k + 2) % 3] - corners[:, k]
-        area = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
-        half_cotangent = 0.5 * (a * b).sum(1) / np.maximum(area, 1e-12)
-        rows += [i, j, i, j]
-        columns += [j, i, i, j]
-        values += [-half_cotangent, -half_cotangent, half_cotangent, half_cotangent]
-    shape = (count, count)
-    stiffness = sp.csr_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape)
-    mass = np.bincount(faces.ravel(), np.repeat(area / 6, 3), minlength=count)
-    weight = 1.0 / mass
-    weight[np.unique(open_edges(faces))] = 0.0
-    return sp.csr_matrix(stiffness.T @ sp.diags(weight) @ stiffness), mass
-
-
-def open_edges(faces: np.ndarray) -> np.ndarray:
-    """Give the edges with one face only, shape [edge_count, 2]."""
-    edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    edges, counts = np.unique(edges, axis=0, return_counts=True)
-    return np.asarray(edges[counts == 1])
+    laplacian = cotangent_laplacian(corners, faces, count)
+    mass = lump(np.abs(signed_areas(corners)), faces, count)
+    weight = np.where(HalfEdges.of(faces, count).border_vertices, 0.0, 1.0 / mass)
+    return bending_matrix(laplacian, weight), mass

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ..mesh import signed_areas
 from ..pattern import Garment
-from .flattening import narrow_panels, right_stretch
+from .flattening import garment_stretch, narrow_panels
 
 MOST_HIDDEN = 0.8
 """Least length of a coarse edge by that of the folds under it; tighter ones are crumples of a registration."""
@@ -22,7 +23,7 @@ def believed_strain(coarse: Garment, drape: Garment, believed: float) -> np.ndar
         drape: The drape.
         believed: Strain that woven cloth is believed to have.
     """
-    values, axes = np.linalg.eigh(_mean_square(coarse, drape, right_stretch(drape, drape.nodes)))
+    values, axes = np.linalg.eigh(_mean_square(coarse, drape, garment_stretch(drape, drape.nodes)))
     values = np.sqrt(values)
     narrow = narrow_panels(coarse.pattern)[coarse.panel_of_face]
     return _join(np.where(narrow[:, None], values, np.clip(values, 1.0 - believed, 1.0 + believed)), axes)
@@ -34,8 +35,8 @@ def hidden_folds(coarse: Garment, fine: Garment, registered: np.ndarray) -> np.n
     With C and D the squared stretches of the fine mesh, averaged, and of the coarse one, it is the symmetric H for
     which H C H = D; clipped to `MOST_HIDDEN` and to no lengthening.
     """
-    square = _mean_square(coarse, fine, right_stretch(fine, registered))
-    found = _mean_square(coarse, coarse, right_stretch(coarse, coarse.nodes))
+    square = _mean_square(coarse, fine, garment_stretch(fine, registered))
+    found = _mean_square(coarse, coarse, garment_stretch(coarse, coarse.nodes))
     root = _power(square, 0.5)
     back = np.linalg.inv(root)
     hidden = back @ _power(root @ found @ root, 0.5) @ back
@@ -52,8 +53,7 @@ def _mean_square(coarse: Garment, fine: Garment, stretch: np.ndarray) -> np.ndar
     square, middles = stretch @ stretch, coarse.rest.mean(axis=1)
     total = np.zeros((len(coarse.uv), 2, 2))
     weight = np.zeros(len(coarse.uv))
-    spans = fine.rest[:, 1:] - fine.rest[:, :1]
-    area = 0.5 * np.abs(np.linalg.det(spans))
+    area = np.abs(signed_areas(fine.rest))
     for panel in range(len(coarse.pattern.panels)):
         here, there = np.flatnonzero(fine.panel_of_face == panel), np.flatnonzero(coarse.panel_of_face == panel)
         nearest = there[cKDTree(middles[there]).query(fine.rest[here].mean(axis=1))[1]]

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..mesh import face_areas
+
 Mesh = tuple[np.ndarray, np.ndarray]
 
 HOLE_RADII = (0.02, 0.05)
@@ -49,9 +51,7 @@ def cut_holes(share: float) -> Callable[[np.ndarray, np.ndarray, np.random.Gener
     """Remove the faces within balls around random places, until a share of the area is gone."""
 
     def apply(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -> Mesh:
-        corners = vertices[faces]
-        area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-        centres = corners.mean(axis=1)
+        area, centres = face_areas(vertices, faces), vertices[faces].mean(axis=1)
         kept = np.ones(len(faces), bool)
         while area[~kept].sum() < share * area.sum():
             place = centres[rng.choice(len(faces), p=area / area.sum())]

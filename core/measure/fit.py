@@ -8,16 +8,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..body import ExposedSurface, penetration_depth
-from ..mesh import TriangleSurface, self_intersections, vertex_normals
+from ..mesh import (
+    TriangleSurface,
+    corner_angles,
+    deformation_gradients,
+    principal_stretches,
+    self_intersections,
+    vertex_normals,
+)
 from ..meshes import Meshes
 from ..pattern import Garment
 from ..segment import Contour
 from .chamfer import chamfer_and_normals, meshing_floor, orientation
 from .contours import contour_rms
-from .surface import (
-    face_angles,
-    stretches,
-)
 
 SURFACE_SAMPLES = 50_000
 """Samples per direction: the RMS of a sampled distance then scatters by less than 1 %."""
@@ -108,12 +111,12 @@ def _measure_mesh(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict
     )
     found: dict[str, float | None] = {"chamfer_vertex_m2e3": 1e3 * chamfer, "normal_cosine": cosine}
     found |= _measure_place(garment, nodes, truth)
-    stretch = stretches(nodes, faces, garment.rest)
+    stretch = principal_stretches(deformation_gradients(nodes, faces, garment.rest))
     found["stretch_p001"] = float(np.quantile(stretch[:, 1], 0.001))
     found["stretch_p999"] = float(np.quantile(stretch[:, 0], 0.999))
     found["flipped_faces"] = float(count_flipped(nodes, faces, truth.vertices, truth.faces))
     found["self_intersecting_faces"] = float(len(self_intersections(nodes, faces)))
-    found["min_angle_deg"] = float(np.degrees(np.quantile(face_angles(nodes, faces).min(axis=1), 0.01)))
+    found["min_angle_deg"] = float(np.degrees(np.quantile(corner_angles(nodes, faces).min(axis=1), 0.01)))
     found["body_penetration_mm"] = _penetration(nodes, faces, truth.skin)
     return found
 

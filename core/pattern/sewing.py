@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
+from ..mesh import find_components
 from .errors import MeshTooCoarse, NotOrientable
 from .garment import Garment
 from .meshing import FlatMesh, MeshSettings, choose_edge_length, count_segments, mesh_panel, refine_counts, split_edges
@@ -93,8 +92,7 @@ def _weld(uv_faces: np.ndarray, edge_uv: dict[EdgeRef, np.ndarray], pattern: Pat
         a, b = edge_uv[seam.a], edge_uv[seam.b][::-1]
         pairs.append(np.stack([a, b], axis=1))
     joined = np.concatenate(pairs) if pairs else np.zeros((0, 2), int)
-    graph = coo_matrix((np.ones(len(joined)), (joined[:, 0], joined[:, 1])), shape=(count, count))
-    label = connected_components(graph, directed=False)[1]
+    label = find_components(count, joined[:, 0], joined[:, 1])[1]
     _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
     rank = np.argsort(np.argsort(first))
     return rank[inverse]

@@ -6,7 +6,6 @@ from .labels import read_labels
 from .limits import Limits
 from .load import lies_on, load_pair, load_scan
 from .pieces import Pieces, load_pieces
-from .repair import label_pieces
 from .scan import Scan
 from .selection import TOLERANCE, Selection, parse_colour, select_vertices
 from .units import find_units, find_up
@@ -21,7 +20,6 @@ __all__ = [
     "cut_garment",
     "find_units",
     "find_up",
-    "label_pieces",
     "lies_on",
     "load_pair",
     "load_pieces",

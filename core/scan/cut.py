@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..mesh import HalfEdges, adjacency_matrix
 from . import refusal
-from .repair import RepairedMesh, boundary_edges, clean_cut, half_edges
+from .repair import RepairedMesh, clean_cut
 from .scan import Scan
 
 SOFTNESS = 0.008
@@ -37,8 +38,7 @@ def cut_garment(scan: Scan, cloth: np.ndarray) -> Scan:
     first, second = ends[surface.origin].T
     t = share[surface.origin][:, None]
     colours = scan.colours
-    border = np.zeros(len(scan.vertices), bool)
-    border[boundary_edges(scan.faces).ravel()] = True
+    border = HalfEdges.of(scan.faces, len(scan.vertices)).border_vertices
     return Scan(
         vertices=surface.vertices,
         faces=surface.faces,
@@ -58,14 +58,11 @@ def soften(vertices: np.ndarray, faces: np.ndarray, cloth: np.ndarray) -> np.nda
 
     A round f <- f / 2 + (mean over neighbours) / 2 widens by a variance of edge^2 / 4 in each direction.
     """
-    from scipy.sparse import coo_matrix
-
-    directed, _ = half_edges(faces)
-    count = len(vertices)
-    tail, head = np.concatenate([directed, directed[:, ::-1]]).T
-    links = coo_matrix((np.ones(len(tail)), (tail, head)), shape=(count, count)).tocsr()
+    half_edges = HalfEdges.of(faces, len(vertices))
+    tail, head = half_edges.tail, half_edges.head
+    links = adjacency_matrix(np.stack([tail, head], axis=1), len(vertices))
     degree = np.maximum(np.asarray(links.sum(axis=1)).ravel(), 1.0)
-    edge = float(np.median(np.linalg.norm(vertices[directed[:, 0]] - vertices[directed[:, 1]], axis=1)))
+    edge = float(np.median(np.linalg.norm(vertices[tail] - vertices[head], axis=1)))
     field = cloth.astype(np.float64)
     for _ in range(int(np.clip(round(4.0 * (SOFTNESS / edge) ** 2), 1, ROUNDS))):
         field = 0.5 * field + 0.5 * (links @ field) / degree
@@ -77,9 +74,8 @@ def _cut_level(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Keep where field > 1/2; give vertices, faces, and of each vertex the edge [n, 2] and the share along it [n]."""
     inside = field > 0.5
-    directed, edge = half_edges(faces)
-    edges = np.zeros((int(edge.max()) + 1, 2), np.int64)
-    edges[edge] = np.sort(directed, axis=1)
+    half_edges = HalfEdges.of(faces, len(vertices))
+    edges, edge = half_edges.edges, half_edges.edge
     crossed = np.flatnonzero(inside[edges[:, 0]] != inside[edges[:, 1]])
     a, b = edges[crossed].T
     share = np.clip((0.5 - field[a]) / (field[b] - field[a]), NEAREST, 1.0 - NEAREST)

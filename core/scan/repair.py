@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..mesh import face_normals
+from ..mesh import HalfEdges, area_vectors, face_areas, find_components, vertex_normals
 
 MERGE = 1e-7
 """Vertices closer than this share of the bounding box's diagonal are one: the resolution of float32, in which STL and
@@ -120,48 +120,15 @@ def _flip_slivers(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, 
     return np.array(kept + extra, np.int64).reshape(-1, 3), len(slivers)
 
 
-def half_edges(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Give the directed edges of all faces, shape [3 face_count, 2], and the index of each one's undirected edge.
-
-    Half-edge 3 f + i runs from corner i to corner i + 1 of face f.
-    """
-    directed = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2)
-    low, high = directed.min(axis=1), directed.max(axis=1)
-    _, edge = np.unique(low * (int(faces.max()) + 1) + high, return_inverse=True)
-    return directed, edge
-
-
-def _twins(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Give the pairs of half-edges that share an edge used by exactly two faces, and whether they run opposite ways."""
-    directed, edge = half_edges(faces)
-    order = np.argsort(edge, kind="stable")
-    counts = np.bincount(edge)
-    starts = np.cumsum(counts) - counts
-    two = starts[counts == 2]
-    first, second = order[two], order[two + 1]
-    return first, second, directed[first, 0] == directed[second, 1]
-
-
-def label_pieces(count: int, first: np.ndarray, second: np.ndarray) -> tuple[int, np.ndarray]:
-    """Label `count` nodes by the connected piece that the links make."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    links = coo_matrix((np.ones(len(first), bool), (first, second)), shape=(count, count))
-    number, labels = connected_components(links, directed=False)
-    return int(number), labels
-
-
 def _drop_crowded(surface: RepairedMesh) -> RepairedMesh:
     """Keep the two faces of the largest sheet at each edge that three or more faces share."""
     faces = surface.faces
-    _, edge = half_edges(faces)
-    counts = np.bincount(edge)
+    edges = HalfEdges.of(faces)
+    edge, counts = edges.edge, edges.face_counts
     if counts.max() <= 2:
         return surface
-    first, second, _ = _twins(faces)
-    number, sheet = label_pieces(len(faces), first // 3, second // 3)
-    size = np.bincount(sheet, weights=face_normals(surface.vertices, faces)[1], minlength=number)
+    number, sheet = edges.face_pieces
+    size = np.bincount(sheet, weights=face_areas(surface.vertices, faces), minlength=number)
     # Rank the faces of each crowded edge by the area of their sheet; the file's order breaks ties.
     half = np.flatnonzero(counts[edge] > 2)
     order = half[np.lexsort((half, -size[sheet[half // 3]], edge[half]))]
@@ -182,16 +149,17 @@ def _orient_pieces(surface: RepairedMesh) -> RepairedMesh:
     component, is left as it is, and is cut open by the next step.
     """
     faces = surface.faces
-    first, second, opposite = _twins(faces)
-    if opposite.all():
+    edges = HalfEdges.of(faces)
+    if edges.opposed.all():
         return surface
-    a, b, count = first // 3, second // 3, len(faces)
-    number, piece = label_pieces(count, a, b)
-    shift = np.where(opposite, 0, count)
-    _, version = label_pieces(2 * count, np.r_[a, a + count], np.r_[b + shift, b + count - shift])
+    a, b = edges.pairs.T // 3
+    count = len(faces)
+    number, piece = edges.face_pieces
+    shift = np.where(edges.opposed, 0, count)
+    _, version = find_components(2 * count, np.r_[a, a + count], np.r_[b + shift, b + count - shift])
     _, starts = np.unique(piece, return_index=True)
     turned = version[:count] != version[starts][piece]
-    area = face_normals(surface.vertices, faces)[1]
+    area = face_areas(surface.vertices, faces)
     against = np.bincount(piece, weights=area * turned, minlength=number)
     turned ^= (against > 0.5 * np.bincount(piece, weights=area, minlength=number))[piece]
     notes = surface.note(
@@ -208,11 +176,11 @@ def _split_fans(surface: RepairedMesh) -> RepairedMesh:
     cut open here.
     """
     faces = surface.faces
-    first, second, opposite = _twins(faces)
-    first, second = first[opposite], second[opposite]
-    # Half-edge h starts at corner h; its end is the next corner of the same face.
-    first_end, second_end = first - first % 3 + (first + 1) % 3, second - second % 3 + (second + 1) % 3
-    number, label = label_pieces(3 * len(faces), np.r_[first, first_end], np.r_[second_end, second])
+    edges = HalfEdges.of(faces)
+    first, second = edges.pairs[edges.opposed].T
+    # Half-edge h starts at corner h and ends where the next one starts.
+    first_end, second_end = edges.following[first], edges.following[second]
+    number, label = find_components(3 * len(faces), np.r_[first, first_end], np.r_[second_end, second])
     corner = faces.ravel()
     used = len(np.unique(corner))
     if number == used:
@@ -228,7 +196,7 @@ def _split_fans(surface: RepairedMesh) -> RepairedMesh:
     place[~again] = kept[~again]
     place[again] = len(surface.vertices) + np.arange(int(again.sum()))
     copies = kept[again]
-    cut = int((~opposite).sum())
+    cut = int((~edges.opposed).sum())
     notes = surface.note(len(copies), "Split 1 non-manifold vertex.", "Split {} non-manifold vertices.")
     surface = RepairedMesh(
         np.concatenate([surface.vertices, surface.vertices[copies]]),
@@ -240,11 +208,10 @@ def _split_fans(surface: RepairedMesh) -> RepairedMesh:
 
 
 def _drop_strays(surface: RepairedMesh) -> RepairedMesh:
-    first, second, _ = _twins(surface.faces)
-    number, piece = label_pieces(len(surface.faces), first // 3, second // 3)
+    number, piece = HalfEdges.of(surface.faces).face_pieces
     if number == 1:
         return surface
-    size = np.bincount(piece, weights=face_normals(surface.vertices, surface.faces)[1], minlength=number)
+    size = np.bincount(piece, weights=face_areas(surface.vertices, surface.faces), minlength=number)
     kept = size >= STRAY * size.max()
     notes = surface.note(int((~kept).sum()), "Dropped 1 stray piece.", "Dropped {} stray pieces.")
     return replace(surface, faces=surface.faces[kept[piece]], repairs=notes)
@@ -259,24 +226,19 @@ def _drop_unused(surface: RepairedMesh) -> RepairedMesh:
     return RepairedMesh(surface.vertices[used], index[surface.faces], surface.origin[used], surface.repairs)
 
 
-def boundary_edges(faces: np.ndarray) -> np.ndarray:
-    """Give the directed edges that only one face has, shape [edge_count, 2]."""
-    directed, edge = half_edges(faces)
-    return directed[np.bincount(edge)[edge] == 1]
-
-
 def boundary_pieces(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Give boundary edges [e, 2], the piece of each [e], and each piece's mean [k, 3] and area vector [k, 3].
 
     The area vector is half the sum of u x v over the directed edges (u, v), about the mean; for outward faces it
     points from the opening into the garment.
     """
-    rim = boundary_edges(faces)
+    edges = HalfEdges.of(faces)
+    rim = np.stack([edges.tail[edges.border], edges.head[edges.border]], axis=1)
     if len(rim) == 0:
         return rim, np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros((0, 3))
     used, local = np.unique(rim, return_inverse=True)
     local = local.reshape(-1, 2)
-    number, label = label_pieces(len(used), local[:, 0], local[:, 1])
+    number, label = find_components(len(used), local[:, 0], local[:, 1])
     piece = label[local[:, 0]]
     sums = np.stack([np.bincount(label, vertices[used, k], number) for k in range(3)], axis=1)
     means = sums / np.bincount(label, minlength=number)[:, None]
@@ -300,8 +262,7 @@ def enclosed_volume(vertices: np.ndarray, faces: np.ndarray) -> float:
 
 def _turn_outward(surface: RepairedMesh) -> RepairedMesh:
     """Turn each piece that encloses a negative volume once its openings are closed."""
-    first, second, _ = _twins(surface.faces)
-    number, piece = label_pieces(len(surface.faces), first // 3, second // 3)
+    number, piece = HalfEdges.of(surface.faces).face_pieces
     faces = surface.faces.copy()
     turned = 0
     for k in range(number):
@@ -320,14 +281,7 @@ def turn_from_body(vertices: np.ndarray, faces: np.ndarray, body_vertices: np.nd
     """
     from scipy.spatial import cKDTree
 
-    a, b, c = (body_vertices[body_faces[:, k]] for k in range(3))
-    normals = np.zeros_like(body_vertices)
-    cross = np.cross(b - a, c - a)
-    for k in range(3):
-        np.add.at(normals, body_faces[:, k], cross)
+    normals = vertex_normals(body_vertices, body_faces)
     pick = np.unique(np.linspace(0, len(faces) - 1, min(VOTERS, len(faces))).astype(np.int64))
-    p, q, r = (vertices[faces[pick, k]] for k in range(3))
-    nearest = cKDTree(body_vertices).query((p + q + r) / 3.0)[1]
-    length = np.linalg.norm(normals[nearest], axis=1)
-    agree = np.einsum("ij,ij->i", np.cross(q - p, r - p), normals[nearest]) / np.where(length > 0, length, 1.0)
-    return bool(agree.sum() < 0.0)
+    nearest = cKDTree(body_vertices).query(vertices[faces[pick]].mean(axis=1))[1]
+    return bool((area_vectors(vertices, faces[pick]) * normals[nearest]).sum() < 0.0)

@@ -9,8 +9,8 @@ from scipy.spatial import cKDTree
 
 from ..body import Body
 from ..errors import BadInput
-from ..mesh import face_normals, vertex_normals
-from ..scan import Scan, label_pieces
+from ..mesh import HalfEdges, face_areas, vertex_normals
+from ..scan import Scan
 from .category import choose_category
 from .contours import name_contours
 from .loop import find_loops, smoothed_length
@@ -110,8 +110,8 @@ def check_single(scan: Scan, body: Body) -> None:
     Raises:
         SeveralGarments: where two separate surfaces are each a whole garment, or one of several has no opening.
     """
-    _, piece = label_pieces(len(scan.vertices), scan.faces[:, :2].ravel(), scan.faces[:, 1:].ravel())
-    areas = np.bincount(piece[scan.faces[:, 0]], face_normals(scan.vertices, scan.faces)[1])
+    _, piece = HalfEdges.of(scan.faces, len(scan.vertices)).vertex_pieces
+    areas = np.bincount(piece[scan.faces[:, 0]], face_areas(scan.vertices, scan.faces))
     large = np.flatnonzero(areas >= LARGE * areas.sum())
     whole: list[np.ndarray] = []
     for part in large if len(large) > 1 else ():

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..body import Body, is_builtin, is_smpl, load_smpl
+from ..mesh import face_areas
 from ..scan import Limits, Pieces, Scan, Selection, load_pieces
 from .garment import segment_garment
 from .loop import find_loops, smoothed_length
@@ -118,8 +119,6 @@ def inspect_file(
 
 
 def _describe(scan: Scan, boundaries: list[float]) -> dict[str, Any]:
-    corners = scan.vertices[scan.faces]
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     x, y, z = (round(float(side), 4) for side in np.ptp(scan.vertices, axis=0))
     return {
         "name": scan.name,
@@ -129,7 +128,7 @@ def _describe(scan: Scan, boundaries: list[float]) -> dict[str, Any]:
         "extent_m": (x, y, z),
         "vertex_count": len(scan.vertices),
         "face_count": len(scan.faces),
-        "area_m2": round(0.5 * float(np.linalg.norm(cross, axis=1).sum()), 4),
+        "area_m2": round(float(face_areas(scan.vertices, scan.faces).sum()), 4),
         "repairs": scan.repairs,
         "has_colours": scan.colours is not None,
         "has_labels": scan.labels is not None,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh import ClosedCurve
+from ..mesh import ClosedCurve, HalfEdges
 
 SMOOTHING = 0.03
 """Width over which a contour is smoothed before it is measured [m]: wider than the teeth that a cut along the triangles
@@ -33,11 +33,9 @@ def find_loops(faces: np.ndarray, vertices: np.ndarray | None = None) -> tuple[n
     faces = np.asarray(faces, dtype=np.int64)
     if len(faces) == 0:
         return ()
-    tail = faces.ravel()
-    head = np.roll(faces, -1, axis=1).ravel()
-    twin = _pair_half_edges(tail, head)
-    following = np.arange(len(tail)).reshape(-1, 3)[:, [1, 2, 0]].ravel()
-    key = np.arange(int(faces.max()) + 1)
+    edges = HalfEdges.of(faces)
+    tail, twin, following = edges.tail, edges.twin, edges.following
+    key = np.arange(edges.vertex_count)
     if vertices is not None:
         key = np.unique(np.asarray(vertices), axis=0, return_inverse=True)[1].ravel()
     rims = np.flatnonzero(twin < 0)
@@ -56,19 +54,6 @@ def find_loops(faces: np.ndarray, vertices: np.ndarray | None = None) -> tuple[n
                 edge = int(following[twin[edge]])
         loops += [np.array(loop, np.int64) for loop in _split_at_repeats(path, key) if len(loop) >= 3]
     return tuple(sorted(loops, key=lambda loop: (-len(loop), int(loop[0]))))
-
-
-def _pair_half_edges(tail: np.ndarray, head: np.ndarray) -> np.ndarray:
-    """Give the opposite half-edge of each, or -1 on a boundary, at a crowded edge, and where directions disagree."""
-    base = int(max(tail.max(), head.max())) + 1
-    forward, backward = tail * base + head, head * base + tail
-    order = np.argsort(forward, kind="stable")
-    ranked = forward[order]
-    first = np.searchsorted(ranked, backward, side="left")
-    matches = np.searchsorted(ranked, backward, side="right") - first
-    own = np.searchsorted(ranked, forward, side="right") - np.searchsorted(ranked, forward, side="left")
-    found = (matches == 1) & (own == 1)
-    return np.where(found, order[np.minimum(first, len(order) - 1)], -1)
 
 
 def _split_at_repeats(path: list[int], key: np.ndarray) -> list[list[int]]:

@@ -7,7 +7,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 from scipy.optimize import minimize_scalar
 
-from ..mesh import vertex_normals
+from ..mesh import HalfEdges, vertex_normals
 
 NOISY = 4e-3
 """Noise of the scan [m per coordinate] from which it is smoothed first. Below, the garment's own edges average it out
@@ -77,11 +77,9 @@ def _smooth(square: sp.csr_matrix, weight: float, values: np.ndarray) -> np.ndar
 def _ring_means(vertices: np.ndarray, faces: np.ndarray) -> tuple[sp.csr_matrix, np.ndarray]:
     """Give the matrix that takes each vertex to the mean of its ring, a border vertex' ring along the border; edges."""
     count = len(vertices)
-    sides = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    edges, uses = np.unique(sides, axis=0, return_counts=True)
-    border = np.zeros(count, dtype=bool)
-    rim = edges[uses == 1]
-    border[rim.ravel()] = True
+    half_edges = HalfEdges.of(faces, count)
+    edges, border = half_edges.edges, half_edges.border_vertices
+    rim = edges[half_edges.face_counts == 1]
     links = np.concatenate([edges, edges[:, ::-1]])
     links = np.concatenate([links[~border[links[:, 0]]], rim, rim[:, ::-1]])
     graph = sp.csr_matrix((np.ones(len(links)), (links[:, 0], links[:, 1])), shape=(count, count))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
+
+from ..mesh import HalfEdges, adjacency_matrix
 
 SPIKE_EDGES = 1.3
 """Distance from the median of its ring, in median edges, beyond which it is a spike (a trial found 113 of 115)."""
@@ -27,9 +28,9 @@ def flatten_spikes(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray,
     Returns:
         The vertices [m] and which of them moved.
     """
-    sides = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    edges, uses = np.unique(sides, axis=0, return_counts=True)
-    graph, along = _link(edges, len(vertices)), _link(edges[uses == 1], len(vertices))
+    half_edges = HalfEdges.of(faces, len(vertices))
+    edges, graph = half_edges.edges, half_edges.adjacency
+    along = adjacency_matrix(edges[half_edges.face_counts == 1], len(vertices))
     degree = np.diff(graph.indptr)
     ring = np.full((len(vertices), max(int(degree.max(initial=0)), 1)), -1)
     ring[np.arange(ring.shape[1])[None] < degree[:, None]] = graph.indices
@@ -60,9 +61,3 @@ def _quantiles(values: np.ndarray, counts: np.ndarray, share: float) -> np.ndarr
     below = at.astype(np.int64)
     low, high = ordered[row, below], ordered[row, np.minimum(below + 1, counts - 1)]
     return np.asarray(low + (at - below) * (high - low))
-
-
-def _link(edges: np.ndarray, count: int) -> sp.csr_matrix:
-    """Give the adjacency matrix of edges, shape [count, count]."""
-    both = np.concatenate([edges, edges[:, ::-1]])
-    return sp.csr_matrix((np.ones(len(both)), (both[:, 0], both[:, 1])), shape=(count, count))

@@ -8,7 +8,7 @@ import trimesh
 from garmentq.core.body import ExposedSurface
 from garmentq.core.deform.clearance import Watch, clear_body
 from garmentq.core.deform.easing import LOWEST
-from garmentq.core.deform.operators import gradient_operator
+from garmentq.core.mesh import gradient_operator
 
 MARGIN = 1e-3
 

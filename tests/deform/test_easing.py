@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.deform.easing import HIGHEST, LOWEST, ease_stretch, iron_crossings
-from garmentq.core.deform.operators import gradient_operator
-from garmentq.core.mesh import self_intersections
+from garmentq.core.mesh import gradient_operator, self_intersections
 
 
 @pytest.fixture(scope="module")

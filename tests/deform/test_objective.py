@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 import torch
 from garmentq.core.deform import DeformSettings, DeformSettingsBad
-from garmentq.core.deform.deformer import inverse_rest
 from garmentq.core.deform.objective import Objective, thin_out
-from garmentq.core.deform.operators import gradient_operator
 from garmentq.core.deform.rest_metric import RestMetric
 from garmentq.core.deform.target_repair import prepare_target
+from garmentq.core.mesh import gradient_operator, shape_gradients
 
 
 def build(scene, settings, nodes, scale=0.0):
@@ -19,8 +18,8 @@ def build(scene, settings, nodes, scale=0.0):
     gradient, areas = gradient_operator(garment.rest, garment.faces, len(nodes))
     metric = RestMetric(garment.faces, garment.panel_of_face, areas, scale)
     metric.follow((gradient @ nodes).reshape(-1, 2, 3).transpose(0, 2, 1))
-    distance = body
-    return Objective(nodes, garment.faces, inverse_rest(garment.rest), areas, goal, distance, settings), metric
+    inverse = shape_gradients(garment.rest)[:, 1:]
+    return Objective(nodes, garment.faces, inverse, areas, goal, body, settings), metric
 
 
 @pytest.mark.parametrize("distance", ["surface", "vertices"])

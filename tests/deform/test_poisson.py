@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import torch
 from garmentq.core.deform.jacobian_stage import FaceAdam
-from garmentq.core.deform.operators import border_edges, gradient_operator, hinges
 from garmentq.core.deform.poisson import PoissonSystem, solve_poisson
+from garmentq.core.mesh import gradient_operator
 
 
 @pytest.fixture(scope="module")
@@ -64,14 +64,3 @@ def test_a_step_turns_with_the_garment():
             move.step(1.0)
         ends.append(values.detach().numpy())
     assert np.allclose(ends[0] @ turn.T, ends[1], atol=1e-12)
-
-
-def test_hinges_and_borders_of_a_tube(scene):
-    """Breaks if an inner edge is counted twice or a border edge taken for inner: 3 F = 2 inner + border."""
-    faces = scene[0].faces
-    inner, border = hinges(faces), border_edges(faces)
-    assert 3 * len(faces) == 2 * len(inner) + len(border)
-    rim = np.concatenate([c.vertices for c in scene[0].contours])
-    assert set(border.ravel()) == set(rim)
-    for node in inner[:, :2].T:
-        assert (faces[inner[:, 2]] == node[:, None]).any(1).all() and (faces[inner[:, 3]] == node[:, None]).any(1).all()

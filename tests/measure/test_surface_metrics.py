@@ -12,8 +12,7 @@ from garmentq.core.measure import Reference, carry_contours, measure_distance, m
 from garmentq.core.measure.chamfer import chamfer_and_normals, meshing_floor
 from garmentq.core.measure.contours import contour_rms, loop_rms
 from garmentq.core.measure.fit import count_flipped
-from garmentq.core.measure.surface import face_angles, stretches
-from garmentq.core.mesh import vertex_normals
+from garmentq.core.mesh import corner_angles, deformation_gradients, principal_stretches, vertex_normals
 from garmentq.core.meshes import Meshes
 from garmentq.core.segment import Contour, find_loops
 
@@ -128,10 +127,12 @@ def test_stretch_is_the_singular_values_of_the_map() -> None:
     vertices, faces = grid(6)
     rest = vertices[faces][:, :, :2]
     nodes = (vertices * [1.3, 0.8, 1.0]) @ turn(4).T + [3.0, 1.0, 2.0]
-    found = stretches(nodes, faces, rest)
+    found = principal_stretches(deformation_gradients(nodes, faces, rest))
     assert found[:, 0] == pytest.approx(1.3)
     assert found[:, 1] == pytest.approx(0.8)
-    shear = stretches(vertices @ np.array([[1, 0, 0], [0.5, 1, 0], [0, 0, 1.0]]), faces, rest)
+    shear = principal_stretches(
+        deformation_gradients(vertices @ np.array([[1, 0, 0], [0.5, 1, 0], [0, 0, 1.0]]), faces, rest)
+    )
     expected = np.linalg.svd(np.array([[1.0, 0.5], [0.0, 1.0]]), compute_uv=False)
     assert shear == pytest.approx(np.tile(expected, (len(faces), 1)))
 
@@ -139,7 +140,7 @@ def test_stretch_is_the_singular_values_of_the_map() -> None:
 def test_angles_of_known_triangles() -> None:
     """Fails if an angle were given in degrees, or of the wrong corner."""
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, np.sqrt(3.0), 0]])
-    assert np.degrees(face_angles(vertices, np.array([[0, 1, 2]]))[0]) == pytest.approx([90.0, 60.0, 30.0])
+    assert np.degrees(corner_angles(vertices, np.array([[0, 1, 2]]))[0]) == pytest.approx([90.0, 60.0, 30.0])
 
 
 def test_flipped_faces_are_counted_but_not_a_mesh_turned_inside_out() -> None:

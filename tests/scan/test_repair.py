@@ -2,7 +2,8 @@
 
 import numpy as np
 import trimesh
-from garmentq.core.scan.repair import boundary_pieces, enclosed_volume, half_edges, repair_surface, turn_from_body
+from garmentq.core.mesh import HalfEdges
+from garmentq.core.scan.repair import boundary_pieces, enclosed_volume, repair_surface, turn_from_body
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -20,9 +21,9 @@ def tube(around=16, rows=9, radius=0.2, height=0.6):
 
 def is_clean(vertices, faces):
     """Tell whether every edge has one or two faces that run against each other, and every vertex one fan."""
-    directed, edge = half_edges(faces)
-    keys = directed[:, 0] * len(vertices) + directed[:, 1]
-    return np.bincount(edge).max() <= 2 and len(np.unique(keys)) == len(keys)
+    edges = HalfEdges.of(faces)
+    keys = edges.tail * len(vertices) + edges.head
+    return edges.face_counts.max() <= 2 and len(np.unique(keys)) == len(keys)
 
 
 def test_clean_mesh_comes_back_unchanged():

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...mesh import TriangleSurface
+from ...mesh import TriangleSurface, lump, mean_curvature, signed_areas
 from ...pattern import Garment
 
 FOLD = 0.025
@@ -50,7 +50,8 @@ class ChamferLoss:
         """Prepare for a garment's mesh and a target's surface; `curvature` is c, 0 for the plain distance."""
         goal = TriangleSurface(vertices, faces)
         share = goal.vertex_areas / goal.vertex_areas.sum()
-        weights = 1.0 + curvature * np.minimum(FOLD * mean_curvature(goal.vertices, goal.faces), STEEPEST)
+        bends = np.abs(mean_curvature(goal.vertices, goal.faces))
+        weights = 1.0 + curvature * np.minimum(FOLD * bends, STEEPEST)
         weights = weights / float(share @ weights)
         return cls(goal, weights, share, garment.faces, flat_shares(garment))
 
@@ -77,28 +78,5 @@ class ChamferLoss:
 
 def flat_shares(garment: Garment) -> np.ndarray:
     """Give each node's share of the flat panels' area, shape [node_count]; sums to 1."""
-    spans = garment.rest[:, 1:] - garment.rest[:, :1]
-    areas = 0.5 * np.abs(spans[:, 0, 0] * spans[:, 1, 1] - spans[:, 0, 1] * spans[:, 1, 0])
-    third = np.repeat(areas / (3.0 * areas.sum()), 3)
-    return np.bincount(garment.faces.ravel(), third, minlength=len(garment.nodes))
-
-
-def mean_curvature(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Give the size of the mean curvature at each vertex [1/m], shape [vertex_count]; 0 on open edges.
-
-    |L x| / (2 A) with the cotangent Laplacian L and a third of the area around each vertex, A.
-    """
-    laplace, area = np.zeros_like(vertices), np.zeros(len(vertices))
-    ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    for k in range(3):
-        i, j = faces[:, (k + 1) % 3], faces[:, (k + 2) % 3]
-        a, b = vertices[i] - vertices[faces[:, k]], vertices[j] - vertices[faces[:, k]]
-        double = np.linalg.norm(np.cross(a, b), axis=1)
-        pull = (0.5 * (a * b).sum(1) / np.maximum(double, 1e-12))[:, None] * (vertices[j] - vertices[i])
-        np.add.at(laplace, i, pull)
-        np.add.at(laplace, j, -pull)
-        area += np.bincount(faces[:, k], double / 6.0, minlength=len(vertices))
-    edges, counts = np.unique(np.sort(ends, axis=1), axis=0, return_counts=True)
-    curvature = 0.5 * np.linalg.norm(laplace, axis=1) / np.maximum(area, 1e-12)
-    curvature[edges[counts == 1]] = 0.0
-    return np.asarray(curvature)
+    areas = np.abs(signed_areas(garment.rest))
+    return lump(areas, garment.faces, len(garment.nodes)) / areas.sum()

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...mesh import signed_areas
 from ...pattern import ControlMap, Garment, Panel, Pattern, Symmetry, edge_points, find_symmetry, map_controls
 
 LEAST = 0.3
@@ -76,20 +77,20 @@ class PanelLoss:
     def least_share(self, points: np.ndarray) -> float:
         """Give the smallest share of its first area that a flat triangle has; negative where one has turned over."""
         at = self.control.apply(points - self.control.points) + self.uv
-        return float((_double_areas(at[self.uv_faces]) / _double_areas(self.uv[self.uv_faces])).min())
+        return float((signed_areas(at[self.uv_faces]) / signed_areas(self.uv[self.uv_faces])).min())
 
     def _folds(self, points: np.ndarray) -> tuple[float, np.ndarray]:
         """Give the first sum and its gradient."""
         at = self.control.apply(points - self.control.points) + self.uv
-        start = _double_areas(self.uv[self.uv_faces])
+        start = signed_areas(self.uv[self.uv_faces])
         corners = at[self.uv_faces]
-        short = np.maximum(LEAST - _double_areas(corners) / start, 0.0)
+        short = np.maximum(LEAST - signed_areas(corners) / start, 0.0)
         # d(2 a)/d corner k is the opposite edge turned by a quarter
         opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
         slope = np.stack([-opposite[..., 1], opposite[..., 0]], axis=-1)
         by_uv = np.zeros_like(at)
         np.add.at(by_uv, self.uv_faces, -short[:, None, None] * slope)
-        return 0.5 * float(start @ short**2), self.control.pull_back(by_uv)
+        return float(start @ short**2), self.control.pull_back(by_uv)
 
 
 def _kept_corners(like: Pattern, symmetry: Symmetry) -> list[tuple[int, int, int]]:
@@ -146,9 +147,3 @@ def _wrap(angle: np.ndarray) -> np.ndarray:
 def _slope(way: np.ndarray) -> np.ndarray:
     """Give the derivative of directions' angles by them [1/m], shape [n, 2]."""
     return np.stack([-way[:, 1], way[:, 0]], axis=1) / (way**2).sum(1, keepdims=True)
-
-
-def _double_areas(corners: np.ndarray) -> np.ndarray:
-    """Give twice the signed areas of triangles, shape [n]."""
-    p, q = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    return np.asarray(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...mesh import vertex_normals
 from ...pattern import Garment
+from .chamfer import flat_shares
 
 
 @dataclass(frozen=True)
@@ -34,11 +35,7 @@ class RegisteredLoss:
     @classmethod
     def of(cls, garment: Garment, slide: float) -> RegisteredLoss:
         """Weigh the nodes of a garment that stands on the target by their flat area; `slide` is s."""
-        corners = garment.rest
-        spans = corners[:, 1:] - corners[:, :1]
-        areas = 0.5 * np.abs(spans[:, 0, 0] * spans[:, 1, 1] - spans[:, 0, 1] * spans[:, 1, 0])
-        count = len(garment.nodes)
-        share = np.bincount(garment.faces.ravel(), np.repeat(areas / 3.0, 3), minlength=count) / areas.sum()
+        count, share = len(garment.nodes), flat_shares(garment)
         normals = vertex_normals(garment.nodes, garment.faces)
         along = np.full(count, slide)
         for contour in garment.contours:
