@@ -6,6 +6,7 @@ from html import escape
 
 import numpy as np
 
+from ..mesh import polyline_length, resample_polyline
 from ..pattern import EdgeRef, Pattern, edge_points
 from .layout import lay_out
 
@@ -102,13 +103,10 @@ def _name(name: str, middle: np.ndarray, size: np.ndarray) -> str:
 
 def _length(line: np.ndarray, colour: str) -> str:
     """Write an edge's length [cm] outside it, along it; short edges carry none."""
-    steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
-    length = float(steps.sum())
+    length = polyline_length(line)
     if length < 1e3 * LONG_ENOUGH:
         return ""
-    arc = np.concatenate([[0.0], np.cumsum(steps)])
-    # A quarter along, where no seam's number is.
-    at, ahead = (np.array([np.interp(s * length, arc, line[:, k]) for k in range(2)]) for s in (0.25, 0.3))
+    at, ahead = resample_polyline(line, 21)[[5, 6]]  # a quarter along, where no seam's number is
     along = (ahead - at) / max(float(np.linalg.norm(ahead - at)), 1e-9)
     place = at + 13.0 * np.array([-along[1], along[0]])
     angle = float(np.degrees(np.arctan2(along[1], along[0])))
