@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 import trimesh
 from garmentq.core.body import builtin_body
-from garmentq.core.drape import WearerGeometry, drape_graded, drape_template
+from garmentq.core.drape import WearerGeometry, drape_graded, drape_template, remesh
 from garmentq.core.measure import measure_panels, measure_recovery, read_packs, read_true_pattern
 from garmentq.core.mesh import vertex_normals
 from garmentq.core.pattern import (
@@ -75,7 +75,7 @@ def write_pack(folder: Path, name: str, pattern: Pattern, fabric: Fabric) -> Non
     worn = drape_template(pattern, wearer)
     normals = vertex_normals(worn.nodes, worn.faces)
     where_it_hangs = Target(worn.nodes, worn.faces, normals, worn.contours, (), pattern.category)
-    garment, drape = drape_graded(worn, wearer, fabric, where_it_hangs, vertex_count=VERTICES)
+    garment, drape = drape_graded(remesh(worn, VERTICES), wearer, fabric, where_it_hangs)
     print(f"{name}: target of {len(garment.nodes)} vertices {drape.outcome.advice}", flush=True)
     folder.mkdir(parents=True, exist_ok=True)
     trimesh.Trimesh(garment.nodes, garment.faces, process=False).export(folder / "garment.ply")

@@ -147,7 +147,7 @@ class _Stage:
         """Go as far as the graded drape, and drape the base pattern beside it."""
         from ..core.clock import Clock
         from ..core.deform import DeformSettings
-        from ..core.drape import drape_graded, drape_template
+        from ..core.drape import drape_graded, drape_template, remesh
         from ..core.pipeline import drape_to_scan, make_case
         from ..core.recovery import Request
         from ..core.settings import RecoverySettings
@@ -156,7 +156,7 @@ class _Stage:
         clock = Clock()
         case = make_case(Request(pack.garment, pack.body, template=pack.template, settings=settings), clock)
         worn = drape_template(case.base, case.wearer, case.target)
-        ungraded = drape_graded(worn, case.wearer, case.fabric, case.target, vertex_count=VERTICES)[0]
+        ungraded = drape_graded(remesh(worn, VERTICES), case.wearer, case.fabric, case.target)[0]
         return cls(pack, case, drape_to_scan(case, clock), ungraded, DeformSettings.of_preset(preset))
 
     def descend(self, switch: Switch) -> dict[str, float | None]:

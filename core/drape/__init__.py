@@ -2,10 +2,11 @@
 
 from .carry import CarrySettings, Way, carry, take_pose
 from .dress import DressSettings, dress, place, waist_loop
-from .follow import FollowSettings, Threads, follow, lay_threads
+from .follow import FollowSettings, PbdState, Threads, follow, lay_threads
+from .layer_contact import LayerContact
 from .motion import MotionSettings, describe_motion, drape_as_scanned
 from .sizing import measure_wearer, size_template
-from .stage import DrapeSettings, drape_graded, drape_template, redrape, waist_height
+from .stage import DrapeSettings, drape_graded, drape_template, redrape, remesh, waist_height
 from .tie import pin_waist, tie_contour
 from .wearer import WearerGeometry
 
@@ -14,7 +15,9 @@ __all__ = [
     "DrapeSettings",
     "DressSettings",
     "FollowSettings",
+    "LayerContact",
     "MotionSettings",
+    "PbdState",
     "Threads",
     "Way",
     "WearerGeometry",
@@ -30,6 +33,7 @@ __all__ = [
     "pin_waist",
     "place",
     "redrape",
+    "remesh",
     "size_template",
     "take_pose",
     "tie_contour",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy import sparse
@@ -23,7 +23,8 @@ from ..body import (
     weights_at,
 )
 from ..mesh import adjacency_matrix, factor_symmetric, self_intersections, undo_crossings, vertex_normals
-from .follow import FollowSettings, Threads, follow
+from .follow import FollowSettings, PbdState, Threads, follow
+from .layer_contact import LayerContact
 from .shell import Shell, ShellBeside
 
 
@@ -110,6 +111,9 @@ class Way:
         return cls(body, transforms, tuple(shells), Shell.of(body.vertices, body.faces), exposed)
 
 
+CREEPING = LayerContact(creep=True)
+"""Layers that would cross move by the room they have: a bundle that the body presses must not jam."""
+
 CURRENT = 5
 """Rounds in which a frame carries cloth out of the body, 2 mm each: creases close by less in a frame."""
 
@@ -152,21 +156,17 @@ def take_pose(
     out = np.zeros_like(nodes)
     if held is not None:
         out[held] = leave_body(nodes[held], way.own, settings.follow.thickness) - nodes[held]
-    nodes, velocities = follow(
+    state = follow(
         threads,
-        nodes,
+        PbdState.at_rest(nodes, out),
         ShellBeside(way.own, body),
         settings.settle,
-        ride=out,
-        settings=settings.follow,
+        settings=replace(settings.follow, calm=True),
         gravity=9.81,
         held=held,
-        apart=True,
-        centres=True,
-        creep=True,
-        calm=True,
+        layers=CREEPING,
     )
-    return clear_body(threads, nodes, way, settings=settings, held=held), velocities
+    return clear_body(threads, state.nodes, way, settings=settings, held=held), state.velocities
 
 
 def clear_body(
@@ -190,17 +190,8 @@ def clear_body(
             self_intersections(nodes, faces)
         ):
             return pushed
-        nodes, _ = follow(
-            threads,
-            nodes,
-            body,
-            5,
-            settings=settings.follow,
-            held=held,
-            apart=True,
-            centres=True,
-            creep=True,
-        )
+        start = PbdState.at_rest(nodes)
+        nodes = follow(threads, start, body, 5, settings=settings.follow, held=held, layers=CREEPING).nodes
     pushed = project_outside(nodes, way.skin, faces)
     undo_crossings(pushed, nodes, faces, self_intersections(nodes, faces))
     return pushed
@@ -235,18 +226,8 @@ def carry(
         even = spread(ride)
         if held is not None:
             even[held] = leave_body(nodes[held] + ride[held], shell, settings.follow.thickness) - nodes[held]
-        nodes, _ = follow(
-            threads,
-            nodes,
-            shell,
-            settings.steps,
-            settings=settings.follow,
-            held=held,
-            ride=even,
-            apart=True,
-            centres=True,
-            creep=True,
-        )
+        start, chosen = PbdState.at_rest(nodes, even), settings.follow
+        nodes = follow(threads, start, shell, settings.steps, settings=chosen, held=held, layers=CREEPING).nodes
         nodes = carry_outside(nodes, threads.faces, shell, threads.mean_edge, CURRENT)
     return nodes
 

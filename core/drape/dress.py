@@ -13,8 +13,9 @@ from ..hooks import SILENT, Hooks
 from ..mesh import HalfEdges, factor_symmetric
 from ..pattern import Garment
 from ..segment import find_loops
-from .follow import FollowSettings, Threads, follow, lay_threads
+from .follow import FollowSettings, PbdState, Threads, follow, lay_threads
 from .ironing import iron_crossings
+from .layer_contact import LayerContact
 from .sleeves import turn_sleeves
 from .stance import spread_legs
 
@@ -316,7 +317,7 @@ def relax_flat(
     centre = 0.5 * float(nodes[:, 0].min() + nodes[:, 0].max())
     flat = Flattened(distance, middle, side, settings.flatten)
     for _ in range(settings.relax):
-        nodes, _ = follow(threads, nodes, flat, 1, settings=settings.follow)
+        nodes = follow(threads, PbdState.at_rest(nodes), flat, 1, settings=settings.follow).nodes
         nodes[:, 2] = middle + settings.flatten * side
         nodes[half > 0, 0] = np.maximum(nodes[half > 0, 0], centre + apart)
         nodes[half < 0, 0] = np.minimum(nodes[half < 0, 0], centre - apart)
@@ -361,24 +362,22 @@ def dress(
     outline = distance if settings.outline else None
     for frame in range(settings.frames):
         scale = settings.squash + (1.0 - settings.squash) * (frame + 1) / settings.frames
-        nodes, _ = follow(
-            threads, nodes, Sided(Squashed(distance, middle, scale), outline, middle, side), 3, settings=settings.follow
-        )
+        obstacle = Sided(Squashed(distance, middle, scale), outline, middle, side)
+        nodes = follow(threads, PbdState.at_rest(nodes), obstacle, 3, settings=settings.follow).nodes
         nodes[between, 2] = middle
         if waist is not None and height is not None:
             nodes[waist, 1] += height - nodes[waist, 1].mean()
         hooks.check()
     if settings.iron:
         nodes = iron_crossings(threads, nodes, distance, settings=settings.follow, held=waist)
-    nodes, _ = follow(
+    state = follow(
         threads,
-        nodes,
+        PbdState.at_rest(nodes),
         distance,
         settings.settle,
         settings=settings.follow,
         gravity=9.81,
         held=waist,
-        apart=True,
-        centres=True,
+        layers=LayerContact(),
     )
-    return nodes
+    return state.nodes

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
 from ..body import SignedDistance
-from ..mesh import HalfEdges, lump, self_intersections, signed_areas, undo_crossings
+from ..mesh import HalfEdges, lump, signed_areas
 from ..pattern import Garment
-from .layers import HalfSpaces, find_layers
-
-"""Signed distance [m] of points [n, 3] and its gradient; positive outside. Where a point is near two surfaces (between
-arm and trunk), a second row of n values follows the first: shapes [m] and [m, 3], m = n or 2 n."""
-
+from .layer_contact import LayerContact
+from .layers import HalfSpaces
 
 BACK = -0.5
 """Cosine between two moves of a node in turn below which it goes back the way it came."""
@@ -61,10 +59,8 @@ class FollowSettings:
         friction: Coulomb coefficient against the body.
         bending: Stiffness across hinges; 0.1 keeps folds wider than three edges and does not hold a skirt open.
         travel: Longest move of a node in a step [m]; half an edge, so that nothing jumps through the body.
-        gap: Distance between two layers of cloth [m]; half the thickness, so that two fit between touching limbs.
-        reach: Distance up to which layers watch each other [m]; the steps that outrun it and cross are undone.
-        push: How far the body pushes a node in a step in which layers are kept apart [m]; less than half the reach, so
-            that the layers above are found and pushed along.
+        calm: Bring nodes to rest in the second half of the steps that two surfaces, each the nearest in turn, throw to
+            and fro (an armpit's, a lap's); the first half is theirs to find a way out of a crease.
     """
 
     dt: float = 1.0 / 60.0
@@ -74,9 +70,7 @@ class FollowSettings:
     friction: float = 0.4
     bending: float = 0.1
     travel: float = 8e-3
-    gap: float = 2e-3
-    reach: float = 10e-3
-    push: float = 4e-3
+    calm: bool = False
 
 
 def lay_threads(garment: Garment, bending: float = 0.1) -> Threads:
@@ -117,28 +111,65 @@ def _hinge_pairs(edges: HalfEdges, rest: np.ndarray) -> tuple[np.ndarray, np.nda
     return edges.opposite[edges.pairs], np.hypot(offset, height.sum(1))
 
 
+class Bonds(NamedTuple):
+    """Distance constraints as the sweeps take them; see `Threads`."""
+
+    ends: np.ndarray
+    lengths: np.ndarray
+    stiffness: np.ndarray
+
+
+class BodyPlanes(NamedTuple):
+    """Planes of the body that points are near.
+
+    Attributes:
+        points: Indices of the points, shape [count].
+        normals: Unit length, shape [count, 3].
+        offsets: Least value of normal . point [m], shape [count].
+    """
+
+    points: np.ndarray
+    normals: np.ndarray
+    offsets: np.ndarray
+
+    def within(self, nodes: np.ndarray, push: float) -> BodyPlanes:
+        """Return the planes so far back that none pushes its point further than `push` [m] from nodes [m]."""
+        return self._replace(offsets=np.minimum(self.offsets, (self.normals * nodes[self.points]).sum(1) + push))
+
+
+@dataclass(frozen=True)
+class PbdState:
+    """Describe cloth between two position-based steps.
+
+    Attributes:
+        nodes: Positions [m], shape [node_count, 3].
+        velocities: Velocities [m/s], shape [node_count, 3].
+        carried: Displacement [m] by which the body takes the cloth along in the next step, shape [node_count, 3], or
+            None.
+    """
+
+    nodes: np.ndarray
+    velocities: np.ndarray
+    carried: np.ndarray | None = None
+
+    @classmethod
+    def at_rest(cls, nodes: np.ndarray, carried: np.ndarray | None = None) -> PbdState:
+        """Start from nodes [m], shape [node_count, 3], that do not move."""
+        return cls(nodes, np.zeros(np.shape(nodes)), carried)
+
+
 @njit(cache=True)
 def _sweep(
-    nodes: np.ndarray,
-    ends: np.ndarray,
-    lengths: np.ndarray,
-    stiffness: np.ndarray,
-    weight: np.ndarray,
-    contact: np.ndarray,
-    normal: np.ndarray,
-    offset: np.ndarray,
-    corners: np.ndarray,
-    shares: np.ndarray,
-    sides: np.ndarray,
-    least: np.ndarray,
-    sweeps: int,
+    nodes: np.ndarray, bonds: Bonds, weight: np.ndarray, planes: BodyPlanes, spaces: HalfSpaces, sweeps: int
 ) -> np.ndarray:
     """Project, in place, onto the lengths (Gauss-Seidel, alternating direction), into half-spaces, above planes.
 
-    Gives the sum of the pushes [m] that each contact took, shape [contact_count].
+    Returns the sum of the pushes [m] that each plane gave, shape [plane_count].
     """
+    ends, lengths, stiffness = bonds
+    touched, normal, offset = planes
     count = len(ends)
-    press = np.zeros(len(contact))
+    press = np.zeros(len(touched))
     for sweep in range(sweeps):
         for step in range(count):
             e = step if sweep % 2 == 0 else count - 1 - step
@@ -162,9 +193,9 @@ def _sweep(
             nodes[j, 0] -= weight[j] * scale * dx
             nodes[j, 1] -= weight[j] * scale * dy
             nodes[j, 2] -= weight[j] * scale * dz
-        _part(nodes, weight, corners, shares, sides, least)
-        for c in range(len(contact)):
-            i = contact[c]
+        _part(nodes, weight, spaces)
+        for c in range(len(touched)):
+            i = touched[c]
             if weight[i] == 0.0:
                 continue
             depth = offset[c] - normal[c, 0] * nodes[i, 0] - normal[c, 1] * nodes[i, 1] - normal[c, 2] * nodes[i, 2]
@@ -173,20 +204,14 @@ def _sweep(
                 nodes[i, 0] += depth * normal[c, 0]
                 nodes[i, 1] += depth * normal[c, 1]
                 nodes[i, 2] += depth * normal[c, 2]
-        _part(nodes, weight, corners, shares, sides, least)
+        _part(nodes, weight, spaces)
     return press
 
 
 @njit(cache=True)
-def _part(
-    nodes: np.ndarray,
-    weight: np.ndarray,
-    corners: np.ndarray,
-    shares: np.ndarray,
-    sides: np.ndarray,
-    least: np.ndarray,
-) -> None:
+def _part(nodes: np.ndarray, weight: np.ndarray, spaces: HalfSpaces) -> None:
     """Project, in place, each constraint's nodes into its half-space, the lighter ones further."""
+    corners, shares, sides, least = spaces
     for c in range(len(corners)):
         value, total = -least[c], 0.0
         for k in range(4):
@@ -205,80 +230,61 @@ def _part(
 
 def follow(
     threads: Threads,
-    nodes: np.ndarray,
+    state: PbdState,
     body: SignedDistance | None,
     steps: int,
     *,
     settings: FollowSettings = FollowSettings(),
-    velocities: np.ndarray | None = None,
     gravity: float = 0.0,
     held: np.ndarray | None = None,
-    ride: np.ndarray | None = None,
-    apart: bool = False,
-    centres: bool = False,
-    creep: bool = False,
-    calm: bool = False,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Move cloth for some steps and give its nodes [m] and velocities [m/s], each of shape [node_count, 3].
+    layers: LayerContact | None = None,
+) -> PbdState:
+    """Move cloth for some steps and return where it is then, and how fast.
 
     Each step predicts by the velocity, then projects onto edge lengths and outside the body (Mueller et al. 2007,
     position based dynamics), with Coulomb friction on the change in position where the body is touched.
 
     Args:
         threads: The constraints.
-        nodes: Start [m], shape [node_count, 3].
-        body: Where the body is, or None for no body.
+        state: Where the cloth starts.
+        body: Where the body is, or None for no body. Where a point is near two surfaces (between arm and trunk), it may
+            give a second row of distances and gradients after the first.
         steps: Number of steps.
         settings: Step length, sweeps, friction.
-        velocities: Start velocities [m/s]; zero where None.
         gravity: Acceleration downwards along -y [m/s2].
         held: Nodes that do not move, shape [held_count], or None.
-        ride: Displacement [m] that the first step begins with, shape [node_count, 3]: what the body carries along.
-        apart: Keep layers of cloth apart too.
-        centres: Keep the centres of faces out of the body too.
-        creep: Let layers that would cross move by the room they have; else their steps are undone.
-        calm: Bring nodes to rest in the second half of the steps that two surfaces, each the nearest in turn, throw to
-            and fro (an armpit's, a lap's); the first half is theirs to find a way out of a crease.
+        layers: How layers of cloth are kept apart, and the centres of faces out of the body, or None for neither.
     """
-    x = np.array(nodes, dtype=np.float64)
-    v = np.zeros_like(x) if velocities is None else np.array(velocities, dtype=np.float64)
+    x, v = np.array(state.nodes, dtype=np.float64), np.array(state.velocities, dtype=np.float64)
     weight = threads.inverse_mass.copy()
     if held is not None:
         weight[held] = 0.0
         v[held] = 0.0
-    crossed = self_intersections(x, threads.faces) if apart else np.zeros(0, dtype=np.int64)
+    bonds = Bonds(threads.ends, threads.lengths, threads.stiffness)
+    apart = None if layers is None else layers.begin(x, threads.faces, threads.edges)
     eased, last = np.ones(len(x)), np.zeros_like(x)
     for step in range(steps):
         before = x.copy()
         v[:, 1] -= settings.dt * gravity * (weight > 0)
-        start = before if ride is None or step else before + ride
+        start = before if state.carried is None or step else before + state.carried
         x = start + _limited(settings.dt * v, settings.travel)
-        layers = HalfSpaces.none()
-        if apart:
-            layers = find_layers(before, threads.faces, threads.edges, crossed, settings.gap, settings.reach)
-        contact, normal, offset = _planes(body, x, settings)
-        if apart:
-            offset = np.minimum(offset, (normal * x[contact]).sum(1) + settings.push)
-        spaces = layers
-        if centres:
-            spaces = layers.joined(_face_planes(body, x, threads.faces, settings))
-        press = _sweep(
-            x, threads.ends, threads.lengths, threads.stiffness, weight, contact, normal, offset,
-            spaces.corners, spaces.weights, spaces.normals, spaces.offsets, settings.sweeps,
-        )  # fmt: skip
-        if len(contact):
-            _rub(x, start, contact, normal, settings.friction * press)
+        planes, spaces = _find_planes(body, x, settings), HalfSpaces.none()
+        if apart is not None:
+            planes = planes.within(x, apart.settings.push)
+            spaces = apart.planes(before).joined(_face_planes(body, x, threads.faces, settings))
+        press = _sweep(x, bonds, weight, planes, spaces, settings.sweeps)
+        if len(planes.points):
+            _rub(x, start, planes, settings.friction * press)
         change = _limited(x - start, 3 * settings.travel)
-        if calm and 2 * step >= steps:
+        if settings.calm and 2 * step >= steps:
             eased = _eased(eased, change, last)
         x, last = start + change * eased[:, None], change
-        if apart:
-            room = layers.room(before, settings.reach) if creep else None
-            crossed = undo_crossings(x, before, threads.faces, crossed, room)
+        if apart is not None:
+            apart.finish(x, before)
         v = (x - start) / settings.dt * (1.0 - settings.damping)
-        if apart:
-            v[contact[press > 0.25 * settings.thickness]] = 0.0
-    return x, v
+        if apart is not None:
+            v[planes.points[press > 0.25 * settings.thickness]] = 0.0
+    return PbdState(x, v)
 
 
 def _limited(change: np.ndarray, longest: float) -> np.ndarray:
@@ -294,33 +300,32 @@ def _eased(eased: np.ndarray, change: np.ndarray, last: np.ndarray) -> np.ndarra
     return np.where(back, 0.5 * eased, np.minimum(1.0, EASE * eased))
 
 
-def _planes(
-    body: SignedDistance | None, points: np.ndarray, settings: FollowSettings
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Give the planes of the body that points are near: indices [m], unit normals [m, 3], offsets [m]."""
+def _find_planes(body: SignedDistance | None, points: np.ndarray, settings: FollowSettings) -> BodyPlanes:
+    """Find the planes of the body that points [m], shape [n, 3], are near."""
     if body is None or not len(points):
-        return np.zeros(0, dtype=np.int64), np.zeros((0, 3)), np.zeros(0)
+        return BodyPlanes(np.zeros(0, dtype=np.int64), np.zeros((0, 3)), np.zeros(0))
     distance, gradient = body.measure(points)
     row = np.nonzero((distance < settings.thickness + settings.travel) & (np.abs(distance) < 0.5))[0]
     contact = row % len(points)
     slope = np.linalg.norm(gradient[row], axis=1, keepdims=True)
     normal = gradient[row] / np.maximum(slope, 1e-9)
     gap = distance[row] / np.maximum(slope[:, 0], 0.3)
-    return contact, normal, (normal * points[contact]).sum(1) - gap + settings.thickness
+    return BodyPlanes(contact, normal, (normal * points[contact]).sum(1) - gap + settings.thickness)
 
 
 def _face_planes(
     body: SignedDistance | None, points: np.ndarray, faces: np.ndarray, settings: FollowSettings
 ) -> HalfSpaces:
     """Keep the centres of faces out of the body, by a quarter of the thickness."""
-    face, normal, offset = _planes(body, points[faces].mean(1), settings)
+    face, normal, offset = _find_planes(body, points[faces].mean(1), settings)
     corners = np.concatenate([faces[face], faces[face, :1]], axis=1)
     weights = np.tile([1 / 3, 1 / 3, 1 / 3, 0.0], (len(face), 1))
     return HalfSpaces(corners, weights, normal, offset - 0.75 * settings.thickness)
 
 
-def _rub(x: np.ndarray, before: np.ndarray, contact: np.ndarray, normal: np.ndarray, grip: np.ndarray) -> None:
+def _rub(x: np.ndarray, before: np.ndarray, planes: BodyPlanes, grip: np.ndarray) -> None:
     """Take back, in place, each touching node's sliding by at most its grip (friction times the push it took) [m]."""
+    contact, normal = planes.points, planes.normals
     slide = x[contact] - before[contact]
     slide = slide - (slide * normal).sum(1, keepdims=True) * normal
     length = np.linalg.norm(slide, axis=1, keepdims=True)

@@ -7,7 +7,8 @@ from scipy import sparse
 
 from ..body import SignedDistance
 from ..mesh import adjacency_matrix, factor_symmetric, self_intersections
-from .follow import FollowSettings, Threads, follow
+from .follow import FollowSettings, PbdState, Threads, follow
+from .layer_contact import LayerContact
 
 ROUNDS = 6
 """Rounds at most; one is enough for the forks of every shipped pair of trousers, at 350 to 1500 nodes."""
@@ -55,7 +56,8 @@ def iron_crossings(
             break
         nodes = nodes.copy()
         nodes[free] = factor_symmetric(laplacian[free][:, free]).solve(-(laplacian[free][:, rim] @ nodes[rim]))
-        nodes, _ = follow(threads, nodes, body, UNFOLD, settings=settings, held=held, apart=True, centres=True)
+        start = PbdState.at_rest(nodes)
+        nodes = follow(threads, start, body, UNFOLD, settings=settings, held=held, layers=LayerContact()).nodes
     return nodes
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -11,9 +11,8 @@ SHARE = 0.45
 """Share of the distance between two layers by which both may move: less than half."""
 
 
-@dataclass(frozen=True)
-class HalfSpaces:
-    """Hold linear constraints on points of cloth: normal . sum_k weights_k x_k >= offset.
+class HalfSpaces(NamedTuple):
+    """Linear constraints on points of cloth: normal . sum_k weights_k x_k >= offset.
 
     Attributes:
         corners: The nodes that a constraint moves, shape [count, 4].

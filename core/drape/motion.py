@@ -9,10 +9,10 @@ import numpy as np
 from ..body import Body
 from ..hooks import SILENT, Hooks
 from ..mesh import TriangleSurface
-from ..pattern import Garment, mesh_pattern
+from ..pattern import Garment
 from ..segment import Target
 from ..simulate import Drape, Fabric, Outcome, SteadyRotation, Stop
-from .stage import DrapeSettings, drape_graded
+from .stage import DrapeSettings, drape_graded, remesh
 from .wearer import WearerGeometry
 
 
@@ -74,14 +74,14 @@ def drape_as_scanned(
     Returns:
         The garment with named contours, and the drape; its `rotation` tells a rotation that was accepted.
     """
-    mesh = mesh_pattern(graded.pattern, vertex_count)
+    mesh = remesh(graded, vertex_count)
     coarse = replace(motion, vertices=min(motion.vertices, vertex_count))
     found: list[SteadyRotation | None] = []
 
     def drape_at(rotation: SteadyRotation | None, stop: Stop | None = None) -> tuple[Garment, Drape]:
         quiet = hooks if rotation is None else hooks.quiet()
         return drape_graded(
-            graded, wearer, fabric, target, mesh=mesh, rotation=rotation, stop=stop, settings=settings, hooks=quiet
+            mesh, wearer, fabric, target, rotation=rotation, stop=stop, settings=settings, hooks=quiet
         )
 
     def moves(legs: int, nodes: np.ndarray) -> bool:
@@ -115,12 +115,11 @@ def find_rotation(
     hooks: Hooks,
 ) -> SteadyRotation | None:
     """Find the slowest rotation that explains a scan which the drape at rest misses by a distance [m], or None."""
-    mesh, found = mesh_pattern(graded.pattern, motion.vertices), []
+    mesh, found = remesh(graded, motion.vertices), []
     for rate in motion.rates:
         rotation = rotation_of(wearer.body, rate)
-        coarse = drape_graded(
-            graded, wearer, fabric, target, mesh=mesh, rotation=rotation, settings=settings, hooks=hooks.quiet()
-        )[0]
+        quiet = hooks.quiet()
+        coarse, _ = drape_graded(mesh, wearer, fabric, target, rotation=rotation, settings=settings, hooks=quiet)
         found.append((miss(coarse, target), rotation))
     best = min(distance for distance, _ in found)
     if best > motion.explained * rest:

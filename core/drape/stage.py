@@ -13,7 +13,7 @@ from ..segment import Target, find_loops, name_contours, smoothed_length
 from ..simulate import Drape, Fabric, Scene, SolveSettings, SteadyRotation, Stop, Topology, equilibrium, soften
 from .carry import take_pose
 from .dress import DressSettings, dress, place, waist_loop
-from .follow import FollowSettings, Threads, follow, lay_threads
+from .follow import FollowSettings, PbdState, Threads, follow, lay_threads
 from .tie import pin_waist, place_waist
 from .wearer import WearerGeometry
 
@@ -141,15 +141,10 @@ def _take_pose(
         nodes = skin(nodes, weights_at(body, nodes, rest=True), body.transforms)
     if waist is not None and target is not None:
         nodes[waist] = place_waist(nodes[waist], target)
-        nodes, _ = follow(
-            threads,
-            nodes,
-            wearer.grid,
-            settings.pose_steps,
-            settings=settings.follow,
-            gravity=9.81,
-            held=waist,
-        )
+        start, steps = PbdState.at_rest(nodes), settings.pose_steps
+        nodes = follow(
+            threads, start, wearer.grid, steps, settings=settings.follow, gravity=9.81, held=waist
+        ).nodes
     return garment.at(nodes, name_contours(nodes, garment.faces, body)[0])
 
 
@@ -166,14 +161,18 @@ def name_as_placed(worn: Garment, rest: Body) -> Garment:
     return worn.at(worn.nodes, tuple(replace(c, length=length) for c, length in zip(contours, lengths, strict=True)))
 
 
+def remesh(garment: Garment, vertex_count: int) -> Garment:
+    """Mesh a garment's pattern anew with a number of vertices, where the garment is."""
+    mesh = mesh_pattern(garment.pattern, vertex_count)
+    return mesh.at(resample(garment, garment.nodes, mesh))
+
+
 def drape_graded(
-    graded: Garment,
+    garment: Garment,
     wearer: WearerGeometry,
     fabric: Fabric,
     target: Target,
     *,
-    vertex_count: int = 4000,
-    mesh: Garment | None = None,
     rotation: SteadyRotation | None = None,
     stop: Stop | None = None,
     settings: DrapeSettings = DrapeSettings(),
@@ -182,12 +181,10 @@ def drape_graded(
     """Drape a graded pattern at full resolution, to equilibrium, outside the wearer's exact mesh.
 
     Args:
-        graded: The graded pattern's coarse mesh, nodes near the target: where the equilibrium is looked for.
+        garment: The graded pattern's mesh, nodes near the target: where the equilibrium is looked for.
         wearer: The wearer's geometry.
         fabric: The cloth.
         target: Where its waist, if any, holds the garment's.
-        vertex_count: Vertices of the mesh.
-        mesh: The pattern's mesh where there is one already, wherever its nodes are; `vertex_count` then says nothing.
         rotation: The rotation in which the wearer turns, or None for cloth under its weight alone.
         stop: Asked after each leg of the equilibrium whether to stop.
         settings: Steps.
@@ -196,15 +193,14 @@ def drape_graded(
     Returns:
         The garment at rest with named contours, and the drape with its residual.
     """
-    garment = mesh_pattern(graded.pattern, vertex_count) if mesh is None else mesh
-    nodes = resample(graded, graded.nodes, garment)
-    pins = pin_waist(garment.at(nodes), target)
+    nodes, pins = garment.nodes.copy(), pin_waist(garment, target)
     if pins is not None:
         nodes[pins.nodes] = pins.points
     hooks.progress("drape", 0.1, "settling")
     threads = lay_threads(garment, settings.follow.bending)
     held = None if pins is None else pins.nodes
-    nodes, _ = follow(threads, nodes, wearer.grid, settings.settle_steps, settings=settings.follow, held=held)
+    start, steps = PbdState.at_rest(nodes), settings.settle_steps
+    nodes = follow(threads, start, wearer.grid, steps, settings=settings.follow, held=held).nodes
     hooks.progress("drape", 0.3, "equilibrium")
     scene = Scene(Topology.from_garment(garment), soften(fabric), wearer.grid, pins, rotation)
     drape = equilibrium(scene, nodes, settings=settings.solve, hooks=hooks, stop=stop)
@@ -241,7 +237,6 @@ def redrape(
         Nodes at rest [m], shape [node_count, 3], outside the wearer's exact mesh, and the drape with its residual.
     """
     worn = drape_template(garment.pattern, wearer, target, carry=True, settings=settings, hooks=hooks)
-    draped, drape = drape_graded(
-        worn, wearer, fabric, target, mesh=garment, rotation=rotation, settings=settings, hooks=hooks
-    )
+    placed = garment.at(resample(worn, worn.nodes, garment))
+    draped, drape = drape_graded(placed, wearer, fabric, target, rotation=rotation, settings=settings, hooks=hooks)
     return draped.nodes, drape

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.drape import FollowSettings, follow, lay_threads, tie_contour
+from garmentq.core.drape import FollowSettings, PbdState, follow, lay_threads, tie_contour
 from garmentq.core.pattern import Edge, Garment, Panel, Pattern, mesh_pattern
 
 
@@ -37,16 +37,16 @@ def test_rest_lengths_are_those_of_the_flat_panel() -> None:
 def test_flat_sheet_without_weight_stays_where_it_is() -> None:
     """Breaks if the constraints create motion of their own."""
     garment = sheet()
-    nodes, velocities = follow(lay_threads(garment), garment.nodes, None, 10)
-    assert np.abs(nodes - garment.nodes).max() < 1e-9
-    assert np.abs(velocities).max() < 1e-6
+    state = follow(lay_threads(garment), PbdState.at_rest(garment.nodes), None, 10)
+    assert np.abs(state.nodes - garment.nodes).max() < 1e-9
+    assert np.abs(state.velocities).max() < 1e-6
 
 
 def test_stretched_sheet_returns_to_its_size() -> None:
     """Breaks if the sweeps do not converge on the edge lengths."""
     garment = sheet()
     threads = lay_threads(garment)
-    nodes, _ = follow(threads, garment.nodes * 1.3, None, 60)
+    nodes = follow(threads, PbdState.at_rest(garment.nodes * 1.3), None, 60).nodes
     edges = threads.stiffness == 1.0
     found = np.linalg.norm(nodes[threads.ends[edges, 0]] - nodes[threads.ends[edges, 1]], axis=1)
     assert np.abs(found / threads.lengths[edges] - 1.0).max() < 0.01
@@ -57,7 +57,8 @@ def test_sheet_falls_on_a_sphere_and_stays_outside() -> None:
     garment = sheet()
     nodes = garment.nodes[:, [0, 2, 1]] * np.array([1.0, 1.0, 1.0])
     settings = FollowSettings()
-    nodes, _ = follow(lay_threads(garment), nodes, Sphere(), 120, settings=settings, gravity=9.81)
+    start = PbdState.at_rest(nodes)
+    nodes = follow(lay_threads(garment), start, Sphere(), 120, settings=settings, gravity=9.81).nodes
     distance, _ = Sphere().measure(nodes)
     assert distance.min() > settings.thickness - 1e-3
     assert nodes[:, 1].min() < -0.1, "the rim hangs down"
@@ -67,7 +68,8 @@ def test_held_nodes_do_not_move() -> None:
     """Breaks if a held node takes part in a projection."""
     garment = sheet()
     held = np.array([0, 3, 5])
-    nodes, _ = follow(lay_threads(garment), garment.nodes, None, 20, gravity=9.81, held=held)
+    start = PbdState.at_rest(garment.nodes)
+    nodes = follow(lay_threads(garment), start, None, 20, gravity=9.81, held=held).nodes
     assert np.array_equal(nodes[held], garment.nodes[held])
     assert nodes[:, 1].min() < garment.nodes[:, 1].min() - 0.05
 
@@ -75,7 +77,8 @@ def test_held_nodes_do_not_move() -> None:
 def test_same_input_gives_the_same_bits() -> None:
     """Breaks if anything in the steps depends on memory or order of execution."""
     garment = sheet()
-    runs = [follow(lay_threads(garment), garment.nodes * 1.1, Sphere(), 15, gravity=9.81)[0] for _ in range(2)]
+    start = PbdState.at_rest(garment.nodes * 1.1)
+    runs = [follow(lay_threads(garment), start, Sphere(), 15, gravity=9.81).nodes for _ in range(2)]
     assert np.array_equal(runs[0], runs[1])
 
 

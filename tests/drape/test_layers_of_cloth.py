@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.drape import follow, lay_threads, measure_wearer, size_template
+from garmentq.core.drape import LayerContact, PbdState, follow, lay_threads, measure_wearer, size_template
 from garmentq.core.drape.layers import find_layers
 from garmentq.core.drape.shell import THICKNESS, Shell
 from garmentq.core.mesh import self_intersections
@@ -42,11 +42,11 @@ def test_halves_that_fly_at_each_other_do_not_cross() -> None:
     ends = np.abs(bend) > 0.6 * np.pi
     inwards = np.column_stack([-1.5 * np.sign(bend) * ends, np.zeros(len(bend)), 0.5 * np.sign(bend) * ends])
     crossed = {}
-    for apart in (False, True):
-        moved, _ = follow(lay_threads(garment), folded, None, 40, velocities=inwards, apart=apart)
-        crossed[apart] = len(self_intersections(moved, garment.faces))
-    assert crossed[False] > 0
-    assert crossed[True] == 0
+    for layers in (None, LayerContact()):
+        moved = follow(lay_threads(garment), PbdState(folded, inwards), None, 40, layers=layers)
+        crossed[layers] = len(self_intersections(moved.nodes, garment.faces))
+    assert crossed[None] > 0
+    assert crossed[LayerContact()] == 0
 
 
 def test_a_hollow_pushes_outwards() -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_graded, drape_template, redrape
+from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_graded, drape_template, redrape, remesh
 from garmentq.core.export import save_pattern
 from garmentq.core.measure import measure_distance
 from garmentq.core.pattern import Garment, equalise_seams, load_pattern, load_template
@@ -42,9 +42,9 @@ def test_an_exported_pattern_drapes_to_the_same_shape(worn, wearer: WearerGeomet
     save_pattern(garment.pattern, tmp_path / "pattern.json")
     read = load_pattern(tmp_path / "pattern.json")
     np.testing.assert_allclose(read.points, garment.pattern.points, atol=1e-6)
-    ours, drape = drape_graded(garment, wearer, FABRIC, target, vertex_count=500, settings=COARSE)
+    ours, drape = drape_graded(remesh(garment, 500), wearer, FABRIC, target, settings=COARSE)
     assert drape.converged
-    again, _ = drape_graded(replace(garment, pattern=read), wearer, FABRIC, target, vertex_count=500, settings=COARSE)
+    again, _ = drape_graded(remesh(replace(garment, pattern=read), 500), wearer, FABRIC, target, settings=COARSE)
     found = measure_distance(again.nodes, again.faces, ours.nodes, ours.faces, samples=2000)
     assert found["surface_rms_mm.s2t"] < 1.0
     assert found["surface_rms_mm.t2s"] < 1.0
