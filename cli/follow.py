@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Protocol
 from ..core.recovery import STAGES
 from ..service.backend import Backend
 from ..service.records import Event, JobReport
-from ..service.states import ENDED
+from .family import FamilyEvents
 from .terminal import note, plain
 
 if TYPE_CHECKING:
@@ -41,22 +41,24 @@ class Wait:
     keep_up: Callable[[], None] | None = None
 
 
-def follow(backend: Backend, job: str, wait: Wait) -> JobReport:
-    """Wait until a job has ended, with a bar per stage on a terminal and a line per stage elsewhere.
+def follow(backend: Backend, job: str, wait: Wait) -> list[JobReport]:
+    """Wait until a job and all below it have ended, with a bar per stage on a terminal and a line per stage elsewhere.
+
+    Returns:
+        The job, then all below it, each parent before its children.
 
     Raises:
         WaitTimedOut: where `wait.timeout` seconds went by first.
     """
     deadline = None if wait.timeout is None else time.monotonic() + wait.timeout
-    seen, heard = 0, time.monotonic()
+    family, heard = FamilyEvents(backend, job, is_whole=False), time.monotonic()
     with _choose_display(wait.as_json) as display:
         while True:
-            news = backend.poll_events(job, seen)
-            for event in news.events if seen else _latest_run(news.events):
-                seen, heard = event.id, time.monotonic()
-                display.show(event)
-            if news.state in ENDED:
-                return backend.find_job(job)
+            for event in family.poll():
+                heard = time.monotonic()
+                display.show(event, family.names[event.job])
+            if family.has_ended:
+                return family.reports
             if deadline is not None and time.monotonic() > deadline:
                 raise WaitTimedOut()
             if wait.keep_up is not None and time.monotonic() - heard > SILENT_SECONDS:
@@ -65,17 +67,11 @@ def follow(backend: Backend, job: str, wait: Wait) -> JobReport:
             time.sleep(backend.poll_seconds)
 
 
-def _latest_run(events: list[Event]) -> list[Event]:
-    """Give the events since the job was last put into the queue by a person."""
-    begins = [index for index, event in enumerate(events) if event.kind in ("queued", "resubmitted", "retried")]
-    return events[begins[-1] :] if begins else events
-
-
 class Display(Protocol):
-    """Show what happens to a job."""
+    """Show what happens to a job and to those below it."""
 
-    def show(self, event: Event) -> None:
-        """Show one event."""
+    def show(self, event: Event, name: str) -> None:
+        """Show one event; `name` is that of a job below, empty for the job itself."""
 
 
 def _choose_display(is_quiet: bool) -> AbstractContextManager[Display]:
@@ -85,29 +81,29 @@ def _choose_display(is_quiet: bool) -> AbstractContextManager[Display]:
 
 
 class _Silence:
-    def show(self, event: Event) -> None:
+    def show(self, event: Event, name: str) -> None:
         """Show nothing."""
 
 
 class Lines:
-    """Write one line when a stage begins and one for each thing that happens to the job."""
+    """Write one line when a stage begins and one for each thing that happens to a job."""
 
     def __init__(self) -> None:
         """Begin with no stage."""
-        self.stage = ""
+        self.stages: dict[str, str] = {}
 
-    def show(self, event: Event) -> None:
+    def show(self, event: Event, name: str) -> None:
         """Write what is new."""
         progress = event.progress
         if progress is None:
-            note(event.kind)
-        elif progress.stage != self.stage:
-            self.stage = progress.stage
-            note(f"  {self.stage} ...")
+            note(_label(name, event.kind))
+        elif progress.stage != self.stages.get(event.job):
+            self.stages[event.job] = progress.stage
+            note(f"  {_label(name, progress.stage)} ...")
 
 
 class Bars:
-    """Draw a bar for each stage on the terminal."""
+    """Draw a bar for each stage of each job on the terminal."""
 
     def __init__(self) -> None:
         """Prepare the bars."""
@@ -122,7 +118,7 @@ class Bars:
             TextColumn("{task.fields[message]}", markup=False),
             console=Console(stderr=True),
         )
-        self.tasks: dict[str, TaskID] = {}
+        self.tasks: dict[tuple[str, str], TaskID] = {}
 
     def __enter__(self) -> Bars:
         """Begin to draw."""
@@ -133,22 +129,26 @@ class Bars:
         """Leave the last picture on the screen."""
         self.progress.stop()
 
-    def show(self, event: Event) -> None:
+    def show(self, event: Event, name: str) -> None:
         """Draw what is new."""
         progress = event.progress
         if progress is None:
             if event.kind not in ("queued", "started", "succeeded"):
-                self.progress.console.print(plain(event.kind), markup=False)
+                self.progress.console.print(plain(_label(name, event.kind)), markup=False)
             return
-        stage = plain(progress.stage)
-        if stage not in self.tasks:
-            self._finish_before(stage)
-            self.tasks[stage] = self.progress.add_task(stage, total=1.0, message="")
-        self.progress.update(self.tasks[stage], completed=progress.fraction, message=plain(progress.message))
+        task = (event.job, progress.stage)
+        if task not in self.tasks:
+            self._finish_before(*task)
+            self.tasks[task] = self.progress.add_task(plain(_label(name, progress.stage)), total=1.0, message="")
+        self.progress.update(self.tasks[task], completed=progress.fraction, message=plain(progress.message))
 
-    def _finish_before(self, stage: str) -> None:
+    def _finish_before(self, job: str, stage: str) -> None:
         order = STAGES.index(stage) if stage in STAGES else len(STAGES)
-        for name, task in self.tasks.items():
-            if name not in STAGES or STAGES.index(name) < order:
+        for (other, name), task in self.tasks.items():
+            if other == job and (name not in STAGES or STAGES.index(name) < order):
                 self.progress.update(task, completed=1.0)
                 self.progress.stop_task(task)
+
+
+def _label(name: str, text: str) -> str:
+    return f"{name}: {text}" if name else text

@@ -13,6 +13,7 @@ import click
 from ..service.backend import Backend
 from ..service.records import Job
 from ..service.states import ENDED, State
+from .family import arrange, find_family, indent
 from .follow import WaitTimedOut
 from .terminal import show, show_time
 
@@ -32,7 +33,7 @@ def watch_queue(backend: Backend, job: str | None, limit: int) -> None:
     from rich.live import Live
 
     def draw() -> RenderableType:
-        return draw_queue(backend, [backend.find_job(job)] if job else backend.list_jobs(limit))
+        return draw_queue(backend, find_family(backend, backend.find_job(job)) if job else backend.list_jobs(limit))
 
     console = Console()
     if not console.is_terminal:
@@ -57,18 +58,19 @@ def draw_queue(backend: Backend, rows: Sequence[Job]) -> RenderableType:
     title = "  ".join(f"{state} {counts[state]}" for state in sorted(counts)) or "no jobs"
     workers = [[row.name, row.queues, row.concurrency, show_time(row.started), show_time(row.seen)] for row in living]
     jobs = [
-        [row.id, row.name, row.queue, row.priority, row.state, row.stage, round(100 * row.progress), row.attempts]
-        for row in rows
+        [row.id, indent(depth, row.name), row.queue, row.priority, row.state, row.stage]
+        + [round(100 * row.progress), row.attempts]
+        for depth, row in arrange(rows)
     ]
     return Group(
         Text(title),
         _table(["worker", "queues", "slots", "since", "seen"], workers),
-        _table(["job", "scan", "queue", "priority", "state", "stage", "%", "attempt"], jobs),
+        _table(["job", "name", "queue", "priority", "state", "stage", "%", "attempt"], jobs),
     )
 
 
 def follow_batch(backend: Backend, jobs: Sequence[str], timeout: float | None) -> list[Job]:
-    """Wait until every job of a batch has ended, with one view over all of them.
+    """Wait until every job of a batch and all below them have ended, with one view over all of them.
 
     On a terminal one bar and the running jobs; elsewhere a line whenever another job has ended.
 
@@ -84,9 +86,9 @@ def follow_batch(backend: Backend, jobs: Sequence[str], timeout: float | None) -
     known: dict[str, Job] = {}
     with Live(console=console, auto_refresh=False, transient=not sys.stderr.isatty()) as live:
         while True:
-            left = [job for job in jobs if job not in known or known[job].state not in ENDED]
-            known |= {row.id: row for row in backend.find_jobs_by_id(left)}
-            rows = [known[job] for job in jobs if job in known]
+            left = [job for job in dict.fromkeys([*jobs, *known]) if job not in known or known[job].state not in ENDED]
+            known |= {row.id: row for row in backend.find_jobs_by_id(left, below=True)}
+            rows = list(known.values())
             done = sum(row.state in ENDED for row in rows)
             if console.is_terminal:
                 live.update(draw_batch(rows), refresh=True)
@@ -111,7 +113,7 @@ def draw_batch(rows: Sequence[Job]) -> RenderableType:
     text = "  ".join(f"{state} {count}" for state, count in sorted(counts.items()))
     running = [[row.id, row.name, row.stage, round(100 * row.progress)] for row in rows if row.state == State.RUNNING]
     bar = ProgressBar(total=max(1, len(rows)), completed=total, width=60)
-    return Group(bar, Text(text), _table(["job", "scan", "stage", "%"], running[:BATCH_ROWS]))
+    return Group(bar, Text(text), _table(["job", "name", "stage", "%"], running[:BATCH_ROWS]))
 
 
 def _table(columns: Sequence[str], rows: Sequence[Sequence[object]]) -> RenderableType:

@@ -24,31 +24,30 @@ if TYPE_CHECKING:
 def command(context: click.Context, job: str, follows: bool, home: Path | None, as_json: bool) -> None:
     """Show what happened to a job.
 
+    And to the jobs below it, which it made: each line of theirs begins with their name.
+
     \b
     Example:
       garmentq logs -f 3685ecfd4f81
     """
     from ..service.backend import open_backend
     from ..service.settings import read_settings
-    from ..service.states import ENDED
+    from .family import FamilyEvents
 
     backend = open_backend(read_settings(home=home))
-    found = backend.find_job(job)
-    seen = 0
+    family = FamilyEvents(backend, backend.find_job(job).id)
     try:
         while True:
-            news = backend.poll_events(found.id, seen)
-            for event in news.events:
-                seen = event.id
-                _print(event, as_json)
-            if not follows or news.state in ENDED:
+            for event in family.poll():
+                _print(event, family.names[event.job], as_json)
+            if not follows or family.has_ended:
                 return
             time.sleep(backend.poll_seconds)
     except KeyboardInterrupt:
         context.exit(exits.DETACHED)
 
 
-def _print(event: Event, as_json: bool) -> None:
+def _print(event: Event, name: str, as_json: bool) -> None:
     from .terminal import plain, print_json, show, show_time
 
     if as_json:
@@ -59,4 +58,5 @@ def _print(event: Event, as_json: bool) -> None:
         text = f"{progress.stage} {100 * progress.fraction:.0f}% {progress.message}"
     else:
         text = " ".join(f"{name}={value}" for name, value in event.data.items())
+    text = f"{name}: {text}" if name else text
     click.echo(f"{show_time(event.at)}  {plain(event.kind):16}  {show(text)}")

@@ -69,6 +69,8 @@ class OrderOptions:
     vertices: int
     seed: int
     force: bool
+    name: str
+    tags: tuple[str, ...]
 
 
 def order_options(function: Decorator) -> Decorator:
@@ -132,5 +134,7 @@ def order_options(function: Decorator) -> Decorator:
         ),
         click.option("--seed", type=int, default=default.seed, show_default=True, help="Seed of every random choice."),
         click.option("--force", is_flag=True, help="Make a new job even where an equal one exists."),
+        click.option("--name", default="", help="What the job and all below it are called.  [default: after the scan]"),
+        click.option("--tag", "tags", multiple=True, help="Word that they are found by; may be given several times."),
     ]
     return gather(OrderOptions, options)(function)

@@ -27,7 +27,16 @@ def make_order(backend: Backend, scan: Path, options: OrderOptions) -> Order:
     template = options.template
     file = Path(template) if template is not None and Path(template).is_file() else None
     body = options.body if options.body is None or is_builtin(options.body) else Path(options.body)
-    order = Order(scan, body, file, make_settings(options), force=options.force, labels=options.labels)
+    order = Order(
+        scan,
+        body,
+        file,
+        make_settings(options),
+        force=options.force,
+        labels=options.labels,
+        name=options.name,
+        tags=options.tags,
+    )
     return backend.check_order(order, None if file is not None else template)
 
 

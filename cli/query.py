@@ -9,6 +9,9 @@ import click
 
 from .options import gather, home_option, json_option
 
+NAMED = ("garment", "state", "fabric", "name", "kind", "family", "tag")
+"""Fields that have an option of their own."""
+
 
 @dataclass(frozen=True)
 class QueryOptions:
@@ -17,6 +20,10 @@ class QueryOptions:
     garment: str | None
     state: str | None
     fabric: str | None
+    name: str | None
+    kind: str | None
+    family: str | None
+    tag: str | None
     wheres: tuple[str, ...]
     sort: str
     limit: int
@@ -26,8 +33,12 @@ query_options = gather(
     QueryOptions,
     [
         click.option("--garment", help="Category: tshirt, tank, dress, trousers, skirt, ..."),
-        click.option("--state", help="State: queued, running, succeeded, failed, dead, cancelled."),
+        click.option("--state", help="State: waiting, queued, running, succeeded, failed, dead, cancelled."),
         click.option("--fabric", help="Name of the fabric."),
+        click.option("--name", help="What the job is called."),
+        click.option("--kind", help="Kind of job, such as recover."),
+        click.option("--family", help="Id of the job that all of a family stand under."),
+        click.option("--tag", help="Word that was given by `--tag` at submission."),
         click.option(
             "--where", "wheres", multiple=True, help="NAME OPERATOR VALUE, joined by 'and'; may be given repeatedly."
         ),
@@ -49,8 +60,9 @@ query_options = gather(
 def command(options: QueryOptions, as_csv: bool, home: Path | None, as_json: bool) -> None:
     """Search completed jobs by their results.
 
-    Names are the fields job, name, state, version, error, garment, template, fabric, body, method, preset, created,
-    started, finished, attempts, priority, cpu_seconds, peak_mb, and every metric. Operators: < <= > >= = !=
+    Names are the fields job, name, kind, family, parent, tag, state, version, error, garment, template, fabric, body,
+    method, preset, created, started, finished, attempts, priority, cpu_seconds, peak_mb, and every metric. Operators:
+    < <= > >= = !=
 
     \b
     Example:
@@ -62,8 +74,7 @@ def command(options: QueryOptions, as_csv: bool, home: Path | None, as_json: boo
     from .summary import flatten
     from .terminal import print_csv, print_json, print_table, show_time
 
-    named = {"garment": options.garment, "state": options.state, "fabric": options.fabric}
-    given = {name: value for name, value in named.items() if value is not None}
+    given = {name: value for name in NAMED if (value := getattr(options, name)) is not None}
     query = JobQuery(given, options.wheres, options.sort, options.limit)
     found = open_backend(read_settings(home=home)).find_jobs(query)
     if as_json:
@@ -76,9 +87,9 @@ def command(options: QueryOptions, as_csv: bool, home: Path | None, as_json: boo
     asked = [c.name for c in query.conditions if any(c.name in job.metrics for job in found)]
     shown = list(dict.fromkeys(["surface_rms_mm.s2t", "surface_rms_mm.t2s", *asked]))
     print_table(
-        ["job", "scan", "state", "garment", "fabric", *shown, "created"],
+        ["job", "name", "kind", "state", "garment", "fabric", *shown, "created"],
         [
-            [job.id, job.name, job.state, job.garment, job.fabric]
+            [job.id, job.name, job.kind, job.state, job.garment, job.fabric]
             + [job.metrics.get(name) for name in shown]
             + [show_time(job.created)]
             for job in found

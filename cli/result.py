@@ -19,7 +19,8 @@ from .options import home_option, json_option, verbose_option
 def command(context: click.Context, job: str, home: Path | None, verbose: bool, as_json: bool) -> None:
     """Show what a job found.
 
-    The exit status is the job's: 0 succeeded, 4 bad input, 5 failed, 6 dead, 7 cancelled; 3 where it has no result yet.
+    And what the jobs below it found, each by itself. The exit status is the worst of theirs: 0 succeeded, 4 bad input,
+    5 failed, 6 dead, 7 cancelled; 3 where one has no result yet.
 
     \b
     Example:
@@ -31,20 +32,29 @@ def command(context: click.Context, job: str, home: Path | None, verbose: bool, 
     from ..service.results import ResultMissing
     from ..service.settings import read_settings
     from ..service.states import ENDED, State
+    from .family import find_family
     from .summary import print_result
     from .terminal import print_error, print_json, print_table
 
     backend = open_backend(read_settings(home=home))
-    found = backend.find_job(job)
-    if found.state not in ENDED:
-        raise ResultMissing(f"job {found.id} is {found.state}; `garmentq logs -f {found.id}` follows it.")
-    files = backend.list_artifacts(found.id)
-    if as_json:
-        print_json({**found.as_json(), "files": [asdict(file) for file in files]})
-    elif found.state == State.SUCCEEDED:
-        print_result(found, [], verbose)
-        if verbose:
-            print_table(["file", "bytes", "sha256"], [[file.name, file.size, file.sha256[:12]] for file in files])
-    if found.error:
-        print_error(found.error.code, found.error.message)
-    context.exit(exits.job_status(found))
+    family = find_family(backend, backend.find_job(job))
+    status = exits.OK
+    for found in family:
+        if found.state not in ENDED:
+            missing = ResultMissing(f"job {found.id} is {found.state}; `garmentq logs -f {found.id}` follows it.")
+            if len(family) == 1:
+                raise missing
+            print_error(missing.code, missing.message)
+            status = max(status, exits.NOT_FOUND)
+            continue
+        files = backend.list_artifacts(found.id)
+        if as_json:
+            print_json({**found.as_json(), "files": [asdict(file) for file in files]})
+        elif found.state == State.SUCCEEDED:
+            print_result(found, [], verbose)
+            if verbose:
+                print_table(["file", "bytes", "sha256"], [[file.name, file.size, file.sha256[:12]] for file in files])
+        if found.error:
+            print_error(found.error.code, found.error.message)
+        status = max(status, exits.job_status(found))
+    context.exit(status)

@@ -20,7 +20,10 @@ from .options import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ..service.backend import Backend
+    from ..service.records import JobReport
     from .follow import Wait
 
 
@@ -92,37 +95,51 @@ def folder_name(label: str) -> str:
 
 
 def wait_and_show(backend: Backend, job: str, folder: Path, wait: Wait, verbose: bool = False) -> int:
-    """Wait for a job, bring its files out, and show what it found.
+    """Wait for a job and all below it, bring their files out, and show what they found.
 
     Args:
         backend: Where the job is.
         job: Its id.
-        folder: Folder for its files.
+        folder: Folder for its files; those of a job below it go into a folder of that one's name.
         wait: How its end is awaited; with `as_json` one object is printed instead of tables.
         verbose: Print every number instead of the summary.
 
     Returns:
-        Exit status.
+        Exit status, the worst of the family.
     """
     from .follow import WaitTimedOut, follow
     from .summary import print_result
     from .terminal import note, print_error, print_json
 
     try:
-        found = follow(backend, job, wait)
+        family = follow(backend, job, wait)
     except WaitTimedOut:
         note(f"job {job} goes on; `garmentq logs -f {job}` follows it.")
         return exits.TIMED_OUT
     except KeyboardInterrupt:
         note(f"job {job} goes on; `garmentq logs -f {job}` follows it, `garmentq cancel {job}` stops it.")
         return exits.DETACHED
-    files = backend.export_files(job, folder) if found.state == State.SUCCEEDED else []
-    if wait.as_json:
-        print_json({**found.as_json(), "files": {path.name: str(path) for path in files}})
-    elif files:
-        print_result(found, files, verbose)
-    if found.error:
-        print_error(found.error.code, found.error.message)
-    elif found.state == State.CANCELLED:
-        note(f"job {job} was cancelled")
-    return exits.job_status(found)
+    folders = name_folders(family, folder)
+    for found in family:
+        files = backend.export_files(found.id, folders[found.id]) if found.state == State.SUCCEEDED else []
+        if wait.as_json:
+            print_json({**found.as_json(), "files": {path.name: str(path) for path in files}})
+        elif files:
+            print_result(found, files, verbose)
+        if found.error:
+            print_error(found.error.code, found.error.message)
+        elif found.state == State.CANCELLED:
+            note(f"job {found.id} was cancelled")
+    return max(exits.job_status(found) for found in family)
+
+
+def name_folders(family: Sequence[JobReport], folder: Path) -> dict[str, Path]:
+    """Return the folder of each job of a family: that of a job below lies in its parent's and has its name."""
+    folders: dict[str, Path] = {}
+    for job in family:
+        if job.parent not in folders:
+            folders[job.id] = folder
+            continue
+        wanted = folders[job.parent] / folder_name(job.name)
+        folders[job.id] = wanted if wanted not in folders.values() else wanted.with_name(f"{wanted.name}_{job.id}")
+    return folders

@@ -18,6 +18,8 @@ from .options import home_option, json_option
 def command(job: str | None, limit: int, watch: bool, home: Path | None, as_json: bool) -> None:
     """Show the jobs, or one of them.
 
+    A job that another one made stands under that one; one job is shown with all below it.
+
     \b
     Example:
       garmentq status
@@ -26,6 +28,7 @@ def command(job: str | None, limit: int, watch: bool, home: Path | None, as_json
     """
     from ..service.backend import open_backend
     from ..service.settings import read_settings
+    from .family import arrange, find_family, indent
     from .terminal import print_error, print_json, print_table, show_time
 
     backend = open_backend(read_settings(home=home))
@@ -34,18 +37,19 @@ def command(job: str | None, limit: int, watch: bool, home: Path | None, as_json
 
         watch_queue(backend, job, limit)
         return
-    found = [backend.find_job(job)] if job else backend.list_jobs(limit)
+    found = find_family(backend, backend.find_job(job)) if job else backend.list_jobs(limit)
     if as_json:
         for one in found:
             print_json(one.as_json())
         return
     print_table(
-        ["job", "scan", "state", "stage", "%", "attempts", "created", "ended"],
+        ["job", "name", "kind", "state", "stage", "%", "attempts", "created", "ended"],
         [
-            [one.id, one.name, one.state, one.stage, round(100 * one.progress), one.attempts]
+            [one.id, indent(depth, one.name), one.kind, one.state, one.stage, round(100 * one.progress), one.attempts]
             + [show_time(one.created), show_time(one.finished)]
-            for one in found
+            for depth, one in arrange(found)
         ],
     )
-    if job and found[0].error:
-        print_error(found[0].error.code, found[0].error.message)
+    for one in found if job else ():
+        if one.error:
+            print_error(one.error.code, one.error.message)

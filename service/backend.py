@@ -45,8 +45,8 @@ class Backend(Protocol):
             JobUnknown: where there is none, or more than one.
         """
 
-    def find_jobs_by_id(self, ids: Sequence[str]) -> list[Job]:
-        """Return how far the jobs of some ids are, in the order of the ids.
+    def find_jobs_by_id(self, ids: Sequence[str], below: bool = False) -> list[Job]:
+        """Return how far the jobs of some ids are, in the order of the ids; with `below` then all jobs below them.
 
         Raises:
             JobUnknown: where one is not known.

@@ -16,7 +16,7 @@ from sqlalchemy.orm import Session, aliased
 
 from ..core.errors import BadInput, GarmentqError
 from .database import Database
-from .jobs import JobUnknown, NewJob, create, move, record
+from .jobs import IDS_AT_ONCE, JobUnknown, NewJob, create, move, record
 from .keys import check_quota, own
 from .kinds.kind import PARENT, ChildRequest
 from .models import IdempotencyRow, JobInputRow, JobRow, JobTagRow, JobWaitRow, OwnerRow
@@ -64,6 +64,22 @@ def find_tree(session: Session, row: JobRow, is_locked: bool = False) -> list[Jo
     return tree
 
 
+def find_below(database: Database, jobs: Sequence[str]) -> list[JobRow]:
+    """Return all jobs below some others but those themselves, a level at a time, each in the order of their making."""
+    known, level, found = set(jobs), list(jobs), list[JobRow]()
+    with database.read() as session:
+        while level:
+            below: list[JobRow] = []
+            for start in range(0, len(level), IDS_AT_ONCE):
+                chunk = level[start : start + IDS_AT_ONCE]
+                below += session.scalars(select(JobRow).where(JobRow.parent.in_(chunk)))
+            new = sorted((row for row in below if row.id not in known), key=lambda row: (row.created, row.id))
+            found += new
+            level = [row.id for row in new]
+            known.update(level)
+    return found
+
+
 def cancel(database: Database, job: str) -> State:
     """Ask a job and all below it to stop: what is queued or waits ends at once, what runs at its worker's next look.
 
@@ -80,10 +96,13 @@ def cancel(database: Database, job: str) -> State:
         return row.state
 
 
-def retry(database: Database, job: str, key: str = "", quota: int = 0) -> None:
+def retry(database: Database, job: str, key: str = "", quota: int = 0) -> State:
     """Try again what did not succeed of a job and all below it, with all attempts; checkpoints are used again.
 
     A job that waits for a sibling takes that one along, where it did not succeed either.
+
+    Returns:
+        The job's own state after this call.
 
     Raises:
         JobUnknown: where there is none of that id.
@@ -102,6 +121,7 @@ def retry(database: Database, job: str, key: str = "", quota: int = 0) -> None:
             raise JobSucceeded()
         check_quota(session, key, quota)
         try_again(session, stuck, "retried", key)
+        return row.state
 
 
 def try_again(session: Session, rows: Sequence[JobRow], event: str, payer: str) -> None:

@@ -48,10 +48,12 @@ class LocalBackend:
         """Return a job by its id, or by a beginning of it that fits no other."""
         return results.report_jobs(self._database, [jobs.find_job(self._database, job)], self.settings)[0]
 
-    def find_jobs_by_id(self, ids: Sequence[str]) -> list[Job]:
-        """Return how far the jobs of some ids are, in the order of the ids."""
-        rows = jobs.find_jobs_by_id(self._database, ids)
-        return jobs.pick_known(ids, {row.id: Job.from_row(row) for row in rows})
+    def find_jobs_by_id(self, ids: Sequence[str], below: bool = False) -> list[Job]:
+        """Return how far the jobs of some ids are, in the order of the ids; with `below` then all jobs below them."""
+        found = {row.id: Job.from_row(row) for row in jobs.find_jobs_by_id(self._database, ids)}
+        known = jobs.pick_known(ids, found)
+        more = families.find_below(self._database, ids) if below else []  # read last: it has an ended job's children
+        return known + [Job.from_row(row) for row in more]
 
     def list_jobs(self, limit: int = 50) -> list[JobReport]:
         """Return the newest jobs, newest first."""
@@ -86,9 +88,7 @@ class LocalBackend:
 
     def retry(self, job: str) -> State:
         """Queue a job that ended without success once more."""
-        row = jobs.find_job(self._database, job)
-        families.retry(self._database, row.id)
-        return jobs.find_job(self._database, row.id).state
+        return families.retry(self._database, jobs.find_job(self._database, job).id)
 
     def list_artifacts(self, job: str) -> list[Artifact]:
         """Return a job's result files by name."""

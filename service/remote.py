@@ -145,13 +145,15 @@ class RemoteBackend:
         found = self._ask("GET", f"/v1/jobs/{quote(job, safe='')}")
         return _read(lambda: JobReport.from_json(found))
 
-    def find_jobs_by_id(self, ids: Sequence[str]) -> list[Job]:
-        """Return how far the jobs of some ids are, in their order, by one request for each thousand."""
+    def find_jobs_by_id(self, ids: Sequence[str], below: bool = False) -> list[Job]:
+        """Return how far the jobs of some ids are, one request for each thousand; with `below` then all jobs below."""
         found: dict[str, Job] = {}
         for start in range(0, len(ids), MOST_JOBS):
-            answer = self._ask("POST", "/v1/jobs/states", json={"jobs": list(ids[start : start + MOST_JOBS])})
+            wanted = {"jobs": list(ids[start : start + MOST_JOBS])} | ({"below": True} if below else {})
+            answer = self._ask("POST", "/v1/jobs/states", json=wanted)
             found |= {job.id: job for job in _read_all(Job.from_json, answer, "jobs")}
-        return pick_known(ids, found)
+        known, asked = pick_known(ids, found), set(ids)
+        return known + [job for job in found.values() if job.id not in asked]
 
     def list_jobs(self, limit: int = 50) -> list[JobReport]:
         """Return the newest jobs, newest first; at most a thousand."""

@@ -8,6 +8,7 @@ from typing import Any
 from fastapi import APIRouter
 from sqlalchemy import func, select
 
+from ..families import find_below
 from ..jobs import find_jobs_by_id
 from ..models import JobRow, OwnerRow
 from ..query import count_states
@@ -34,14 +35,19 @@ QUEUE = {"states": {"queued": 3, "running": 2}, "workers": [WORKER]}
     "/jobs/states", summary="Tell how far many jobs are.", responses=show_answer({"jobs": [BRIEF]}, 200, Briefs)
 )
 def tell_states(wanted: JobsIn, rooms: RoomsOf, caller: Reader) -> Any:
-    """Give the jobs of some ids in their order; those that are unknown, or another key's, are left out."""
+    """Return the jobs of some ids in their order, with `below` then all jobs below them.
+
+    Those that are unknown, or another key's, are left out.
+    """
     ids = wanted.jobs
     if not caller.sees_all:
         with rooms.database.read() as session:
             own = select(OwnerRow.job).where(OwnerRow.key == caller.key, OwnerRow.job.in_(ids))
             seen = set(session.scalars(own))
         ids = [job for job in ids if job in seen]
-    return {"jobs": [Job.from_row(row).as_json() for row in find_jobs_by_id(rooms.database, ids)]}
+    rows = find_jobs_by_id(rooms.database, ids)
+    more = find_below(rooms.database, ids) if wanted.below else []  # who sees a job sees all below it
+    return {"jobs": [Job.from_row(row).as_json() for row in rows + more]}
 
 
 @router.get("/queue", summary="Count the jobs and list the workers.", responses=show_answer(QUEUE, 200, Queue))

@@ -21,7 +21,6 @@ from ..models import JobRow
 from ..ordering import check_order
 from ..query import JobQuery, find_jobs
 from ..results import report_jobs
-from ..states import State
 from ..submission import Order, Submitted, clean_name, own_name, submit
 from ..uploads import begin_once, end_once, find_upload
 from .access import Reader, Rooms, RoomsOf, Submitter, find_own
@@ -116,8 +115,7 @@ def cancel_job(job: str, rooms: RoomsOf, caller: Submitter) -> Any:
 def retry_job(job: str, rooms: RoomsOf, caller: Submitter) -> Any:
     """Give an ended job all its attempts once more."""
     row = find_own(rooms, caller, job)
-    retry(rooms.database, row.id, caller.key, caller.quota)
-    return {"job": row.id, "state": State.QUEUED}
+    return {"job": row.id, "state": retry(rooms.database, row.id, caller.key, caller.quota)}
 
 
 def show_job(rooms: Rooms, row: JobRow) -> dict[str, Any]:

@@ -72,6 +72,7 @@ class JobsIn(BaseModel):
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"example": {"jobs": ["3685ecfd4f81", "5f1d0c9b7a3e"]}})
     jobs: list[Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{12}$")]] = Field(min_length=1, max_length=MOST_JOBS)
+    below: bool = Field(False, description="Also return all jobs below them.")
 
 
 class KeyIn(BaseModel):

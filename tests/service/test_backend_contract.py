@@ -14,7 +14,9 @@ from garmentq.core.pattern import load_template, save_pattern
 from garmentq.core.settings import RecoverySettings
 from garmentq.service import records
 from garmentq.service.backend import Backend, open_backend
-from garmentq.service.jobs import claim, fail, report
+from garmentq.service.families import make_children
+from garmentq.service.jobs import claim, fail, find_job, report
+from garmentq.service.kinds.kind import ChildRequest
 from garmentq.service.local import LocalBackend
 from garmentq.service.query import JobQuery
 from garmentq.service.records import Job, JobReport
@@ -94,12 +96,18 @@ def test_equal_records(local, remote, order, settings, database, store, tmp_path
     fail(database, held, "scan.x", "bad", bad_input=True)
     built_in = Order(order.scan, "builtin:female,height=1.70")
     queued = local.submit(built_in).job
+    with database.write() as session:
+        asked = [ChildRequest("\u00c4rmel", "recover", find_job(database, done).request)]
+        (child,) = make_children(session, done, asked).values()
     local.import_template("mine", _write_template(tmp_path))
 
     ids = [queued, done, failed]
+    assert [job.id for job in remote.find_jobs_by_id(ids, below=True)] == [*ids, child]
     for ask in (
         *(lambda backend, job=job: backend.find_job(job) for job in (*ids, done[:6])),
         lambda backend: backend.find_jobs_by_id(ids),
+        lambda backend: backend.find_jobs_by_id([failed, done], below=True),
+        lambda backend: backend.find_jobs(JobQuery({"family": done})),
         lambda backend: backend.list_jobs(),
         lambda backend: backend.list_jobs(2),
         lambda backend: backend.find_jobs(JobQuery({"state": "failed"})),

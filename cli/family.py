@@ -1,0 +1,104 @@
+"""Families of jobs: children stand under their parent, and who waits for a job waits for all below it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TypeVar
+
+from ..service.backend import Backend
+from ..service.query import MOST, JobQuery
+from ..service.records import Event, Job, JobReport
+from ..service.states import ENDED, State
+
+J = TypeVar("J", bound=Job)
+
+BEGINNINGS = ("queued", "resubmitted", "retried")
+"""Events by which a person put a job into the queue."""
+
+
+def arrange(jobs: Sequence[J]) -> list[tuple[int, J]]:
+    """Return jobs with their depth, each parent before its children; a job whose parent is not there counts as a root.
+
+    Roots keep their order, children stand in the order in which they were made.
+    """
+    known = {job.id for job in jobs}
+    below: dict[str | None, list[J]] = {}
+    for job in jobs:
+        below.setdefault(job.parent if job.parent in known else None, []).append(job)
+
+    def walk(parent: str | None, depth: int) -> Iterator[tuple[int, J]]:
+        found = below.get(parent, [])
+        for job in found if parent is None else sorted(found, key=lambda job: (job.created, job.id)):
+            yield depth, job
+            yield from walk(job.id, depth + 1)
+
+    return list(walk(None, 0))
+
+
+def indent(depth: int, name: str) -> str:
+    """Return a job's name as a table of a family shows it."""
+    return f"{'  ' * depth}{name}"
+
+
+def find_family(backend: Backend, job: JobReport) -> list[JobReport]:
+    """Return a job and all below it, each parent before its children."""
+    if not job.children:
+        return [job]
+    found = arrange(backend.find_jobs(JobQuery({"family": job.family}, sort="created", limit=MOST)))
+    place = next((index for index, (_, one) in enumerate(found) if one.id == job.id), None)
+    if place is None:  # more jobs than one question returns
+        return [job]
+    end = place + 1
+    while end < len(found) and found[end][0] > found[place][0]:
+        end += 1
+    return [one for _, one in found[place:end]]
+
+
+class FamilyEvents:
+    """Poll the events of a job and of all below it, whose jobs are made while one waits.
+
+    Attributes:
+        names: Names of the jobs below by id; the job itself has none.
+    """
+
+    def __init__(self, backend: Backend, job: str, is_whole: bool = True) -> None:
+        """Begin with one job; where not `is_whole`, with the events since it was last put into the queue."""
+        self.names: dict[str, str] = {job: ""}
+        self._reports: dict[str, JobReport] = {}
+        self._backend, self._is_whole = backend, is_whole
+        self._seen: dict[str, int] = {}
+
+    @property
+    def reports(self) -> list[JobReport]:
+        """Return the jobs that have ended, each parent before its children."""
+        return [self._reports[job] for job in self.names if job in self._reports]
+
+    @property
+    def has_ended(self) -> bool:
+        """Return whether the job and all below it have ended."""
+        return len(self._reports) == len(self.names)
+
+    def poll(self) -> list[Event]:
+        """Return what happened since the last poll, in order."""
+        events: list[Event] = []
+        left = [job for job in self.names if job not in self._reports]
+        for job in left:  # grows by the children of those that have ended
+            news = self._backend.poll_events(job, self._seen.get(job, 0))
+            events += news.events if self._is_whole or job in self._seen else _latest_run(news.events)
+            self._seen[job] = news.events[-1].id if news.events else self._seen.get(job, 0)
+            if news.state in ENDED:
+                left += self._end(job)
+        return sorted(events, key=lambda event: event.id)
+
+    def _end(self, job: str) -> list[str]:
+        """Note that a job has ended, and return its children."""
+        found = self._reports[job] = self._backend.find_job(job)
+        children = found.children if found.state == State.SUCCEEDED else []
+        self.names |= {child.job: child.name for child in children}
+        return [child.job for child in children]
+
+
+def _latest_run(events: list[Event]) -> list[Event]:
+    """Return the events since the job was last put into the queue by a person."""
+    begins = [index for index, event in enumerate(events) if event.kind in BEGINNINGS]
+    return events[begins[-1] :] if begins else events
