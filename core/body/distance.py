@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from ..errors import BadInput
-from ..mesh import HalfEdges
+from ..mesh import HalfEdges, TriangleSurface
 from .solid import Solid
 
 BAND = 4
@@ -76,7 +76,7 @@ class DistanceGrid:
         rough = distance_transform_edt(near)
         band = np.argwhere(rough <= BAND + 1)
         values = rough * spacing
-        values[tuple(band.T)] = _measure(origin + spacing * band, vertices, faces)
+        values[tuple(band.T)] = TriangleSurface(vertices, faces).distance(origin + spacing * band)
         # A closed surface does not pass between two neighbours further from it than half a cell; through a hole the
         # inside meets the outside, and only beyond the band is there no doubt.
         sure = values > 0.51 * spacing if _is_closed(faces) else rough > BAND + 1
@@ -136,13 +136,6 @@ def _sample_surface(vertices: np.ndarray, faces: np.ndarray, spacing: float) -> 
         weights = np.stack([1 - i - j, i, j], axis=1)
         found.append(np.einsum("wa,fad->fwd", weights, triangles[parts == n]).reshape(-1, 3))
     return np.concatenate(found)
-
-
-def _measure(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Give exact distances [m] of points to a mesh, without a sign, shape [n]."""
-    import igl
-
-    return np.sqrt(igl.point_mesh_squared_distance(points, vertices, faces)[0])
 
 
 def _inside(

@@ -267,7 +267,7 @@ def _misfit(model: np.ndarray, model_faces: np.ndarray, vertices: np.ndarray, fa
 def _distance(vertices: np.ndarray, faces: np.ndarray, others: np.ndarray, other_faces: np.ndarray) -> float:
     """Give the RMS distance [m] from one surface to another."""
     points = _sample(vertices, faces, 4000, np.random.default_rng(0)).points
-    distance = TriangleSurface(others, other_faces).closest(points).distance
+    distance = TriangleSurface(others, other_faces).distance(points)
     return float(np.sqrt((distance**2).mean()))
 
 

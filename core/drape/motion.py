@@ -145,5 +145,5 @@ def describe_motion(rotation: SteadyRotation) -> str:
 def miss(garment: Garment, target: Target) -> float:
     """Give the root mean square distance [m] between two surfaces by their vertices, the worse of both ways."""
     ways = ((garment.nodes, target.vertices, target.faces), (target.vertices, garment.nodes, garment.faces))
-    squares = [(TriangleSurface(nodes, faces).closest(points).distance ** 2).mean() for points, nodes, faces in ways]
+    squares = [(TriangleSurface(nodes, faces).distance(points) ** 2).mean() for points, nodes, faces in ways]
     return float(np.sqrt(max(squares)))

@@ -59,7 +59,7 @@ def render_views(recovery: Recovery) -> tuple[tuple[View, ...], float]:
         The rows, and the end of the error map's colour bar [mm].
     """
     scan, body, faces = recovery.scan, recovery.body, recovery.garment.faces
-    distance = TriangleSurface(scan.vertices, scan.faces).closest(recovery.meshes.detail).distance
+    distance = TriangleSurface(scan.vertices, scan.faces).distance(recovery.meshes.detail)
     millimetres = 1e3 * distance
     end = float(np.ceil(max(LEAST_RANGE_MM, float(np.quantile(millimetres, 0.99)))))
     person = ColouredMesh(body.vertices, body.faces, SKIN)

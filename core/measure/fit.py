@@ -91,7 +91,7 @@ def measure_distance(
     generator = np.random.default_rng(seed)
     ours, theirs = TriangleSurface(vertices, faces), TriangleSurface(truth_vertices, truth_faces)
     samples_of = [surface.sample(samples, generator)[0] for surface in (ours, theirs)]
-    distances = {"s2t": theirs.closest(samples_of[0]).distance, "t2s": ours.closest(samples_of[1]).distance}
+    distances = {"s2t": theirs.distance(samples_of[0]), "t2s": ours.distance(samples_of[1])}
     found: dict[str, float | None] = {}
     for way, distance in distances.items():
         found[f"surface_rms_mm.{way}"] = MM * float(np.sqrt(np.mean(distance**2)))

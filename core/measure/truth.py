@@ -83,7 +83,7 @@ def _measure_body(recovery: Recovery, pack: Pack) -> dict[str, float | None]:
     """Hold the detail mesh and the estimated body against the person that is below the cloth in truth."""
     vertices, faces = read_true_mesh(pack, pack.truth_body)
     points, _ = TriangleSurface(vertices, faces).sample(BODY_SAMPLES, np.random.default_rng(0))
-    distance = TriangleSurface(recovery.body.vertices, recovery.body.faces).closest(points).distance
+    distance = TriangleSurface(recovery.body.vertices, recovery.body.faces).distance(points)
     truth = ExposedSurface(vertices, faces)
     ours = recovery.meshes
     meshes = {"": ours.detail, "sim.": ours.simulation, "redrape.": ours.redraped}

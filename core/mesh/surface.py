@@ -88,13 +88,13 @@ class TriangleSurface:
 
     def closest(self, points: np.ndarray) -> Closest:
         """Find the closest point of the surface to each point [m], shape [n, 3]; exact, by libigl's AABB tree."""
-        points = np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 3)
-        if not len(points):
-            return Closest(np.zeros((0, 3)), np.zeros(0, dtype=np.int64), np.zeros((0, 3)), np.zeros(0))
-        squared, face, foot = self._tree.squared_distance(self.vertices, self.faces, points)
-        foot, face = np.asarray(foot).reshape(-1, 3), np.asarray(face).reshape(-1)
-        distance = np.sqrt(np.maximum(np.asarray(squared).reshape(-1), 0.0))
-        return Closest(foot, face, barycentric_coordinates(foot, self.vertices[self.faces[face]]), distance)
+        squared, face, foot = self._search(points)
+        coordinates = barycentric_coordinates(foot, self.vertices[self.faces[face]])
+        return Closest(foot, face, coordinates, np.sqrt(np.maximum(squared, 0.0)))
+
+    def distance(self, points: np.ndarray) -> np.ndarray:
+        """Measure how far points [m], shape [n, 3], are from the surface, not signed [m], shape [n]."""
+        return np.asarray(np.sqrt(np.maximum(self._search(points)[0], 0.0)))
 
     def sample(self, count: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
         """Draw points uniformly by area.
@@ -115,6 +115,14 @@ class TriangleSurface:
         along = rng.random(count)[:, None]
         a, b, c = (self.vertices[self.faces[face, k]] for k in range(3))
         return (1.0 - root) * a + root * (1.0 - along) * b + root * along * c, face
+
+    def _search(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Find squared distances [m2], faces and feet [m]."""
+        points = np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 3)
+        if not len(points):
+            return np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros((0, 3))
+        squared, face, foot = self._tree.squared_distance(self.vertices, self.faces, points)
+        return np.asarray(squared).reshape(-1), np.asarray(face).reshape(-1), np.asarray(foot).reshape(-1, 3)
 
     @cached_property
     def _tree(self) -> Any:

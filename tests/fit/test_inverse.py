@@ -221,7 +221,7 @@ def test_the_whole_method_on_a_body() -> None:
     assert found.graded.shape == found.garment.nodes.shape
     assert {contour.name for contour in found.garment.contours} == {"waist", "hem"}
     surface = TriangleSurface(target.vertices, target.faces)
-    away = [surface.closest(nodes).distance for nodes in (found.graded, found.garment.nodes)]
+    away = [surface.distance(nodes) for nodes in (found.graded, found.garment.nodes)]
     # The whole of the misfit, for a fold or two of the target's may be missed.
     assert np.square(away[1]).mean() < 0.4 * np.square(away[0]).mean()
     assert found.descent.losses.min() < 0.2 * found.descent.losses[0]

@@ -74,6 +74,7 @@ def test_closest_points_are_those_of_libigl_without_a_kept_tree() -> None:
     np.testing.assert_array_equal(found.foot, foot)
     np.testing.assert_array_equal(found.face, face)
     np.testing.assert_array_equal(found.distance, np.sqrt(squared))
+    np.testing.assert_array_equal(surface.distance(points), found.distance)
 
 
 def test_barycentric_coordinates_stay_in_the_triangle_and_stand_a_flat_one() -> None:
