@@ -29,7 +29,7 @@ TIMEOUT = 1800.0
 
 @dataclass(frozen=True)
 class BenchOptions:
-    """Hold what was typed about a bench; each field is the option of its name."""
+    """Describe what was typed about a bench; each field is the option of its name."""
 
     method: str
     preset: str
@@ -67,7 +67,7 @@ bench_options = gather(
             "--out", type=click.Path(file_okay=False, path_type=Path), help="Keep each result in OUT/TARGET/."
         ),
         click.option(
-            "--timeout", type=click.FloatRange(min=1.0), default=TIMEOUT, show_default=True, help="Seconds a target."
+            "--timeout", type=click.FloatRange(min=1.0), default=TIMEOUT, show_default=True, help="Seconds for a target."
         ),
     ],
 )
@@ -211,7 +211,7 @@ def _run_study(study: _Study, order: dict[str, str], timeout: float) -> tuple[li
 
 
 def _environment() -> dict[str, str]:
-    """Give the child one thread, so that CPU seconds are comparable between machines."""
+    """Return the child one thread, so that CPU seconds are comparable between machines."""
     threads = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
     return dict(os.environ) | dict.fromkeys(threads, "1")
 
@@ -222,7 +222,7 @@ def _children_seconds() -> float:
 
 
 def _summary(line: Line) -> str:
-    """Say in one line how a target went."""
+    """Describe in one line how a target went."""
     if not line["ok"]:
         error = line["error"] or {}
         return f"{line['target']}: {error.get('code')}: {error.get('message')}"

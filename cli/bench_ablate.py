@@ -87,7 +87,7 @@ class Ablation:
 
 
 def empty_line(target: str, switch: Switch | None = None) -> Line:
-    """Give the line of a run of which nothing is known yet."""
+    """Return the line of a run of which nothing is known yet."""
     return {
         "target": target,
         "table": None if switch is None else switch.table,
@@ -226,7 +226,7 @@ def print_ablation(lines: Sequence[Line]) -> None:
 
 
 def judge_rows(lines: Sequence[Line]) -> Iterator[tuple[Line, str]]:
-    """Say for each row which of the two measures got worse without the part; in the thesis both do, in every row."""
+    """Find for each row which of the two measures got worse without the part; in the thesis both do, in every row."""
     ours = {line["target"]: line["metrics"] for line in lines if line["setting"] == OURS and line["ok"]}
     for line in lines:
         known = ours.get(line["target"])

@@ -32,7 +32,7 @@ def keep_failure(line: Line) -> Iterator[None]:
 
 @contextmanager
 def append_lines(path: Path) -> Iterator[Callable[[Line], None]]:
-    """Give what appends a line to a file of lines of JSON and brings it to the disk."""
+    """Yield what appends a line to a file of lines of JSON and brings it to the disk."""
     with path.open("a", encoding="utf-8") as out:
 
         def write(line: Line) -> None:

@@ -64,7 +64,7 @@ def print_tables(lines: Sequence[Line], categories: dict[str, str]) -> None:
 
 
 def mean(values: Sequence[float | None]) -> float | None:
-    """Give the unweighted mean of the values that are there, or None."""
+    """Return the unweighted mean of the values that are there, or None."""
     known = [value for value in values if value is not None and math.isfinite(value)]
     return sum(known) / len(known) if known else None
 

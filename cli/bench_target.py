@@ -47,7 +47,7 @@ def recover_target(order: TargetOrder) -> Line:
 
 
 def empty_line(target: str, method: str) -> Line:
-    """Give the line of a target of which nothing is known yet."""
+    """Return the line of a target of which nothing is known yet."""
     return {
         "target": target,
         "category": None,

@@ -23,7 +23,7 @@ USAGE_CODES = ("query.bad", "settings.bad", "service.setting_bad", "template.nam
 
 
 def error_status(error: GarmentqError) -> int:
-    """Give the exit status of an error."""
+    """Return the exit status of an error."""
     if error.code in USAGE_CODES:
         return USAGE
     if isinstance(error, NotFound):

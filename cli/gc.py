@@ -19,7 +19,7 @@ GRACE_HOURS = 24.0
     type=click.FloatRange(min=0.0),
     default=GRACE_HOURS,
     show_default=True,
-    help="Spare what is younger: a running job may be about to name it.",
+    help="Keep younger files: a running job may be about to use them.",
 )
 @home_option
 @json_option

@@ -27,7 +27,7 @@ def command() -> None:
 @click.argument("name")
 @click.option(
     "--scope", "scopes", multiple=True, default=("read", "submit"), show_default=True,
-    type=click.Choice(["read", "submit", "admin"]), help="What it allows; may be given repeatedly.",
+    type=click.Choice(["read", "submit", "admin"]), help="Scope that the key has; may be given several times.",
 )  # fmt: skip
 @click.option("--quota", type=click.IntRange(1, 1_000_000), default=100, show_default=True, help="Open jobs at a time.")
 @home_option

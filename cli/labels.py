@@ -20,7 +20,7 @@ def _once(context: click.Context, parameter: click.Parameter, values: tuple[str,
 
 @dataclass(frozen=True)
 class LabelOptions:
-    """Hold what was typed about the part of a dressed person's scan that is the garment."""
+    """Describe what was typed about the part of a dressed person's scan that is the garment."""
 
     labels: Path | None
     labels_key: str | None

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @click.command("logs")
 @click.argument("job")
-@click.option("--follow", "-f", "follows", is_flag=True, help="Go on until the job has ended.")
+@click.option("--follow", "-f", "follows", is_flag=True, help="Follow until the job has ended.")
 @home_option
 @json_option
 @click.pass_context

@@ -50,7 +50,7 @@ class LazyGroup(click.Group):
     """List the commands without importing them."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """Give the names in the order of a user's day."""
+        """Return the names in the order of a user's day."""
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
@@ -67,7 +67,7 @@ class LazyGroup(click.Group):
 
 
 def _refusing(command: click.Command) -> click.Command:
-    """Give the command with its help, but without what it does."""
+    """Return the command with its help, but without what it does."""
     refused = copy(command)
 
     def refuse(*_: object, **__: object) -> None:

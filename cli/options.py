@@ -25,7 +25,7 @@ workers_option = click.option(
     "--workers", type=click.IntRange(1, 256), help="Jobs at a time, if a worker has to be started.  [default: cores]"
 )
 timeout_option = click.option(
-    "--timeout", type=click.FloatRange(min=0.0), help="Give up waiting after so many seconds; the job goes on."
+    "--timeout", type=click.FloatRange(min=0.0), help="Stop waiting after this many seconds; the job continues."
 )
 
 
@@ -48,7 +48,7 @@ def gather(record: type, options: Sequence[Decorator], name: str = "options") ->
 
 @dataclass(frozen=True)
 class OrderOptions:
-    """Hold what was typed about how a garment is recovered; each field is the option of its name."""
+    """Describe what was typed about how a garment is recovered; each field is the option of its name."""
 
     body: str | None
     labels: Path | None
@@ -106,9 +106,9 @@ def order_options(function: Decorator) -> Decorator:
             "--lock",
             multiple=True,
             metavar="fabric|panel:NAME|point:PANEL/INDEX",
-            help="What the fit takes as given; may be given several times.",
+            help="Parameter that the fit keeps fixed; may be given several times.",
         ),
-        click.option("--free", type=click.Choice(["symmetry"]), help="Let left and right differ."),
+        click.option("--free", type=click.Choice(["symmetry"]), help="Allow left and right to differ."),
         click.option(
             "--method",
             type=click.Choice(METHODS),
@@ -134,7 +134,7 @@ def order_options(function: Decorator) -> Decorator:
         ),
         click.option("--seed", type=int, default=default.seed, show_default=True, help="Seed of every random choice."),
         click.option("--force", is_flag=True, help="Make a new job even where an equal one exists."),
-        click.option("--name", default="", help="What the job and all below it are called.  [default: after the scan]"),
-        click.option("--tag", "tags", multiple=True, help="Word that they are found by; may be given several times."),
+        click.option("--name", default="", help="Name of the job and of all below it.  [default: the scan's]"),
+        click.option("--tag", "tags", multiple=True, help="Tag that they are found by; may be given several times."),
     ]
     return gather(OrderOptions, options)(function)

@@ -15,7 +15,7 @@ NAMED = ("garment", "state", "fabric", "name", "kind", "family", "tag")
 
 @dataclass(frozen=True)
 class QueryOptions:
-    """Hold what was typed about the jobs that are looked for; each field is the option of its name."""
+    """Describe what was typed about the jobs that are looked for; each field is the option of its name."""
 
     garment: str | None
     state: str | None
@@ -35,12 +35,12 @@ query_options = gather(
         click.option("--garment", help="Category: tshirt, tank, dress, trousers, skirt, ..."),
         click.option("--state", help="State: waiting, queued, running, succeeded, failed, dead, cancelled."),
         click.option("--fabric", help="Name of the fabric."),
-        click.option("--name", help="What the job is called."),
+        click.option("--name", help="Name of the job."),
         click.option("--kind", help="Kind of job, such as recover."),
-        click.option("--family", help="Id of the job that all of a family stand under."),
-        click.option("--tag", help="Word that was given by `--tag` at submission."),
+        click.option("--family", help="Id of the root job of a family."),
+        click.option("--tag", help="Tag that was given at submission."),
         click.option(
-            "--where", "wheres", multiple=True, help="NAME OPERATOR VALUE, joined by 'and'; may be given repeatedly."
+            "--where", "wheres", multiple=True, help="NAME OPERATOR VALUE, joined by 'and'; may be given several times."
         ),
         click.option(
             "--sort", default="-created", show_default=True, help="Field or metric; '-' before it: largest first."

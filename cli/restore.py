@@ -11,7 +11,7 @@ from .options import home_option, json_option
 
 @click.command("restore")
 @click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
-@click.option("--overwrite", is_flag=True, help="Lose the jobs that the home has now.")
+@click.option("--overwrite", is_flag=True, help="Replace the jobs that the home has now.")
 @home_option
 @json_option
 def command(file: Path, overwrite: bool, home: Path | None, as_json: bool) -> None:

@@ -90,7 +90,7 @@ def command(
 
 
 def folder_name(label: str) -> str:
-    """Give the folder of a garment of several: its label, of which only letters, digits, - and _ are kept."""
+    """Return the folder of a garment of several: its label, of which only letters, digits, - and _ are kept."""
     return "".join(c if c.isalnum() or c in "-_" else "_" for c in label)
 
 

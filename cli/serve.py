@@ -10,7 +10,7 @@ from .options import home_option
 
 
 @click.command("serve")
-@click.option("--host", default="127.0.0.1", show_default=True, envvar="GARMENTQ_API_HOST", help="Address.")
+@click.option("--host", default="127.0.0.1", show_default=True, envvar="GARMENTQ_API_HOST", help="Where to listen.")
 @click.option(
     "--port", type=click.IntRange(1, 65535), default=8080, show_default=True, envvar="GARMENTQ_API_PORT", help="Port."
 )

@@ -76,7 +76,7 @@ def show_command(name: str, home: Path | None, as_json: bool) -> None:
 
 @command.command("import")
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--name", required=True, help="What the template will be called.")
+@click.option("--name", required=True, help="Name of the template.")
 @home_option
 @json_option
 def import_command(file: Path, name: str, home: Path | None, as_json: bool) -> None:

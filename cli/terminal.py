@@ -18,7 +18,7 @@ def print_json(value: Any) -> None:
 
 
 def note(text: str) -> None:
-    """Tell the user something that is no data; names in it bring no control characters along."""
+    """Print a note to the user on standard error; names in it bring no control characters along."""
     click.echo(plain(text), err=True)
 
 
@@ -59,7 +59,7 @@ FORMULA = ("=", "+", "-", "@", "|", "\uff1d", "\uff0b", "\uff0d", "\uff20")
 
 
 def _escape_formula(cell: object) -> object:
-    """Give a cell that no spreadsheet takes for a formula; numbers stay as they are."""
+    """Return a cell that no spreadsheet takes for a formula; numbers stay as they are."""
     if not isinstance(cell, str):
         return cell
     text = plain(cell)
@@ -67,7 +67,7 @@ def _escape_formula(cell: object) -> object:
 
 
 def show(cell: object) -> str:
-    """Give a cell as text: 4 significant digits, `-` for nothing, no control characters."""
+    """Return a cell as text: 4 significant digits, `-` for nothing, no control characters."""
     if cell is None or cell == "":
         return "-"
     if isinstance(cell, float):
@@ -76,10 +76,10 @@ def show(cell: object) -> str:
 
 
 def plain(text: str) -> str:
-    """Give a text on one line without terminal escapes or reversed writing: what cannot be printed becomes `?`."""
+    """Return a text on one line without terminal escapes or reversed writing: what cannot be printed becomes `?`."""
     return "".join(letter if letter.isprintable() else "?" for letter in text)
 
 
 def show_time(seconds: float | None) -> str:
-    """Give a time as local date and time."""
+    """Return a time as local date and time."""
     return "-" if seconds is None else time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(seconds))

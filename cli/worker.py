@@ -13,8 +13,8 @@ from .options import home_option
 
 @click.command("worker")
 @click.option("--workers", type=click.IntRange(1, 256), help="Jobs at a time.  [default: cores]")
-@click.option("--embedded", is_flag=True, help="Be the one embedded worker of the home, which stops when idle.")
-@click.option("--queues", default="cpu,gpu", show_default=True, help="Which queues it serves.")
+@click.option("--embedded", is_flag=True, help="Run as the home's embedded worker, which stops when idle.")
+@click.option("--queues", default="cpu,gpu", show_default=True, help="Queues to serve.")
 @home_option
 @click.pass_context
 def command(context: click.Context, workers: int | None, embedded: bool, queues: str, home: Path | None) -> None:

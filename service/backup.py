@@ -43,7 +43,7 @@ class BackupDamaged(BadInput):
 
 @dataclass(frozen=True)
 class Saved:
-    """Tell what a backup holds.
+    """Describe what a backup holds.
 
     Attributes:
         path: The tar file, or the home that was restored.

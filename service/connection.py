@@ -56,7 +56,7 @@ class Connection:
 
     @property
     def address(self) -> str:
-        """Give the address of the service as it may be shown."""
+        """Return the address of the service as it may be shown."""
         return hide_password(str(self._http.base_url))
 
     def close(self) -> None:
@@ -64,7 +64,7 @@ class Connection:
         self._http.close()
 
     def ask(self, method: str, url: str, tries: int = TRIES, **options: Any) -> Any:
-        """Give the JSON value of an answer."""
+        """Return the JSON value of an answer."""
         answer = self.send(method, url, tries, **options)
         try:
             return answer.json()
@@ -72,7 +72,7 @@ class Connection:
             raise ServiceUnreachable(f"what answers at {self.address} is no garmentq service.") from None
 
     def send(self, method: str, url: str, tries: int = TRIES, **options: Any) -> httpx.Response:
-        """Give an answer; wait where the service says that the key asks too often."""
+        """Return an answer; wait where the service says that the key asks too often."""
         deadline = time.monotonic() + PATIENCE_SECONDS
         while True:
             answer = self._send_now(method, url, tries, **options)
@@ -131,7 +131,7 @@ def _pause_of(answer: httpx.Response) -> float:
 
 
 def _make_error(answer: httpx.Response) -> GarmentqError:
-    """Give the error that the service met, of the class that its status tells, under the service's own code."""
+    """Return the error that the service met, of the class that its status tells, under the service's own code."""
     try:
         found = answer.json()
         code, message = str(found["code"]), str(found["detail"])

@@ -48,7 +48,7 @@ class DriverMissing(GarmentqError):
 
 
 class clock(FunctionElement[float]):
-    """Give the database's own time [s since 1970], so that no worker's clock matters."""
+    """Return the database's own time [s since 1970], so that no worker's clock matters."""
 
     type = Float()
     inherit_cache = True
@@ -93,7 +93,7 @@ class Database:
 
     @property
     def is_sqlite(self) -> bool:
-        """Tell whether this is the embedded kind of database."""
+        """Return whether this is the embedded kind of database."""
         return self.engine.dialect.name == "sqlite"
 
     def dispose(self) -> None:
@@ -128,7 +128,7 @@ def open_database(settings: ServiceSettings, pooled: bool = True) -> Database:
 
 
 def serialise(session: Session, key: str) -> None:
-    """Let no other transaction past this point with the same key until this one ends.
+    """Block other transactions with the same key from here until this one ends.
 
     For "insert it unless it is there": PostgreSQL lets two transactions look at the same time, and the second insert
     then fails. SQLite has one writer at a time, so there is nothing to do.
@@ -138,7 +138,7 @@ def serialise(session: Session, key: str) -> None:
 
 
 def read_revision(connection: Connection) -> str | None:
-    """Give the migration that the database stands at, or None for an empty one."""
+    """Return the migration that the database stands at, or None for an empty one."""
     if not inspect(connection).has_table("alembic_version"):
         return None
     return connection.execute(text("select version_num from alembic_version")).scalar()

@@ -213,7 +213,7 @@ def make_children(session: Session, parent: str, children: Sequence[ChildRequest
 
 
 def share(session: Session, key: str, row: JobRow) -> None:
-    """Let a key see a job and all below it."""
+    """Give a key sight of a job and all below it."""
     for one in find_tree(session, row):
         own(session, key, one.id)
 

@@ -25,7 +25,7 @@ and an upload is named by the request that follows it. A day is longer than any 
 
 @dataclass(frozen=True)
 class Garbage:
-    """Tell what nobody names.
+    """Describe what nobody names.
 
     Attributes:
         files: The stored files, oldest first.
@@ -39,7 +39,7 @@ class Garbage:
 
     @property
     def size(self) -> int:
-        """Give the bytes of all the files that nobody names."""
+        """Return the bytes of all the files that nobody names."""
         return sum(one.size for one in self.files)
 
 
@@ -69,7 +69,7 @@ def collect_garbage(
 
 
 def find_references(session: Session) -> Iterator[str]:
-    """Give every key that a row names: each column `sha256` of any table, scans of jobs, and the files of requests."""
+    """Return every key that a row names: each column `sha256` of any table, scans of jobs, the files of requests."""
     for table in Base.metadata.sorted_tables:
         if "sha256" in table.columns:
             yield from session.scalars(select(table.columns["sha256"]))

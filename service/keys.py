@@ -64,7 +64,7 @@ class KeySpecBad(BadInput):
 
 @dataclass(frozen=True)
 class Caller:
-    """Say who asks.
+    """Describe who asks.
 
     Attributes:
         key: The key's id; empty for the local user of a service without keys.
@@ -78,7 +78,7 @@ class Caller:
 
     @property
     def sees_all(self) -> bool:
-        """Tell whether every job is shown, not only the key's own."""
+        """Return whether every job is shown, not only the key's own."""
         return "admin" in self.scopes
 
     def must(self, scope: str) -> None:
@@ -122,7 +122,7 @@ def create_key(database: Database, name: str, scopes: tuple[str, ...], quota: in
 
 
 def list_keys(database: Database) -> list[ApiKeyRow]:
-    """Give every key, oldest first."""
+    """Return every key, oldest first."""
     with database.read() as session:
         return list(session.scalars(select(ApiKeyRow).order_by(ApiKeyRow.created, ApiKeyRow.id)))
 
@@ -145,13 +145,13 @@ def revoke_key(database: Database, key: str) -> ApiKeyRow:
 
 
 def has_keys(database: Database) -> bool:
-    """Tell whether a key was ever made, revoked ones too: a service that had keys never becomes open again."""
+    """Return whether a key was ever made, revoked ones too: a service that had keys never becomes open again."""
     with database.read() as session:
         return bool(session.execute(select(exists().where(ApiKeyRow.id != ""))).scalar())
 
 
 def admit(database: Database, token: str | None, is_open: bool) -> Caller:
-    """Tell who sends a token; without one the local user, where the service is open and has no keys.
+    """Authenticate a token. Without one, return the local user if the service is open and has no keys.
 
     Raises:
         KeyMissing, KeyBad: where nobody of that token is known.
@@ -169,7 +169,7 @@ def admit(database: Database, token: str | None, is_open: bool) -> Caller:
 
 
 def own(session: Session, key: str, job: str) -> None:
-    """Let a key see a job; an empty key is the local user, who sees all."""
+    """Give a key sight of a job; an empty key is the local user, who sees all."""
     if key and session.get(OwnerRow, (key, job)) is None:
         session.flush()
         session.add(OwnerRow(key=key, job=job))
@@ -193,7 +193,7 @@ def check_quota(session: Session, key: str, quota: int) -> None:
 
 
 def lock_key(session: Session, key: str) -> None:
-    """Let no other transaction of this key past this point until this one ends."""
+    """Block other transactions of this key from here until this one ends."""
     session.execute(select(ApiKeyRow.id).where(ApiKeyRow.id == key).with_for_update())
 
 

@@ -36,7 +36,7 @@ def take_lock(path: Path) -> int | None:
 
 
 def is_locked(path: Path) -> bool:
-    """Tell whether another process holds the lock."""
+    """Return whether another process holds the lock."""
     if not path.exists():
         return False
     descriptor = take_lock(path)

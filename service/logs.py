@@ -15,7 +15,7 @@ class JsonLines(logging.Formatter):
     """Write a record as one JSON object on one line; whatever a name holds, it cannot begin a line of its own."""
 
     def format(self, record: logging.LogRecord) -> str:
-        """Give the line: time in UTC, level, process, message, job, attempt, stage, and the traceback if any."""
+        """Return the line: time in UTC, level, process, message, job, attempt, stage, and the traceback if any."""
         seconds = time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime(record.created))
         line = {
             "time": f"{seconds}.{int(record.msecs):03d}Z",
@@ -35,7 +35,7 @@ class PlainLines(logging.Formatter):
     """Write a record for people: what a name holds neither begins a record of its own nor moves the cursor."""
 
     def format(self, record: logging.LogRecord) -> str:
-        """Give the line, those that follow it (a traceback, say) indented, control characters as `?`."""
+        """Return the line, those that follow it (a traceback, say) indented, control characters as `?`."""
         lines = super().format(record).split("\n")
         shown = ("".join(c if c.isprintable() else "?" for c in line.expandtabs()) for line in lines)
         return "\n    ".join(shown)

@@ -18,7 +18,7 @@ Labelled = tuple[Mapping[str, str], float]
 
 
 def prometheus_text(database: Database) -> str:
-    """Give every metric as text: jobs, ages [s], stage times [CPU s], attempts, workers, and what was lost."""
+    """Return every metric as text: jobs, ages [s], stage times [CPU s], attempts, workers, and what was lost."""
     with database.read() as session:
         rows = session.execute(select(JobRow.state, JobRow.queue, func.count()).group_by(JobRow.state, JobRow.queue))
         jobs: dict[tuple[str, str], int] = {(state, queue): count for state, queue, count in rows}

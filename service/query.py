@@ -154,7 +154,7 @@ def find_jobs(
     limit: int = 50,
     owner: str | None = None,
 ) -> list[JobRow]:
-    """Give the jobs that meet every condition, sorted by a name (`-` before it: largest first).
+    """Return the jobs that meet every condition, sorted by a name (`-` before it: largest first).
 
     With `owner` only the jobs of one API key. A job without the metric or field in question meets no condition on it,
     and comes last in a sort by it.
@@ -192,7 +192,7 @@ def find_jobs(
 
 
 def _first(session: Session, statement: Select[Any], column: Any, falling: bool, limit: int) -> list[JobRow]:
-    """Give the first jobs in the order of a column; the newest first among equals, and those without it last."""
+    """Return the first jobs in the order of a column; the newest first among equals, and those without it last."""
     order = column.desc() if falling else column.asc()
     ordered = statement.order_by(order.nulls_last(), JobRow.created.desc(), JobRow.id)
     return list(session.scalars(ordered.limit(limit)))
@@ -211,7 +211,7 @@ def _condition(name: str, sign: str, value: str) -> Condition:
 
 
 def _meets(session: Session, condition: Condition) -> ColumnElement[bool]:
-    """Give what a job must meet.
+    """Return what a job must meet.
 
     Where many jobs do, they are met soon on the way through the jobs in their order, one look-up each; where few do,
     the index of the metrics names them at once. The other way round either takes seconds in a long table.

@@ -41,7 +41,7 @@ def hold_duty(database: Database, name: str, owner: str, seconds: float) -> bool
 
 
 def drop_duty(database: Database, name: str, owner: str) -> None:
-    """Give a duty up, so that another process need not wait."""
+    """Return a duty up, so that another process need not wait."""
     with database.write() as session:
         session.execute(delete(LockRow).where(LockRow.name == name, LockRow.owner == owner))
 
@@ -86,7 +86,7 @@ def remind(database: Database, seconds: float, is_broker_empty: Callable[[], boo
 
 
 def show_life(database: Database, name: str, queues: str, concurrency: int, forget_seconds: float) -> None:
-    """Say that a worker lives, and forget those that have not said so for some seconds."""
+    """Record that a worker lives, and forget those that have not said so for some seconds."""
     with database.write() as session:
         session.execute(delete(WorkerRow).where(WorkerRow.seen < clock() - forget_seconds))
         seen = update(WorkerRow).where(WorkerRow.name == name).values(seen=clock())
@@ -102,13 +102,13 @@ def end_life(database: Database, name: str) -> None:
 
 
 def list_workers(database: Database) -> list[WorkerRow]:
-    """Give the living workers by name."""
+    """Return the living workers by name."""
     with database.read() as session:
         return list(session.scalars(select(WorkerRow).order_by(WorkerRow.name)))
 
 
 def report_loss(database: Database, mark: str, reason: str) -> None:
-    """Give up the lease of a process that is known to be dead, so that its job need not wait for the end of it.
+    """Release the lease of a process that is known to be dead, so that its job need not wait for the end of it.
 
     Args:
         database: Where the job is.
@@ -152,7 +152,7 @@ def dispatch(database: Database, publish: Callable[[str, str], None]) -> int:
 
 
 def is_idle(database: Database, seconds: float) -> bool:
-    """Tell whether nothing is queued or running, and nothing happened for some seconds."""
+    """Return whether nothing is queued or running, and nothing happened for some seconds."""
     busy = JobRow.state.in_(OPEN) | (JobRow.touched > clock() - seconds)
     with database.read() as session:
         return not session.execute(select(exists().where(busy))).scalar()

@@ -64,7 +64,7 @@ class S3Store(Store):
                 self._client.create_bucket(Bucket=self.bucket, **place)
 
     def path(self, sha256: str) -> Path:
-        """Give a checked copy of a stored file in the cache.
+        """Return a checked copy of a stored file in the cache.
 
         Raises:
             ArtifactMissing, ArtifactDamaged: as for a folder.
@@ -77,7 +77,7 @@ class S3Store(Store):
         return path
 
     def renew(self, known: Stored) -> bool:
-        """Say no: a bucket cannot make a file young, so every one is put again."""
+        """Return False: a bucket cannot make a file young, so every one is put again."""
         return False
 
     def put_stream(self, stream: BinaryIO) -> Stored:
@@ -97,12 +97,12 @@ class S3Store(Store):
         return Stored(digest.hexdigest(), size)
 
     def size(self, sha256: str) -> int:
-        """Give a stored file's size [bytes]."""
+        """Return a stored file's size [bytes]."""
         with _reachable(sha256):
             return int(self._client.head_object(Bucket=self.bucket, Key=self._name(sha256))["ContentLength"])
 
     def read(self, sha256: str, start: int = 0, stop: int | None = None) -> Iterator[bytes]:
-        """Give a stored file's bytes from `start` up to but without `stop`; only those are asked for."""
+        """Return a stored file's bytes from `start` up to but without `stop`; only those are asked for."""
         stop = self.size(sha256) if stop is None else min(stop, self.size(sha256))
         if start >= stop:
             return iter(())
@@ -113,7 +113,7 @@ class S3Store(Store):
         return _read_body(sha256, answer["Body"])
 
     def list_kept(self) -> Iterator[Kept]:
-        """Give every stored file."""
+        """Return every stored file."""
         base = f"{self.prefix}/" if self.prefix else ""
         with _reachable(""):
             for page in self._client.get_paginator("list_objects_v2").paginate(Bucket=self.bucket, Prefix=base):

@@ -13,7 +13,7 @@ from .stores import open_store
 
 @dataclass(frozen=True)
 class Services:
-    """Hold the parts of an open home.
+    """Describe the parts of an open home.
 
     Attributes:
         settings: Which home.

@@ -57,7 +57,7 @@ class Stored:
 
 @dataclass(frozen=True)
 class Kept:
-    """Tell of a file that the store holds.
+    """Describe a file that the store holds.
 
     Attributes:
         sha256: Its key.
@@ -71,7 +71,7 @@ class Kept:
 
 
 def check_key(sha256: str) -> str:
-    """Give a key back that is the hash of something, so that none can name a path.
+    """Return a key back that is the hash of something, so that none can name a path.
 
     Raises:
         ArtifactMissing: where it is none.
@@ -100,7 +100,7 @@ class Store:
             raise StorageFull(f"the store {self.root} cannot be made: {error.strerror}.") from error
 
     def path(self, sha256: str) -> Path:
-        """Give the place of a stored file.
+        """Return the place of a stored file.
 
         Raises:
             ArtifactMissing: where the key is no hash, or nothing is there.
@@ -136,7 +136,7 @@ class Store:
         return self.put_stream(io.BytesIO(content))
 
     def get_bytes(self, sha256: str) -> bytes:
-        """Give a stored file's bytes, checked against its key.
+        """Return a stored file's bytes, checked against its key.
 
         Raises:
             ArtifactDamaged: where the bytes changed.
@@ -164,7 +164,7 @@ class Store:
         return destination
 
     def size(self, sha256: str) -> int:
-        """Give a stored file's size [bytes].
+        """Return a stored file's size [bytes].
 
         Raises:
             ArtifactMissing: where nothing is there.
@@ -172,7 +172,7 @@ class Store:
         return self.path(sha256).stat().st_size
 
     def read(self, sha256: str, start: int = 0, stop: int | None = None) -> Iterator[bytes]:
-        """Give a stored file's bytes from `start` up to but without `stop`, a block at a time, unchecked.
+        """Return a stored file's bytes from `start` up to but without `stop`, a block at a time, unchecked.
 
         Raises:
             ArtifactMissing: at once, where nothing is there.
@@ -181,7 +181,7 @@ class Store:
         return _read_blocks(stream, start, stop)
 
     def list_kept(self) -> Iterator[Kept]:
-        """Give every stored file, in no order; half-written ones are none."""
+        """Return every stored file, in no order; half-written ones are none."""
         for path in self.root.glob("[0-9a-f][0-9a-f]/*"):
             with suppress(ArtifactMissing, FileNotFoundError):
                 key, found = check_key(path.parent.name + path.name), path.stat()
@@ -238,7 +238,7 @@ def _read_blocks(stream: BinaryIO, start: int, stop: int | None) -> Iterator[byt
 
 
 def hash_file(path: Path) -> Stored:
-    """Give a file's hash and size without keeping it."""
+    """Return a file's hash and size without keeping it."""
     digest, size = hashlib.sha256(), 0
     with path.open("rb") as stream:
         while block := stream.read(BLOCK):

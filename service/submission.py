@@ -216,7 +216,7 @@ def own_name(file: str) -> str:
 
 
 def clean_name(name: str) -> str:
-    """Give a file name without folders, control characters or anything a shell or a page could stumble over.
+    """Return a file name without folders, control characters or anything a shell or a page could stumble over.
 
     It begins neither with a dot nor, like an option, with a dash.
     """

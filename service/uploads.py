@@ -87,7 +87,7 @@ def _check_day(session: Session, key: str, size: int, day_bytes: int, sha256: st
 
 
 def find_upload(database: Database, key: str, sha256: str) -> UploadRow:
-    """Give an upload of a key.
+    """Return an upload of a key.
 
     Raises:
         UploadUnknown: where this key did not upload it.

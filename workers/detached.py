@@ -26,7 +26,7 @@ def launch(command: Sequence[str], log: Path, environment: Mapping[str, str] | N
 
 
 def has_ended(process: int) -> bool:
-    """Tell whether a process that this one launched has ended."""
+    """Return whether a process that this one launched has ended."""
     try:
         return os.waitpid(process, os.WNOHANG)[0] == process
     except ChildProcessError:

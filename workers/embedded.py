@@ -68,7 +68,7 @@ def stop_services(settings: ServiceSettings) -> list[str]:
 
 
 def is_worker_up(settings: ServiceSettings) -> bool:
-    """Tell whether the embedded worker of a home runs on this machine."""
+    """Return whether the embedded worker of a home runs on this machine."""
     return is_locked(run_folder(settings) / "worker.lock")
 
 

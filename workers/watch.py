@@ -70,7 +70,7 @@ class Watch:
         self._thread.join()
 
     def must_stop(self) -> bool:
-        """Tell whether the job must stop; `reason` says why."""
+        """Return whether the job must stop; `reason` says why."""
         return bool(self.reason)
 
     def _run(self) -> None:

@@ -66,7 +66,7 @@ class Duties(bootsteps.StartStopStep):
             parent.timer.call_repeatedly(period, self._go_home_if_idle)
 
     def stop(self, parent: Any) -> None:
-        """Let another worker take over at once; the parent's timers go on while its children finish."""
+        """Hand the duties to another worker at once; the parent's timers go on while its children finish."""
         self.rounds.cancel()
         try:
             end_life(self.database, self.name)

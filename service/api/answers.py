@@ -30,7 +30,7 @@ Key: Any = _show(records.Key, "key")
 
 
 class Problem(_Answer):
-    """Tell what is wrong (RFC 9457): `code` is stable, `detail` names the next step."""
+    """Describe what is wrong (RFC 9457): `code` is stable, `detail` names the next step."""
 
     type: str
     title: str
@@ -56,7 +56,7 @@ class Asked(_Answer):
 
 
 class Changed(_Answer):
-    """Give a job's state after what was asked."""
+    """Return a job's state after what was asked."""
 
     job: str
     state: State
@@ -137,14 +137,14 @@ class Keys(_Answer):
 
 
 class Health(_Answer):
-    """Tell that the process lives, and its version."""
+    """Report that the process lives, and its version."""
 
     status: Literal["ok"]
     version: str
 
 
 class Readiness(_Answer):
-    """Tell `ok` of database and store; otherwise the answer is a problem."""
+    """Report `ok` of database and store; otherwise the answer is a problem."""
 
     database: str
     store: str

@@ -49,7 +49,7 @@ def make_app(settings: ServiceSettings, limits: ApiLimits | None = None, is_open
 
 
 def describe(app: FastAPI) -> dict[str, Any]:
-    """Give the OpenAPI document, with the schema that every refusal refers to."""
+    """Return the OpenAPI document, with the schema that every refusal refers to."""
     if not app.openapi_schema:
         found = FastAPI.openapi(app)
         found["components"]["schemas"]["Problem"] = Problem.model_json_schema()

@@ -48,7 +48,7 @@ async def follow_job(
     after: Annotated[int, Query(ge=0, le=LARGEST_ID)] = 0,
     last_event_id: Annotated[str | None, Header(max_length=20)] = None,
 ) -> Any:
-    """Give the events after one; as Server-Sent Events where `Accept: text/event-stream` asks for them."""
+    """Return the events after one; as Server-Sent Events where `Accept: text/event-stream` asks for them."""
     row = await run_in_threadpool(find_own, rooms, caller, job)
     if last_event_id is not None and last_event_id.isascii() and last_event_id.isdigit():
         after = min(int(last_event_id), LARGEST_ID)

@@ -100,7 +100,7 @@ class Guard:
 
 
 def is_loopback(host: str) -> bool:
-    """Tell whether an address means this machine only."""
+    """Return whether an address means this machine only."""
     if host == "localhost":
         return True
     try:

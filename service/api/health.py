@@ -69,7 +69,7 @@ def tell_readiness(rooms: RoomsOf) -> Response:
     },
 )  # fmt: skip
 def give_metrics(rooms: RoomsOf, caller: Reader) -> Response:
-    """Give numbers from the database."""
+    """Return numbers from the database."""
     try:
         text = importlib.import_module(METRICS).prometheus_text(rooms.database)
     except ModuleNotFoundError:

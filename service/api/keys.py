@@ -34,7 +34,7 @@ def create(wanted: KeyIn, rooms: RoomsOf, caller: Admin) -> Any:
 
 @router.get("", summary="List the keys.", responses=show_answer({"keys": [EXAMPLE]}, model=Keys))
 def list_all(rooms: RoomsOf, caller: Admin) -> Any:
-    """Give every key, without its token."""
+    """Return every key, without its token."""
     return {"keys": [KeyRecord.from_row(row).as_json() for row in list_keys(rooms.database)]}
 
 

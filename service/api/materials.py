@@ -22,7 +22,7 @@ EXAMPLE = {
 
 @router.get("", summary="List the fabrics.", responses=show_answer({"materials": [EXAMPLE]}, model=Materials))
 def list_all(caller: Reader) -> Any:
-    """Give every fabric in SI units."""
+    """Return every fabric in SI units."""
     from ...core.simulate import load_fabrics
 
     return {"materials": [_show(fabric) for fabric in load_fabrics()]}
@@ -30,7 +30,7 @@ def list_all(caller: Reader) -> Any:
 
 @router.get("/{name}", summary="Show a fabric.", responses=show_answer(EXAMPLE, model=Material))
 def show(name: Text, caller: Reader) -> Any:
-    """Give one fabric, with the source of every number."""
+    """Return one fabric, with the source of every number."""
     from ...core.simulate import get_fabric
 
     return _show(get_fabric(name))

@@ -71,7 +71,7 @@ class Meter:
 
     @contextmanager
     def uploading(self, key: str) -> Iterator[None]:
-        """Hold one upload for the block.
+        """Count one upload for the block.
 
         Raises:
             UploadsOpen: where the key has as many under way as it may.
@@ -86,7 +86,7 @@ class Meter:
 
     @contextmanager
     def streaming(self, key: str) -> Iterator[None]:
-        """Hold one event stream for the block.
+        """Count one event stream for the block.
 
         Raises:
             StreamsFull: where the key has as many open as it may.

@@ -45,7 +45,7 @@ class RequestBad(BadInput):
 
 
 def error_status(error: GarmentqError) -> int:
-    """Give the HTTP status of an error."""
+    """Return the HTTP status of an error."""
     if error.code in STATUSES:
         return STATUSES[error.code]
     if isinstance(error, NotFound):
@@ -98,7 +98,7 @@ def add_handlers(app: FastAPI) -> None:
 
 
 def refuse(status: int, code: str, message: str) -> HTTPException:
-    """Give a refusal that no layer above rewrites."""
+    """Return a refusal that no layer above rewrites."""
     return HTTPException(status, {"code": code, "message": message})  # type: ignore[arg-type]
 
 

@@ -26,7 +26,7 @@ def query(
     sort: Annotated[str, Query(max_length=200)] = "-created",
     limit: Annotated[int, Query(ge=1, le=MOST)] = 50,
 ) -> Any:
-    """Give the caller's jobs that meet every condition; names and operators come from lists, values are bound."""
+    """Return the caller's jobs that meet every condition; names and operators come from lists, values are bound."""
     named = {"garment": garment, "fabric": fabric}
     chosen = given.chosen | {name: value for name, value in named.items() if value is not None}
     return answer_query(rooms, caller, JobQuery(chosen, [text[:1000] for text in where], sort, limit))

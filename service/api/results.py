@@ -40,7 +40,7 @@ WEARER = {
     responses=show_answer(JOB | {"files": [FILE]}, model=Result),
 )  # fmt: skip
 def show_result(job: str, rooms: RoomsOf, caller: Reader) -> Any:
-    """Give an ended job with its files."""
+    """Return an ended job with its files."""
     row = find_own(rooms, caller, job)
     if row.state not in ENDED:
         raise ResultMissing(f"job {row.id} is {row.state}; `garmentq logs -f {row.id}` follows it.")
@@ -51,7 +51,7 @@ def show_result(job: str, rooms: RoomsOf, caller: Reader) -> Any:
     "/jobs/{job}/artifacts", summary="List a job's files.", responses=show_answer({"files": [FILE]}, model=Files)
 )
 def list_artifacts(job: str, rooms: RoomsOf, caller: Reader) -> Any:
-    """Give the names, hashes and sizes of a job's files."""
+    """Return the names, hashes and sizes of a job's files."""
     return {"files": _find_files(rooms, find_own(rooms, caller, job).id)}
 
 
@@ -67,7 +67,7 @@ def list_artifacts(job: str, rooms: RoomsOf, caller: Reader) -> Any:
     },
 )
 def download(job: str, name: str, request: Request, rooms: RoomsOf, caller: Reader) -> Response:
-    """Give a file, checked against its hash. The name is looked up in the job's list and is never a path."""
+    """Return a file, checked against its hash. The name is looked up in the job's list and is never a path."""
     row = find_own(rooms, caller, job)
     found = [file for file in _find_files(rooms, row.id) if file.name == name]
     if not found:
@@ -80,7 +80,7 @@ def download(job: str, name: str, request: Request, rooms: RoomsOf, caller: Read
     responses=show_answer(WEARER, model=Wearer),
 )  # fmt: skip
 def show_body(job: str, rooms: RoomsOf, caller: Reader) -> Any:
-    """Give joints [m] by name and the fitted model's parameters."""
+    """Return joints [m] by name and the fitted model's parameters."""
     row = find_own(rooms, caller, job)
     with rooms.database.read() as session:
         body = session.get(BodyRow, row.id)

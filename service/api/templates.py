@@ -24,13 +24,13 @@ IMPORTED = {"name": "jacket", "panels": 7, "seams": 12, "category": "jacket"}
 
 @router.get("", summary="List the templates.", responses=show_answer({"templates": [EXAMPLE]}, model=Templates))
 def list_all(rooms: RoomsOf, caller: Reader) -> Any:
-    """Give shipped and imported templates."""
+    """Return shipped and imported templates."""
     return {"templates": list_templates(rooms.database)}
 
 
 @router.get("/{name}", summary="Give a template as a GarmentCode pattern.", responses=show_answer({"pattern": {}}))
 def show(name: TemplateName, rooms: RoomsOf, caller: Reader) -> Response:
-    """Give the pattern file of a template."""
+    """Return the pattern file of a template."""
     return Response(read_template(rooms, name), media_type="application/json")
 
 
