@@ -67,7 +67,11 @@ bench_options = gather(
             "--out", type=click.Path(file_okay=False, path_type=Path), help="Keep each result in OUT/TARGET/."
         ),
         click.option(
-            "--timeout", type=click.FloatRange(min=1.0), default=TIMEOUT, show_default=True, help="Seconds for a target."
+            "--timeout",
+            type=click.FloatRange(min=1.0),
+            default=TIMEOUT,
+            show_default=True,
+            help="Time limit of a target [s].",
         ),
     ],
 )
