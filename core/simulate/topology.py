@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 
 from ..errors import BadInput
+from ..mesh import HalfEdges, lump, shape_gradients, signed_areas
 from ..pattern import Garment
 
 
@@ -89,9 +90,10 @@ class Topology:
         if faces.min() < 0 or faces.max() >= count:
             raise TopologyBad("a face of the cloth points at a node that does not exist.")
         shape_gradients, areas = _rest_shape(rest)
-        node_areas = np.bincount(faces.ravel(), np.repeat(areas / 3, 3), minlength=count)
-        hinges, hinge_faces, corner = _find_hinges(faces)
-        edge = _hinge_edges(rest, hinge_faces, corner)
+        node_areas = lump(areas, faces, count)
+        edges = HalfEdges.of(faces, count)
+        hinges, hinge_faces = edges.hinge_vertices, edges.hinges // 3
+        edge = _hinge_edges(rest, hinge_faces, edges.hinges % 3)
         scale = (edge**2).sum(-1).mean(0) / areas[hinge_faces].sum(1)
         angles = np.zeros(len(hinges)) if rest_angles is None else np.asarray(rest_angles, dtype=np.float64)
         return cls(
@@ -118,7 +120,7 @@ class Topology:
         """
         rest = np.ascontiguousarray(rest, dtype=np.float64)
         shape_gradients, areas = _rest_shape(rest)
-        node_areas = np.bincount(self.faces.ravel(), np.repeat(areas / 3, 3), minlength=self.node_count)
+        node_areas = lump(areas, self.faces, self.node_count)
         edge = _hinge_edges(rest, self.hinge_faces, self.hinge_corners)
         scale = (edge**2).sum(-1).mean(0) / areas[self.hinge_faces].sum(1)
         return replace(
@@ -133,16 +135,13 @@ class Topology:
 
 
 def _rest_shape(rest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Give shape gradients and areas of flat triangles."""
-    p, q = rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0]
-    det = p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
-    longest = np.maximum((p**2).sum(1), (q**2).sum(1))
+    """Compute shape gradients and areas of flat triangles; refuse those that have none."""
+    areas = np.abs(signed_areas(rest))
+    longest = ((rest[:, 1:] - rest[:, :1]) ** 2).sum(2).max(1)
     # 1e-4: a height under 1e-4 of the longest edge; its stiffness would drown the rest of the matrix in round-off
-    if not np.isfinite(det).all() or (np.abs(det) <= 1e-4 * longest).any():
+    if not np.isfinite(areas).all() or (2.0 * areas <= 1e-4 * longest).any():
         raise TopologyBad("a face of the flat pattern has no area; mesh the panel again.")
-    one = np.stack([q[:, 1], -q[:, 0]], axis=1) / det[:, None]
-    two = np.stack([-p[:, 1], p[:, 0]], axis=1) / det[:, None]
-    return np.ascontiguousarray(np.stack([-one - two, one, two], axis=1)), 0.5 * np.abs(det)
+    return shape_gradients(rest), areas
 
 
 def _hinge_edges(rest: np.ndarray, hinge_faces: np.ndarray, corner: np.ndarray) -> np.ndarray:
@@ -150,23 +149,6 @@ def _hinge_edges(rest: np.ndarray, hinge_faces: np.ndarray, corner: np.ndarray) 
     return np.stack(
         [rest[hinge_faces[:, s], (corner[:, s] + 1) % 3] - rest[hinge_faces[:, s], corner[:, s]] for s in (0, 1)]
     )
-
-
-def _find_hinges(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Pair faces over their shared edges: hinge nodes, hinge faces, corner at which the edge starts in each face.
-
-    Edges of more than two faces give a hinge for each consecutive pair, so that a non-manifold seam still bends.
-    """
-    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    low, high = np.minimum(start, end), np.maximum(start, end)
-    order = np.lexsort((np.arange(len(low)), high, low))
-    same = (low[order][1:] == low[order][:-1]) & (high[order][1:] == high[order][:-1])
-    first, second = order[:-1][same], order[1:][same]
-    face, corner = np.stack([first // 3, second // 3], axis=1), np.stack([first % 3, second % 3], axis=1)
-    opposite = faces[face, (corner + 2) % 3]
-    hinges = np.stack([start[first], end[first], opposite[:, 0], opposite[:, 1]], axis=1)
-    sound = hinges[:, 2] != hinges[:, 3]  # two faces over the same three nodes have no angle
-    return np.ascontiguousarray(hinges[sound]), face[sound], corner[sound]
 
 
 def _map_blocks(count: int, faces: np.ndarray, hinges: np.ndarray) -> tuple[np.ndarray, ...]:
