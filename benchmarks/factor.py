@@ -22,7 +22,7 @@ SIZES = (1000, 3000, 8000)
 """Nodes of the mesh."""
 
 
-def cpu_ms(work: Callable[[], object], repeats: int = 7) -> float:
+def cpu_ms(work: Callable[[], object], repeats: int = 5) -> float:
     """Return the smallest CPU time of a few runs [ms], after one that compiles and warms up."""
     work()
     times = []

@@ -8,7 +8,9 @@ import scipy.sparse as sp
 from ..body import ExposedSurface
 from ..hooks import Hooks
 from ..mesh import (
+    HalfEdges,
     TriangleSurface,
+    analyse,
     bending_matrix,
     factor_symmetric,
     polar_rotations,
@@ -77,6 +79,7 @@ def polish_nodes(
     weighted = (gradient.T @ sp.diags(np.repeat(areas, 2))).tocsr()
     laplacian = (weighted @ gradient).tocsr()
     mass = vertex_areas(nodes, faces)
+    solver = analyse(HalfEdges.of(faces, len(nodes)), rings=2)
     bending = bending_matrix(laplacian, 1 / np.maximum(mass, 1e-12))
     curves = ContourMatch(target.pairs, nodes, target.surface.vertices)
     goal_area = target.shares * mass.sum()
@@ -106,7 +109,7 @@ def polish_nodes(
         rotation = polar_rotations(rows_to_jacobians(gradient @ x) @ metric.undo) @ metric.stretch
         right = right + rigidity * (weighted @ rotation.transpose(0, 2, 1).reshape(-1, 3))
         system = matrix + rigidity * laplacian + stiffness * bending
-        x = factor_symmetric(system).solve(right)
+        x = factor_symmetric(system, solver).solve(right)
         hooks.progress("deform", 0.7 + 0.2 * (step + 1) / steps, f"polish {step + 1}")
     return np.asarray(x)
 

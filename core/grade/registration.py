@@ -13,6 +13,7 @@ from ..mesh import (
     Closest,
     HalfEdges,
     TriangleSurface,
+    analyse,
     bending_matrix,
     cotangent_laplacian,
     factor_symmetric,
@@ -79,6 +80,8 @@ def register_coarsely(
     share = goal.vertex_areas[picked] * (mass.sum() / goal.vertex_areas[picked].sum())
     # A hundredth of the first pull to stay in place: the system keeps full rank where nothing is matched at all.
     fixed = stiffness + sp.diags(pins + 0.01 * mass / settings.reach_first**4)
+    # The bending reaches two rings around a node, all else one.
+    solver = analyse(HalfEdges.of(garment.faces, len(start)), rings=2)
     moved = start.copy()
     for step, reach in enumerate(np.geomspace(settings.reach_first, settings.reach_last, settings.steps)):
         hooks.progress("grade", 0.8 * step / settings.steps, "registering")
@@ -95,7 +98,7 @@ def register_coarsely(
         system = fixed + sp.diags(weight + still) + on_faces.T @ sp.diags(pull) @ on_faces
         right = weight[:, None] * lead + still[:, None] * (moved - start) + pins[:, None] * pinned
         right += on_faces.T @ (pull[:, None] * (goal.vertices[picked] - on_faces @ start))
-        moved = start + factor_symmetric(system).solve(right)
+        moved = start + factor_symmetric(system, solver).solve(right)
     return moved
 
 

@@ -9,6 +9,7 @@ import scipy.sparse as sparse
 from scipy.sparse.linalg import splu
 
 if TYPE_CHECKING:
+    from .connectivity import HalfEdges
     from .multifrontal import Cholesky
 
 
@@ -66,11 +67,17 @@ class SuperLU:
         return bool((lu.U.diagonal() > 0).all())
 
 
-def analyse(pattern: sparse.spmatrix) -> Cholesky:
-    """Analyse a symmetric pattern for `factor_symmetric`, for matrices whose entries all lie within it."""
+def analyse(edges: HalfEdges, rings: int = 1) -> Cholesky:
+    """Analyse the pattern of matrices that couple each vertex of a mesh with so many rings around it.
+
+    One ring holds a Laplacian, two hold its square; a face's and an edge's rows are within one.
+    """
     from .multifrontal import Cholesky
 
-    matrix = sparse.csr_matrix(pattern)
+    near = edges.adjacency + sparse.identity(edges.vertex_count)
+    matrix = sparse.csr_matrix(near)
+    for _ in range(rings - 1):
+        matrix = sparse.csr_matrix(matrix @ near)
     matrix.sum_duplicates()
     return Cholesky(matrix.indptr, matrix.indices)
 
@@ -83,18 +90,20 @@ def factor_symmetric(matrix: sparse.spmatrix, analysed: Cholesky | None = None) 
 
     Args:
         matrix: The matrix, both triangles.
-        analysed: What `analyse` found for a pattern that holds the matrix's; it keeps the factor until its next one.
+        analysed: What `analyse` found; it keeps the factor until its next one. A matrix with an entry outside its
+            pattern is factored as one that is alone.
 
     Raises:
         NotDefinite: where the matrix is not positive definite.
     """
-    if analysed is not None:
-        definite = analysed.factor_matrix(sparse.csr_matrix(matrix))
-        found: Factor = analysed
+    data = None if analysed is None else analysed.place(sparse.csr_matrix(matrix))
+    found: Factor
+    if analysed is not None and data is not None:
+        analysed.factor(data)
+        found = analysed
     else:
         found = factor_general(matrix)
-        definite = found.is_positive_definite()
-    if not definite:
+    if not found.is_positive_definite():
         raise NotDefinite("a matrix that must be positive definite is not")
     return found
 

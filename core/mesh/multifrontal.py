@@ -114,13 +114,11 @@ class Cholesky:
         self._definite = True
         return True
 
-    def factor_matrix(self, matrix: csr_matrix) -> bool:
-        """Factor a matrix whose entries lie within the pattern; False where it is not positive definite."""
+    def place(self, matrix: csr_matrix) -> np.ndarray | None:
+        """Return a matrix's entries in the order of the pattern, zeros where it has none; None where one is outside."""
         matrix.sum_duplicates()
         data = np.zeros(len(self._pattern[1]))
-        if not _spread(matrix.indptr, matrix.indices, matrix.data, *self._pattern, data):
-            raise ValueError("the matrix has an entry outside the pattern that was analysed")
-        return self.factor(data)
+        return data if _spread(matrix.indptr, matrix.indices, matrix.data, *self._pattern, data) else None
 
     def solve(self, right: np.ndarray) -> np.ndarray:
         """Solve for one right side [n] or several [n, m] with the last factor."""
