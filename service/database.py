@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
-from sqlalchemy import Connection, Engine, Float, create_engine, event, inspect, text
+from sqlalchemy import Connection, CursorResult, Engine, Float, Update, create_engine, event, inspect, text
 from sqlalchemy.engine import make_url
 from sqlalchemy.exc import ArgumentError, OperationalError
 from sqlalchemy.ext.compiler import compiles
@@ -135,6 +135,12 @@ def serialise(session: Session, key: str) -> None:
     """
     if session.connection().dialect.name == "postgresql":
         session.execute(text("select pg_advisory_xact_lock(hashtextextended(:key, 0))"), {"key": key})
+
+
+def change_rows(session: Session, statement: Update) -> int:
+    """Run an UPDATE, and return how many rows it changed; rows that the session holds are not refreshed."""
+    changed = session.execute(statement.execution_options(synchronize_session=False))
+    return cast(CursorResult[Any], changed).rowcount
 
 
 def read_revision(connection: Connection) -> str | None:

@@ -16,7 +16,7 @@ from sqlalchemy.orm import Session
 
 from .. import __version__
 from ..core.errors import GarmentqError, NotFound
-from .database import Database, clock
+from .database import Database, change_rows, clock
 from .models import EventRow, JobInputRow, JobRow, JobTagRow, JobWaitRow, OutboxRow
 from .states import ENDED, QUEUES, TRANSITIONS, State
 
@@ -252,8 +252,7 @@ def write_fenced(session: Session, claim: Claim, **values: Any) -> None:
     Raises:
         FenceLost: where it does not hold; the transaction must not go on.
     """
-    statement = _fenced(claim).values(**values).execution_options(synchronize_session=False)
-    if session.execute(statement).rowcount != 1:  # type: ignore[attr-defined]
+    if change_rows(session, _fenced(claim).values(**values)) != 1:
         raise FenceLost()
 
 

@@ -138,7 +138,7 @@ def revoke_key(database: Database, key: str) -> ApiKeyRow:
         if row is None:
             raise KeyUnknown()
         if row.revoked is None:
-            row.revoked = clock()  # type: ignore[assignment]
+            row.revoked = clock()
             session.flush()
             session.refresh(row)
         return row

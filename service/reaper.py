@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from sqlalchemy import delete, exists, insert, select, update
+from sqlalchemy import ColumnElement, delete, exists, insert, select, update
 from sqlalchemy.exc import IntegrityError
 
-from .database import Database, clock
+from .database import Database, change_rows, clock
 from .jobs import LOSS, expire, record
 from .models import JobRow, LockRow, OutboxRow, WorkerRow
 from .states import OPEN, State
@@ -24,13 +24,9 @@ than 0.1 s (with 200 the first jobs of a long queue waited up to 0.6 s)."""
 def hold_duty(database: Database, name: str, owner: str, seconds: float) -> bool:
     """Take or renew a duty for some seconds; False where another process has it."""
     with database.write() as session:
-        held = session.execute(
-            update(LockRow)
-            .where(LockRow.name == name, (LockRow.owner == owner) | (LockRow.until < clock()))
-            .values(owner=owner, until=clock() + seconds)
-            .execution_options(synchronize_session=False)
-        )
-        if held.rowcount == 1:  # type: ignore[attr-defined]
+        is_free = (LockRow.owner == owner) | (LockRow.until < clock())
+        held = update(LockRow).where(LockRow.name == name, is_free).values(owner=owner, until=clock() + seconds)
+        if change_rows(session, held) == 1:
             return True
         try:
             with session.begin_nested():
@@ -41,7 +37,7 @@ def hold_duty(database: Database, name: str, owner: str, seconds: float) -> bool
 
 
 def drop_duty(database: Database, name: str, owner: str) -> None:
-    """Return a duty up, so that another process need not wait."""
+    """Drop a duty, so that another process need not wait."""
     with database.write() as session:
         session.execute(delete(LockRow).where(LockRow.name == name, LockRow.owner == owner))
 
@@ -79,7 +75,7 @@ def remind(database: Database, seconds: float, is_broker_empty: Callable[[], boo
         statement = select(JobRow).where(_is_forgotten(seconds)).limit(BATCH).with_for_update(skip_locked=True)
         forgotten = session.scalars(statement).all()
         for row in forgotten:
-            row.touched = clock()  # type: ignore[assignment]
+            row.touched = clock()
             session.add(OutboxRow(job=row.id, created=clock()))
             record(session, row.id, "republished")
         return len(forgotten)
@@ -90,7 +86,7 @@ def show_life(database: Database, name: str, queues: str, concurrency: int, forg
     with database.write() as session:
         session.execute(delete(WorkerRow).where(WorkerRow.seen < clock() - forget_seconds))
         seen = update(WorkerRow).where(WorkerRow.name == name).values(seen=clock())
-        if session.execute(seen).rowcount == 0:  # type: ignore[attr-defined]
+        if change_rows(session, seen) == 0:
             row = {"name": name, "queues": queues, "concurrency": concurrency}
             session.execute(insert(WorkerRow).values(**row, started=clock(), seen=clock()))
 
@@ -118,7 +114,7 @@ def report_loss(database: Database, mark: str, reason: str) -> None:
     with database.write() as session:
         held = (JobRow.state == State.RUNNING) & JobRow.owner.endswith(mark, autoescape=True)
         for row in session.scalars(select(JobRow).where(held).with_for_update()):
-            row.lease_until = clock() - 1.0  # type: ignore[assignment]
+            row.lease_until = clock() - 1.0
             record(session, row.id, LOSS, attempt=row.attempts, reason=reason[:200])
 
 
@@ -158,10 +154,10 @@ def is_idle(database: Database, seconds: float) -> bool:
         return not session.execute(select(exists().where(busy))).scalar()
 
 
-def _is_expired():  # type: ignore[no-untyped-def]
+def _is_expired() -> ColumnElement[bool]:
     return (JobRow.state == State.RUNNING) & (JobRow.lease_until < clock())
 
 
-def _is_forgotten(seconds: float):  # type: ignore[no-untyped-def]
+def _is_forgotten(seconds: float) -> ColumnElement[bool]:
     owed = exists().where(OutboxRow.job == JobRow.id)
     return (JobRow.state == State.QUEUED) & (JobRow.touched < clock() - seconds) & ~owed
