@@ -22,9 +22,8 @@ def command(name: str | None, as_json: bool) -> None:
       garmentq materials
       garmentq materials denim --json
     """
-    from dataclasses import asdict
-
     from ..service.backend import open_backend
+    from ..service.records import show_fabric
     from ..service.settings import read_settings
     from .terminal import print_json, print_table
 
@@ -32,7 +31,7 @@ def command(name: str | None, as_json: bool) -> None:
     fabrics = [backend.read_material(name)] if name else backend.list_materials()
     if as_json:
         for fabric in fabrics:
-            print_json({**asdict(fabric), "sources": dict(fabric.sources)})
+            print_json(show_fabric(fabric))
         return
     print_table(
         ["name", "title", "g/m2", "H00 N/m", "H01 N/m", "H11 N/m", "H22 N/m", "k N m", "thickness m", "friction"],

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 from .states import State
 
 if TYPE_CHECKING:
+    from ..core.simulate import Fabric
     from .models import ApiKeyRow, ArtifactRow, EventRow, JobRow, WorkerRow
 
 Json = Mapping[str, Any]
@@ -396,6 +397,19 @@ def _read_result(found: Json) -> dict[str, Any]:
         "cpu_seconds": found.get("cpu_seconds"),
         "peak_mb": found.get("peak_mb"),
     }
+
+
+def show_fabric(fabric: Fabric) -> dict[str, Any]:
+    """Return a fabric as JSON values: every parameter in SI units, and where each comes from."""
+    return {**asdict(fabric), "sources": dict(fabric.sources)}
+
+
+def read_fabric(found: Json) -> Fabric:
+    """Read a service's answer."""
+    from ..core.simulate import Fabric
+
+    known = {item.name: found[item.name] for item in fields(Fabric)}
+    return Fabric(**{**known, "sources": tuple((str(n), str(v)) for n, v in found["sources"].items())})
 
 
 def check_id(job: str) -> str:

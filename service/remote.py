@@ -17,7 +17,7 @@ import time
 import uuid
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -44,6 +44,7 @@ from .records import (
     Template,
     Worker,
     check_id,
+    read_fabric,
 )
 from .results import choose_files
 from .settings import ServiceSettings
@@ -238,12 +239,12 @@ class RemoteBackend:
 
     def list_materials(self) -> list[Fabric]:
         """Return every fabric of the library."""
-        return _read_all(_make_fabric, self._ask("GET", "/v1/materials"), "materials")
+        return _read_all(read_fabric, self._ask("GET", "/v1/materials"), "materials")
 
     def read_material(self, name: str) -> Fabric:
         """Return one fabric."""
         found = self._ask("GET", f"/v1/materials/{quote(name, safe='')}")
-        return _read(lambda: _make_fabric(found))
+        return _read(lambda: read_fabric(found))
 
     def create_key(self, name: str, scopes: Sequence[str], quota: int) -> tuple[Key, str]:
         """Make an API key; its token is returned here and never again."""
@@ -307,10 +308,3 @@ def _read_all(make: Callable[[Json], R], found: Json, name: str) -> list[R]:
 
 def _read_event(text: str) -> Event:
     return Event.from_json(json.loads(text))
-
-
-def _make_fabric(found: Json) -> Fabric:
-    from ..core.simulate import Fabric
-
-    known = {item.name: found[item.name] for item in fields(Fabric)}
-    return Fabric(**{**known, "sources": tuple((str(n), str(v)) for n, v in found["sources"].items())})

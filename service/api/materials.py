@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import Any
 
 from fastapi import APIRouter
 
+from ..records import show_fabric
 from .access import Reader
 from .answers import Material, Materials
 from .problems import show_answer
@@ -25,7 +25,7 @@ def list_all(caller: Reader) -> Any:
     """Return every fabric in SI units."""
     from ...core.simulate import load_fabrics
 
-    return {"materials": [_show(fabric) for fabric in load_fabrics()]}
+    return {"materials": [show_fabric(fabric) for fabric in load_fabrics()]}
 
 
 @router.get("/{name}", summary="Show a fabric.", responses=show_answer(EXAMPLE, model=Material))
@@ -33,8 +33,4 @@ def show(name: Text, caller: Reader) -> Any:
     """Return one fabric, with the source of every number."""
     from ...core.simulate import get_fabric
 
-    return _show(get_fabric(name))
-
-
-def _show(fabric: Any) -> dict[str, Any]:
-    return {**asdict(fabric), "sources": dict(fabric.sources)}
+    return show_fabric(get_fabric(name))
