@@ -68,7 +68,7 @@ def deform(
     stage = optimise_jacobians(nodes, gradient, areas, objective, metric, settings, hooks)
     x, polished = stage.nodes, False
     if settings.polish_iterations > 0:
-        finer = polish_nodes(x, faces, gradient, areas, metric, goal, body.whole, settings, hooks)
+        finer = polish_nodes(x, faces, gradient, metric, goal, body.whole, settings, hooks)
         x, polished = accept_polish(finer, x, faces, goal)
         allowed = int(crossing(nodes, faces).sum())
         x = iron_crossings(x, gradient, areas, faces, allowed)

@@ -45,7 +45,6 @@ def polish_nodes(
     nodes: np.ndarray,
     faces: np.ndarray,
     gradient: sp.csr_matrix,
-    areas: np.ndarray,
     metric: RestMetric,
     target: PreparedTarget,
     body: ExposedSurface,
@@ -66,8 +65,7 @@ def polish_nodes(
         nodes: Result of the main stage [m], shape [node_count, 3].
         faces: Shape [face_count, 3].
         gradient: Positions to Jacobian rows.
-        areas: Rest areas [m2].
-        metric: Rest stretch as the main stage left it.
+        metric: Rest areas, and rest stretch as the main stage left it.
         target: The repaired target.
         body: The exact body.
         settings: Number of steps and the margin to the body.
@@ -76,7 +74,7 @@ def polish_nodes(
     Returns:
         Polished nodes [m]; whether to keep them is the caller's to judge.
     """
-    weighted = (gradient.T @ sp.diags(np.repeat(areas, 2))).tocsr()
+    weighted = (gradient.T @ sp.diags(np.repeat(metric.areas, 2))).tocsr()
     laplacian = (weighted @ gradient).tocsr()
     mass = vertex_areas(nodes, faces)
     solver = analyse(HalfEdges.of(faces, len(nodes)), rings=2)

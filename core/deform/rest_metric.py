@@ -22,6 +22,7 @@ class RestMetric:
     that it resists what varies faster than s (collapsed and sheared triangles) and not a panel that is 20 % too wide.
 
     Attributes:
+        areas: Rest areas [m2], shape [face_count].
         stretch: S of each face, shape [face_count, 2, 2].
         undo: Its inverse, shape [face_count, 2, 2].
 
@@ -30,6 +31,7 @@ class RestMetric:
 
     def __init__(self, faces: np.ndarray, panel_of_face: np.ndarray, areas: np.ndarray, scale: float) -> None:
         self._solve = None
+        self.areas = areas
         self.stretch = np.tile(np.eye(2), (len(faces), 1, 1))
         self.undo = self.stretch.copy()
         if scale <= 0:
@@ -42,7 +44,6 @@ class RestMetric:
         link = sp.csr_matrix((weight, (first, second)), shape=(len(faces),) * 2)
         link = link + link.T
         laplacian = sp.diags(np.asarray(link.sum(axis=1)).ravel()) - link
-        self._areas = areas
         self._solve = factor_symmetric(sp.diags(areas) + scale**2 * laplacian).solve
 
     def follow(self, jacobians: np.ndarray) -> None:
@@ -51,7 +52,7 @@ class RestMetric:
             return
         metric = np.einsum("fki,fkj->fij", jacobians, jacobians)
         flat = np.stack([metric[:, 0, 0], metric[:, 0, 1], metric[:, 1, 1]], axis=1)
-        smooth = self._solve(self._areas[:, None] * flat)
+        smooth = self._solve(self.areas[:, None] * flat)
         metric = np.stack([smooth[:, 0], smooth[:, 1], smooth[:, 1], smooth[:, 2]], axis=1).reshape(-1, 2, 2)
         values, vectors = np.linalg.eigh(metric)
         values = np.clip(np.sqrt(np.maximum(values, 0.0)), LOWEST, HIGHEST)

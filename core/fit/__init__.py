@@ -12,6 +12,7 @@ from .losses import ChamferLoss, ContourLoss, PanelLoss, PlaneLoss, RangeLoss, R
 from .material import fit_bending, folding, nearest_fabrics, posterior, ratio_prior
 from .methods import METHODS, Graded, Hybrid, Inverse, Method
 from .result import Fit
+from .scene import FitScene
 from .settings import MaterialSettings, ShapeSettings
 from .shape import ShapeFit, ShapeProblem, fit_shape, keep_seams
 
@@ -22,6 +23,7 @@ __all__ = [
     "Descent",
     "DescentProblem",
     "Fit",
+    "FitScene",
     "Graded",
     "Hybrid",
     "Inverse",

@@ -49,12 +49,12 @@ def estimate_body_offset(problem: ShapeProblem, hooks: Hooks = SILENT) -> Distan
     """
     from ..simulate import contact_forces
 
-    grid = problem.grid
+    grid = problem.scene.first.body
     assert grid is not None, "there is no body to raise"
     for _ in range(ROUNDS):
-        on = replace(problem, grid=grid)
+        on = replace(problem, scene=problem.scene.with_body(grid))
         drape = on.drape(problem.garment.pattern, problem.garment.nodes, hooks)
-        scene = on.scene(problem.garment.pattern)
+        scene = on.at(problem.garment.pattern)
         force, normal = contact_forces(scene, drape.nodes)
         touching = force > 0
         missing = ((problem.garment.nodes - drape.nodes) * normal).sum(1)[touching]

@@ -7,20 +7,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..body import DistanceGrid
 from ..checkpoints import load, save
 from ..hooks import SILENT, Hooks
-from ..pattern import Garment, Pattern, Symmetry, check_outline, equalise_seams, find_symmetry, map_controls
-from ..pattern.errors import PanelCrossing, PanelDegenerate
+from ..pattern import Pattern, equalise_seams
 from ..segment import Target
 from ..simulate import Fabric, SolveSettings
 from .adam import Adam
-from .locks import keep_held
 from .losses import ChamferLoss, ContourLoss, PanelLoss, RangeLoss, SeamLoss
 from .losses.range import STIFFNESSES, logarithms
+from .scene import FitScene
 
 if TYPE_CHECKING:
-    from ..simulate import Parameters, Pins, Scene, Solver, SteadyRotation, Topology
+    from ..simulate import Scene
 
 _LEAST = 0.05
 """Share of its area below which a flat triangle forbids a step: the simulator needs triangles that have some."""
@@ -73,110 +71,61 @@ class DescentProblem:
     Its variables are the effective control points x0, y0, x1, ... [m] and ln of H00, H01, H11, H22, k.
 
     Attributes:
-        garment: The first pattern's mesh, nodes at its drape, contours named.
-        like: The template: tells symmetry and which corners to keep.
-        symmetry: Of `like`.
-        parameters: How rest shape and fabric follow from the variables.
-        topology: Of `garment`.
-        solver: Analysed for it.
-        fabric: The cloth at first.
-        grid: Distance to the body, or None.
-        pins: What holds the cloth, or None.
+        scene: The first pattern's mesh, nodes at its drape, contours named, and what acts on it.
         chamfer, contour, seam, panel, material: The losses.
         settings: Their weights and the steps.
-        held: Which effective coordinates are locked, shape [shape_count].
-        rotation: The rotation in which the cloth rests, or None.
     """
 
-    garment: Garment
-    like: Pattern
-    symmetry: Symmetry
-    parameters: Parameters
-    topology: Topology
-    solver: Solver
-    fabric: Fabric
-    grid: DistanceGrid | None
-    pins: Pins | None
+    scene: FitScene
     chamfer: ChamferLoss
     contour: ContourLoss
     seam: SeamLoss
     panel: PanelLoss
     material: RangeLoss
     settings: InverseSettings
-    held: np.ndarray
-    rotation: SteadyRotation | None
 
     @classmethod
-    def of(
-        cls,
-        garment: Garment,
-        target: Target,
-        like: Pattern,
-        fabric: Fabric,
-        grid: DistanceGrid | None,
-        pins: Pins | None,
-        settings: InverseSettings,
-        held: np.ndarray | None = None,
-        rotation: SteadyRotation | None = None,
-    ) -> DescentProblem:
-        """Prepare the descent from a garment at rest towards a target."""
-        from ..simulate import Parameters, Topology, make_solver
-
-        symmetry = find_symmetry(like)
-        topology = Topology.from_garment(garment)
+    def of(cls, scene: FitScene, target: Target, settings: InverseSettings) -> DescentProblem:
+        """Prepare the descent from a garment at rest towards a target; the scene's parameters have `STIFFNESSES`."""
+        garment = scene.garment
         return cls(
-            garment=garment,
-            like=like,
-            symmetry=symmetry,
-            parameters=Parameters.of_garment(garment, map_controls(garment), symmetry, STIFFNESSES),
-            topology=topology,
-            solver=make_solver(topology),
-            fabric=fabric,
-            grid=grid,
-            pins=pins,
+            scene=scene,
             chamfer=ChamferLoss.of(garment, target.vertices, target.faces, settings.curvature),
             contour=ContourLoss.of(garment, target),
-            seam=SeamLoss.of(garment, like),
-            panel=PanelLoss.of(garment, like, symmetry),
-            material=RangeLoss.of(fabric),
+            seam=SeamLoss.of(garment, scene.like),
+            panel=PanelLoss.of(garment, scene.like),
+            material=RangeLoss.of(scene.fabric),
             settings=settings,
-            held=np.zeros(symmetry.matrix.shape[1], dtype=bool) if held is None else held,
-            rotation=rotation,
         )
 
     @property
     def start(self) -> np.ndarray:
         """Give the variables of the first pattern and fabric, shape [variable_count]."""
-        points = self.symmetry.reduce(self.garment.pattern.points).ravel()
-        return np.concatenate([points, logarithms(self.fabric)])
+        points = self.scene.effective(self.scene.garment.pattern)
+        return np.concatenate([points, logarithms(self.scene.fabric)])
 
     def points_of(self, variables: np.ndarray) -> np.ndarray:
         """Give all control points [m], shape [point_count, 2]."""
-        return self.symmetry.expand(variables[: -len(STIFFNESSES)])
+        return self.scene.symmetry.expand(variables[: -len(STIFFNESSES)])
 
     def fabric_of(self, variables: np.ndarray) -> Fabric:
         """Give the fabric; its other properties stay."""
         values = np.exp(variables[-len(STIFFNESSES) :]).tolist()
-        return replace(self.fabric, **dict(zip(STIFFNESSES, values, strict=True)))
+        return replace(self.scene.fabric, **dict(zip(STIFFNESSES, values, strict=True)))
 
     def pattern_of(self, variables: np.ndarray) -> Pattern:
         """Give the pattern that is cut in the end: seams made equal where they count, locks honoured.
 
         A gathered seam keeps the ratio that was descended to: mirror images share it, for their points are images.
         """
-        pattern = self.like.with_points(self.points_of(variables))
+        pattern = self.scene.like.with_points(self.points_of(variables))
         if self.settings.seam > 0.0:
-            pattern = equalise_seams(pattern, like=pattern, symmetry=self.symmetry)
-        if self.held.any():
-            pattern = keep_held(pattern, self.garment.pattern, self.like, self.held)
-        return pattern
+            pattern = equalise_seams(pattern, like=pattern, symmetry=self.scene.symmetry)
+        return self.scene.with_locks(pattern)
 
-    def scene(self, variables: np.ndarray) -> Scene:
+    def at(self, variables: np.ndarray) -> Scene:
         """Return the scene with these variables."""
-        from ..simulate import Scene
-
-        scene = Scene(self.topology, self.fabric, self.grid, self.pins, self.rotation)
-        return self.parameters.move(scene, variables - self.start)
+        return self.scene.at(variables - self.start)
 
     def drape(
         self, variables: np.ndarray, nodes: np.ndarray, anchors: np.ndarray | None, hooks: Hooks
@@ -184,8 +133,8 @@ class DescentProblem:
         """Bring the cloth to rest from nodes [m]; give positions and friction's anchors, shape [node_count, 3] each."""
         from ..simulate import equilibrium
 
-        scene, settings = self.scene(variables), self.settings.solve
-        drape = equilibrium(scene, nodes, anchors=anchors, solver=self.solver, settings=settings, hooks=hooks)
+        scene, solver, settings = self.at(variables), self.scene.solver, self.settings.solve
+        drape = equilibrium(scene, nodes, anchors=anchors, solver=solver, settings=settings, hooks=hooks)
         return drape.nodes, drape.anchors
 
     def evaluate(self, variables: np.ndarray, nodes: np.ndarray, anchors: np.ndarray) -> tuple[float, np.ndarray]:
@@ -195,20 +144,18 @@ class DescentProblem:
 
         The drape's part is pulled back through its equilibrium: one factor, one back-substitution.
         """
-        from ..simulate import linearise_at
-
         weights = self.settings
         value, upstream = self.chamfer.evaluate(nodes)
         more, slope = self.contour.evaluate(nodes)
         value, upstream = value + weights.contour * more, upstream + weights.contour * slope
-        rest = linearise_at(self.scene(variables), nodes, anchors, self.solver)
-        gradient = self.parameters.pull(rest.scene, rest.pull(upstream))
+        rest = self.scene.linearise(variables - self.start, nodes, anchors)
+        gradient = self.scene.parameters.pull(rest.scene, rest.pull(upstream))
         points, shape = self.points_of(variables), len(variables) - len(STIFFNESSES)
         unequal, by_seam, _ = self.seam.evaluate(points, self.seam.best_ratios(points))
         folded, by_panel = self.panel.evaluate(points)
         outside, by_log = self.material.evaluate(variables[shape:])
         by_points = weights.seam * by_seam + weights.panel * by_panel
-        gradient[:shape] += self.symmetry.pull_back(by_points).ravel()
+        gradient[:shape] += self.scene.symmetry.pull_back(by_points).ravel()
         gradient[shape:] += weights.material * by_log
         value += weights.seam * unequal + weights.panel * folded + weights.material * outside
         return value, gradient
@@ -216,19 +163,11 @@ class DescentProblem:
     def take(self, variables: np.ndarray, move: np.ndarray) -> np.ndarray:
         """Go as much of a move, all or a half, a quarter, an eighth, as folds no panel; none where all do."""
         for _ in range(4):
-            if self._is_sound(variables + move):
+            ahead = self.scene.like.with_points(self.points_of(variables + move))
+            if self.scene.is_sound(ahead, _LEAST):
                 return variables + move
             move = 0.5 * move
         return variables
-
-    def _is_sound(self, variables: np.ndarray) -> bool:
-        points = self.points_of(variables)
-        try:
-            for panel in self.like.with_points(points).panels:
-                check_outline(panel)
-        except (PanelCrossing, PanelDegenerate):
-            return False
-        return self.panel.least_share(points) > _LEAST
 
 
 @dataclass(frozen=True)
@@ -277,7 +216,7 @@ def descend(problem: DescentProblem, hooks: Hooks = SILENT, fit_fabric: bool = T
     step starts from the last one's rest, with its friction.
     """
     settings = problem.settings
-    state = load(hooks, "fit.inverse", Descent, problem.garment.nodes) or _begin(problem, hooks)
+    state = load(hooks, "fit.inverse", Descent, problem.scene.garment.nodes) or _begin(problem, hooks)
     while state.stage < 2:
         if state.reaches_end(settings):
             state = _next_stage(problem, state, hooks, fit_fabric)
@@ -286,13 +225,13 @@ def descend(problem: DescentProblem, hooks: Hooks = SILENT, fit_fabric: bool = T
         hooks.progress("fit", 0.9 * done, f"loss {1e6 * state.losses[-1]:.0f} mm2")
         state = _step(problem, state, hooks)
         if len(state.losses) % settings.keep_every == 0:
-            save(hooks, "fit.inverse", state, problem.garment.nodes)
+            save(hooks, "fit.inverse", state, problem.scene.garment.nodes)
     return state
 
 
 def _begin(problem: DescentProblem, hooks: Hooks) -> Descent:
     variables = problem.start
-    nodes, anchors = problem.drape(variables, problem.garment.nodes, None, hooks)
+    nodes, anchors = problem.drape(variables, problem.scene.garment.nodes, None, hooks)
     loss, gradient = problem.evaluate(variables, nodes, anchors)
     adam = Adam.of(len(variables))
     return Descent(
@@ -302,9 +241,9 @@ def _begin(problem: DescentProblem, hooks: Hooks) -> Descent:
 
 def _step(problem: DescentProblem, state: Descent, hooks: Hooks) -> Descent:
     """Take one step of Adam and drape."""
-    settings, shape = problem.settings, len(problem.held)
+    settings, shape = problem.settings, len(problem.scene.locked)
     rates = np.full(len(state.variables), settings.fabric_rate if state.stage == 1 else 0.0)
-    rates[:shape] = np.where(problem.held, 0.0, settings.rate)
+    rates[:shape] = np.where(problem.scene.locked, 0.0, settings.rate)
     adam, move = state.adam.step(state.gradient, rates)
     variables = problem.take(state.variables, move)
     nodes, anchors = problem.drape(variables, state.nodes, state.anchors, hooks)

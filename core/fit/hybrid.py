@@ -20,6 +20,7 @@ from .isometry import fit_isometry
 from .locks import find_held, keep_held
 from .material import fit_bending, nearest_fabrics, posterior, refine_bending, state_density
 from .result import Fit
+from .scene import FitScene
 from .settings import MaterialSettings, ShapeSettings
 from .shape import ShapeProblem, fit_shape
 from .transfer import remesh_and_transfer
@@ -67,27 +68,32 @@ def fit_pattern(
     refitted = refitted.at(registered)
     hooks.progress("fit", 0.3, "preparing the fit through the simulator")
 
+    grid = wearer.grid
+
     def problem_on(vertices: int, cloth: Fabric) -> ShapeProblem:
         """State the fit on the registered mesh, or on a coarser one."""
         mesh = refitted
         if vertices < len(registered):
             mesh = remesh_and_transfer(refitted.pattern, vertices, refitted, registered, wearer.body)
-        return ShapeProblem.of(mesh, like, soften(cloth), wearer.grid, pin_waist(mesh), settings, held, rotation)
+        scene = Scene(Topology.from_garment(mesh), soften(cloth), grid, pin_waist(mesh), rotation)
+        return ShapeProblem.of(FitScene.of(mesh, like, scene, locked=held), settings)
 
     coarse = problem_on(material.vertices, fabric)
     if is_estimated(wearer.body):
         hooks.progress("fit", 0.3, "raising the body to where the cloth rests on it")
-        coarse = replace(coarse, grid=estimate_body_offset(coarse.holding_folds(), hooks))
+        grid = estimate_body_offset(replace(coarse, scene=coarse.scene.with_folds_held()), hooks)
+        coarse = replace(coarse, scene=coarse.scene.with_body(grid))
     bending: tuple[FabricEstimate, ...] = ()
     if "fabric" not in locks:
         found, estimate = fit_bending(coarse, material, hooks)
         fabric = replace(fabric, k=found.k, title=found.title, sources=found.sources)
         bending = (estimate,)
-    problem = replace(problem_on(settings.vertices, fabric), grid=coarse.grid).holding_folds()
+    problem = problem_on(settings.vertices, fabric)
+    problem = replace(problem, scene=problem.scene.with_folds_held())
     if bending and estimate.identifiable:
         problem = problem.fitting_bending(estimate.std)
     shape = fit_shape(problem, hooks)
-    problem = replace(problem, fabric=shape.fabric)
+    problem = problem.with_fabric(shape.fabric)
     point_std, membrane, bending_std = posterior(
         problem, fabric, shape.pattern, shape.drape, problem.loss.value(shape.nodes), material
     )
@@ -101,7 +107,7 @@ def fit_pattern(
         hooks.progress("fit", 0.9, "draping the recovered pattern")
         topology = Topology.from_garment(recovered)
         folds = BendingFriction.at(topology, registered)
-        scene = Scene(topology, soften(fabric), problem.grid, pin_waist(recovered), rotation, folds)
+        scene = Scene(topology, soften(fabric), grid, pin_waist(recovered), rotation, folds)
         rest = equilibrium(scene, registered, hooks=hooks)
     simulation = project_outside(rest.nodes, wearer.exposed, recovered.faces)
     return Fit(

@@ -16,6 +16,7 @@ from .descent import Descent, DescentProblem, InverseSettings, descend
 from .locks import find_held
 from .losses.range import STIFFNESSES
 from .material import ratio_prior, state_density
+from .scene import FitScene
 from .settings import MaterialSettings
 from .transfer import remesh_and_transfer
 
@@ -67,8 +68,8 @@ def fit_inverse(
     held = find_held(garment.pattern, case.base, locks)
     count = min(settings.vertices, len(garment.nodes))
     coarse = remesh_and_transfer(garment.pattern, count, garment, garment.nodes, wearer.body)
-    pins = pin_waist(coarse, target)
-    problem = DescentProblem.of(coarse, target, case.base, fabric, wearer.grid, pins, settings, held, rotation)
+    cloth = Scene(Topology.from_garment(coarse), fabric, wearer.grid, pin_waist(coarse, target), rotation)
+    problem = DescentProblem.of(FitScene.of(coarse, case.base, cloth, STIFFNESSES, held), target, settings)
     fit_fabric = "fabric" not in locks and settings.fabric_iterations > 0
     descent = descend(problem, hooks, fit_fabric)
     hooks.progress("fit", 0.9, "draping the recovered pattern")

@@ -46,7 +46,7 @@ def folding(problem: ShapeProblem, nodes: np.ndarray) -> float:
     from ..simulate import Energy, Scene
 
     only = replace(problem.fabric, H00=0.0, H01=0.0, H11=0.0, H22=0.0, k=1.0, density=0.0)
-    return Energy(Scene(problem.topology, only)).value(nodes)
+    return Energy(Scene(problem.scene.first.topology, only)).value(nodes)
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def fit_bending(
     def sample(at: float) -> None:
         if any(abs(row[0] - at) < 1e-9 for row in rows):
             return
-        stiffer = replace(problem, fabric=replace(fabric, k=fabric.density * float(np.exp(at))))
+        stiffer = problem.with_fabric(replace(fabric, k=fabric.density * float(np.exp(at))))
         drape = stiffer.drape(problem.garment.pattern, problem.garment.nodes, hooks)
         folds, loss = (
             float(np.log(value)) for value in (folding(problem, drape.nodes), problem.loss.value(drape.nodes))
@@ -184,12 +184,10 @@ def posterior(
     """
     from scipy.linalg import block_diag
 
-    from ..simulate import AtRest, Parameters, linearise_at
-
     settings = settings or MaterialSettings()
     names = (*MEMBRANE, "k")
-    parameters: Parameters = replace(problem.parameters, fabric=names)
-    rest: AtRest = linearise_at(problem.scene(pattern), drape.nodes, drape.anchors, problem.solver)
+    parameters = replace(problem.scene.parameters, fabric=names)
+    rest = problem.scene.linearise(problem.away(pattern, problem.fabric), drape.nodes, drape.anchors)
     moves = rest.push(*parameters.rates(rest.scene))
     shape_count = parameters.count - len(names)
     spreads = np.array([ratio_prior(name, settings)[1] for name in names])
@@ -197,12 +195,12 @@ def posterior(
         spreads[-1] = problem.bending
     matrix = 0.5 * problem.observations(drape.nodes) / loss * problem.loss.curvature(moves)
     matrix += block_diag(problem.precision[:shape_count, :shape_count], np.diag(1.0 / spreads**2))
-    seams = keep_seams(pattern, problem.like, problem.symmetry, problem.held)
+    seams = keep_seams(pattern, problem.scene.like, problem.scene.locked)
     free = np.zeros((parameters.count, seams.shape[1] + len(names)))
     free[:shape_count, : seams.shape[1]] = seams
     free[shape_count:, seams.shape[1] :] = np.eye(len(names))
     covariance = free @ np.linalg.inv(free.T @ matrix @ free) @ free.T
-    expand = problem.symmetry.matrix.toarray()
+    expand = problem.scene.symmetry.matrix.toarray()
     points = np.einsum("ip,pq,iq->i", expand, covariance[:shape_count, :shape_count], expand)
     left = np.sqrt(np.diag(covariance)[shape_count:])
     estimates = tuple(_membrane(fabric, name, float(left[n]), float(spreads[n])) for n, name in enumerate(MEMBRANE))

@@ -7,30 +7,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..body import DistanceGrid
 from ..checkpoints import load, save
 from ..grade import find_proportions, mean_width
 from ..hooks import SILENT, Hooks
-from ..mesh import signed_areas
-from ..pattern import (
-    Garment,
-    Pattern,
-    Symmetry,
-    check_outline,
-    equalise_seams,
-    find_symmetry,
-    map_controls,
-    seam_slopes,
-)
-from ..pattern.errors import PanelCrossing, PanelDegenerate
+from ..pattern import Garment, Pattern, equalise_seams, find_symmetry, seam_constraints
 from ..simulate import Drape, Fabric
 from .independence import count_independent
-from .locks import keep_held
 from .losses import RegisteredLoss
+from .scene import FitScene
 from .settings import ShapeSettings
 
 if TYPE_CHECKING:
-    from ..simulate import AtRest, BendingFriction, Parameters, Pins, Scene, Solver, SteadyRotation, Topology
+    from ..simulate import Scene
 
 _DEPENDENT = 1e-6
 """Singular value, relative to the largest, below which a seam's row follows from others (a chain that closes)."""
@@ -60,126 +48,72 @@ class ShapeFit:
 
 @dataclass(frozen=True)
 class ShapeProblem:
-    """Hold what stays the same while a pattern is fitted.
+    """What stays the same while a pattern is fitted.
 
     Attributes:
-        garment: The mesh of the first pattern, nodes registered on the target.
-        like: The template: tells symmetry and the ratios of gathered seams.
-        symmetry: Of `like`.
-        parameters: The effective control points, and ln k where `bending` is given.
-        topology: Of `garment`.
-        solver: Analysed for it.
-        fabric: The cloth.
-        grid: Distance to the body, or None.
-        pins: What holds the cloth where the target has it, or None.
+        scene: The mesh of the first pattern, nodes registered on the target, and what acts on it. Its parameters are
+            the effective control points, and ln k where `bending` is given.
         loss: The misfit.
         settings: How.
         precision: Inverse covariance of the parameters around the first ones [1/m2; 1 for ln k], shape [p, p].
-        held: Which effective coordinates are locked, shape [p]; None where none is.
-        rotation: The rotation in which the cloth rests, or None.
-        bending_friction: The internal friction that holds the target's folds, or None.
         bending: Standard deviation of ln k around the fabric's where k is fitted, too; None where it stays.
     """
 
-    garment: Garment
-    like: Pattern
-    symmetry: Symmetry
-    parameters: Parameters
-    topology: Topology
-    solver: Solver
-    fabric: Fabric
-    grid: DistanceGrid | None
-    pins: Pins | None
+    scene: FitScene
     loss: RegisteredLoss
     settings: ShapeSettings
     precision: np.ndarray
-    held: np.ndarray | None = None
-    rotation: SteadyRotation | None = None
-    bending_friction: BendingFriction | None = None
     bending: float | None = None
 
     @classmethod
-    def of(
-        cls,
-        garment: Garment,
-        like: Pattern,
-        fabric: Fabric,
-        grid: DistanceGrid | None,
-        pins: Pins | None,
-        settings: ShapeSettings,
-        held: np.ndarray | None = None,
-        rotation: SteadyRotation | None = None,
-    ) -> ShapeProblem:
+    def of(cls, scene: FitScene, settings: ShapeSettings) -> ShapeProblem:
         """Prepare the fit of a garment that stands on the target, contours named."""
-        from ..simulate import Parameters, Topology, make_solver
+        loss = RegisteredLoss.of(scene.garment, settings.slide)
+        return cls(scene, loss, settings, _precision(scene.garment.pattern, scene.like, settings))
 
-        symmetry = find_symmetry(like)
-        topology = Topology.from_garment(garment)
-        return cls(
-            garment=garment,
-            like=like,
-            symmetry=symmetry,
-            parameters=Parameters.of_garment(garment, map_controls(garment), symmetry),
-            topology=topology,
-            solver=make_solver(topology),
-            fabric=fabric,
-            grid=grid,
-            pins=pins,
-            loss=RegisteredLoss.of(garment, settings.slide),
-            settings=settings,
-            precision=_precision(garment.pattern, like, symmetry, settings),
-            held=held,
-            rotation=rotation,
-        )
+    @property
+    def garment(self) -> Garment:
+        """Return the mesh of the first pattern, nodes registered on the target."""
+        return self.scene.garment
 
-    def holding_folds(self) -> ShapeProblem:
-        """Give the same with the internal friction that holds the target's folds."""
-        from ..simulate import BendingFriction
+    @property
+    def fabric(self) -> Fabric:
+        """Return the cloth at first."""
+        return self.scene.fabric
 
-        return replace(self, bending_friction=BendingFriction.at(self.topology, self.garment.nodes))
+    def with_fabric(self, fabric: Fabric) -> ShapeProblem:
+        """Return the same with another cloth at first."""
+        return replace(self, scene=self.scene.with_fabric(fabric))
 
     def fitting_bending(self, std: float) -> ShapeProblem:
-        """Give the same with k fitted, too: ln k is believed to lie within `std` of the fabric's."""
-        return replace(
-            self,
-            parameters=replace(self.parameters, fabric=("k",)),
-            precision=_joined(self.precision, std**-2),
-            bending=std,
-        )
-
-    def effective(self, pattern: Pattern) -> np.ndarray:
-        """Give the effective control points x0, y0, x1, ... [m]."""
-        return self.symmetry.reduce(pattern.points).ravel()
+        """Return the same with k fitted, too: ln k is believed to lie within `std` of the fabric's."""
+        parameters = replace(self.scene.parameters, fabric=("k",))
+        scene = replace(self.scene, parameters=parameters)
+        return replace(self, scene=scene, precision=_joined(self.precision, std**-2), bending=std)
 
     def away(self, pattern: Pattern, fabric: Fabric) -> np.ndarray:
-        """Give how far the parameters are from the first ones [m; 1 for ln k], shape [p]."""
-        points = self.effective(pattern) - self.effective(self.garment.pattern)
+        """Return how far the parameters are from the first ones [m; 1 for ln k], shape [p]."""
+        points = self.scene.effective(pattern) - self.scene.effective(self.garment.pattern)
         return points if self.bending is None else np.append(points, np.log(fabric.k / self.fabric.k))
 
-    def scene(self, pattern: Pattern, fabric: Fabric | None = None) -> Scene:
+    def at(self, pattern: Pattern, fabric: Fabric | None = None) -> Scene:
         """Return the scene with the cloth, with another k where k is fitted, cut by a pattern."""
-        from ..simulate import Scene
-
-        scene = Scene(self.topology, self.fabric, self.grid, self.pins, self.rotation, self.bending_friction)
-        return self.parameters.move(scene, self.away(pattern, fabric or self.fabric))
+        return self.scene.at(self.away(pattern, fabric or self.fabric))
 
     def drape(self, pattern: Pattern, nodes: np.ndarray, hooks: Hooks = SILENT, fabric: Fabric | None = None) -> Drape:
         """Bring the cloth to rest from nodes [m]; friction holds it where it was registered."""
         from ..simulate import equilibrium
 
-        scene, settings = self.scene(pattern, fabric), self.settings.solve
-        anchors = self.garment.nodes
-        return equilibrium(scene, nodes, anchors=anchors, solver=self.solver, settings=settings, hooks=hooks)
+        scene, solver, anchors = self.at(pattern, fabric), self.scene.solver, self.garment.nodes
+        return equilibrium(scene, nodes, anchors=anchors, solver=solver, settings=self.settings.solve, hooks=hooks)
 
     def linearise(self, pattern: Pattern, drape: Drape, fabric: Fabric | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """Give gradient, shape [p], and Gauss-Newton matrix, shape [p, p], of the loss by the parameters.
+        """Return gradient, shape [p], and Gauss-Newton matrix, shape [p, p], of the loss by the parameters.
 
         The implicit derivative as `linearise_at` takes it; only steps that gain are taken.
         """
-        from ..simulate import linearise_at
-
-        rest: AtRest = linearise_at(self.scene(pattern, fabric), drape.nodes, drape.anchors, self.solver)
-        moves = rest.push(*self.parameters.rates(rest.scene))
+        rest = self.scene.linearise(self.away(pattern, fabric or self.fabric), drape.nodes, drape.anchors)
+        moves = rest.push(*self.scene.parameters.rates(rest.scene))
         gradient = np.tensordot(moves, self.loss.gradient(drape.nodes), axes=((0, 1), (0, 1)))
         return gradient, self.loss.curvature(moves)
 
@@ -189,10 +123,8 @@ class ShapeProblem:
 
     def observations(self, nodes: np.ndarray) -> float:
         """Give n, the number of independent things that a drape [m], shape [node_count, 3], tells of the target."""
-        normals = self.loss.normals
-        return count_independent(
-            self.loss.target, normals, ((nodes - self.loss.target) * normals).sum(1), self.topology.node_areas
-        )
+        normals, areas = self.loss.normals, self.scene.first.topology.node_areas
+        return count_independent(self.loss.target, normals, ((nodes - self.loss.target) * normals).sum(1), areas)
 
     def step(
         self, pattern: Pattern, away: np.ndarray, weight: float, linear: tuple[np.ndarray, np.ndarray], damping: float
@@ -204,7 +136,7 @@ class ShapeProblem:
         gradient, matrix = weight * linear[0] + self.precision @ away, weight * linear[1]
         curvature = matrix + self.precision
         matrix = curvature + damping * np.diag(np.diag(matrix))
-        free = keep_seams(pattern, self.like, self.symmetry, self.held)
+        free = keep_seams(pattern, self.scene.like, self.scene.locked)
         if self.bending is not None:
             free = _joined(free, 1.0)
         step = np.asarray(free @ np.linalg.solve(free.T @ matrix @ free, -free.T @ gradient))
@@ -215,34 +147,23 @@ class ShapeProblem:
 
         None for a pattern of which a panel folds over.
         """
-        first, fabric = self.effective(self.garment.pattern), self.fabric
+        scene, fabric = self.scene, self.fabric
+        first = scene.effective(self.garment.pattern)
         if self.bending is not None:
             fabric = replace(fabric, k=fabric.k * float(np.exp(away[-1])))
-        return self._cut_pattern(first + away[: len(first)]), fabric
-
-    def _cut_pattern(self, effective: np.ndarray) -> Pattern | None:
-        """Give the pattern with these effective points [m], seams equal; None where a panel folds over."""
-        wanted = self.like.with_points(self.symmetry.expand(effective))
-        pattern = equalise_seams(wanted, like=self.like, symmetry=self.symmetry)
-        if self.held is not None and self.held.any():
-            pattern = keep_held(pattern, self.garment.pattern, self.like, self.held)
-        try:
-            for panel in pattern.panels:
-                check_outline(panel)
-        except (PanelCrossing, PanelDegenerate):
-            return None
-        uv = self.garment.uv + map_controls(self.garment).apply(pattern.points - self.garment.pattern.points)
-        return pattern if signed_areas(uv[self.garment.uv_faces]).min() > 0.0 else None
+        wanted = scene.like.with_points(scene.symmetry.expand(first + away[: len(first)]))
+        pattern = scene.with_locks(equalise_seams(wanted, like=scene.like))
+        return pattern if scene.is_sound(pattern) else None, fabric
 
 
-def _precision(pattern: Pattern, like: Pattern, symmetry: Symmetry, settings: ShapeSettings) -> np.ndarray:
+def _precision(pattern: Pattern, like: Pattern, settings: ShapeSettings) -> np.ndarray:
     """Give the prior's inverse covariance around a pattern [1/m2], shape [p, p]: diag(1 / s^2) + R^T R.
 
     s is `spread`, but no more than `spread_share` of the panel's mean width; R are the rates of the base pattern's
     `Proportions` in standard deviations: what the metric left as it is cut, a front by its back, is not for the
     simulator to share out anew point by point.
     """
-    free = symmetry.matrix.toarray()
+    free = find_symmetry(like).matrix.toarray()
     rates = find_proportions(like).linearise(pattern)[1] @ free
     counts = [len(panel.points) for panel in pattern.panels]
     widths = np.array([settings.spread_share * mean_width(panel) for panel in pattern.panels])
@@ -258,11 +179,11 @@ def _joined(matrix: np.ndarray, last: float) -> np.ndarray:
     return np.asarray(block_diag(matrix, last))
 
 
-def keep_seams(pattern: Pattern, like: Pattern, symmetry: Symmetry, held: np.ndarray | None = None) -> np.ndarray:
-    """Give an orthonormal basis of the effective motions that keep seams equal and what is held, [p, free_count]."""
-    rows = seam_slopes(pattern, like) @ symmetry.matrix.toarray()
-    if held is not None:
-        rows = np.concatenate([rows, np.eye(len(held))[held]])
+def keep_seams(pattern: Pattern, like: Pattern, locked: np.ndarray | None = None) -> np.ndarray:
+    """Give an orthonormal basis of the effective motions that keep seams equal and what is locked, [p, free_count]."""
+    rows = seam_constraints(pattern, like=like)[1] @ find_symmetry(like).matrix.toarray()
+    if locked is not None:
+        rows = np.concatenate([rows, np.eye(len(locked))[locked]])
     if not len(rows):
         return np.eye(rows.shape[1])
     _, values, right = np.linalg.svd(rows)
@@ -308,7 +229,7 @@ def fit_shape(problem: ShapeProblem, hooks: Hooks = SILENT) -> ShapeFit:
         drape = problem.drape(problem.garment.pattern, problem.garment.nodes, hooks)
         misfit = float(np.sqrt(2.0 * problem.loss.value(drape.nodes)))
         kept = _Reached(problem.garment.pattern.points, problem.fabric.k, drape, settings.damping, (misfit,), False)
-    pattern, fabric = problem.like.with_points(kept.points), replace(problem.fabric, k=kept.k)
+    pattern, fabric = problem.scene.like.with_points(kept.points), replace(problem.fabric, k=kept.k)
     drape, damping, misfits, settled = kept.drape, kept.damping, list(kept.misfits), kept.settled
     first = len(misfits) - 1
     for iteration in range(first, settings.iterations):

@@ -171,19 +171,16 @@ def seam_rows(pattern: Pattern, points: np.ndarray) -> np.ndarray:
     An edge follows its chord by a similarity, so its length is proportional to the chord's, and that is the scalar
     product of the chord with its own direction at `points`.
     """
-    first = {panel.name: int(at) for panel, at in zip(pattern.panels, pattern.point_starts, strict=False)}
     rows = []
     for seam in pattern.seams:
         if seam.gathered:
             continue
         row = np.zeros_like(points)
         for ref, sign in ((seam.a, 1.0), (seam.b, -1.0)):
-            panel = pattern.panel(ref.panel)
-            a = first[ref.panel] + ref.edge
-            b = first[ref.panel] + (ref.edge + 1) % len(panel.points)
+            a, b = pattern.ends_of(ref)
             chord = np.linalg.norm(pattern.points[b] - pattern.points[a])
             along = points[b] - points[a]
-            pull = sign * edge_length(panel, ref.edge) / chord * along / np.linalg.norm(along)
+            pull = sign * edge_length(pattern.panel(ref.panel), ref.edge) / chord * along / np.linalg.norm(along)
             row[b] += pull
             row[a] -= pull
         rows.append(row.ravel())

@@ -78,23 +78,23 @@ class Proportions:
         follow their chords. An edge that lies far off its direction is believed to be cut otherwise: it is weighed as
         by Cauchy's distribution, d sum ln(1 + (angle / s)^2), s its `spread`, d `DIRECTION_SHARE`.
         """
-        first = {panel.name: int(at) for panel, at in zip(pattern.panels, pattern.point_starts, strict=False)}
-        missing, rates = [], []
+        missing, rates, points = [], [], pattern.points
         for (a, b), ratio in zip(self.sisters, self.areas, strict=True):
             now = np.log(panel_area(pattern.panel(a)) / panel_area(pattern.panel(b)))
             missing.append((ratio - now) / AREA_SPREAD)
-            rates.append((_area_rate(pattern, a, first) - _area_rate(pattern, b, first)) / AREA_SPREAD)
+            rates.append((_area_rate(pattern, a) - _area_rate(pattern, b)) / AREA_SPREAD)
         for (edge, sister), ratio in zip(self.edges, self.lengths, strict=True):
             now = np.log(_length(pattern, edge) / _length(pattern, sister))
             missing.append((ratio - now) / LENGTH_SPREAD)
-            rates.append((_length_rate(pattern, edge, first) - _length_rate(pattern, sister, first)) / LENGTH_SPREAD)
+            rates.append((_length_rate(pattern, edge) - _length_rate(pattern, sister)) / LENGTH_SPREAD)
         for (one, other), ratio in zip(self.widths, self.width_ratios, strict=True):
             now, rate = _ln_distance(pattern, one)
             by, by_rate = _ln_distance(pattern, other)
             missing.append((ratio - (now - by)) / WIDTH_SPREAD)
             rates.append((rate - by_rate) / WIDTH_SPREAD)
         for ref, across, spread in zip(self.directed, self.across, self.spread, strict=True):
-            start, end, chord = _ends(pattern, ref, first)
+            start, end = pattern.ends_of(ref)
+            chord = points[end] - points[start]
             scaled = across / float(np.linalg.norm(chord)) / spread
             angle = float(scaled @ chord)
             trust = np.sqrt(DIRECTION_SHARE / (1.0 + angle**2))
@@ -102,7 +102,7 @@ class Proportions:
             row[end], row[start] = trust * scaled, -trust * scaled
             missing.append(-trust * angle)
             rates.append(row)
-        missing += list(self.drawn - self.vectors @ pattern.points.ravel())
+        missing += list(self.drawn - self.vectors @ points.ravel())
         others = np.array([rate.ravel() for rate in rates]).reshape(-1, 2 * len(pattern.points))
         return np.array(missing), np.concatenate([others, self.vectors])
 
@@ -208,22 +208,14 @@ def _length(pattern: Pattern, ref: EdgeRef) -> float:
     return edge_length(pattern.panel(ref.panel), ref.edge)
 
 
-def _ends(pattern: Pattern, ref: EdgeRef, first: dict[str, int]) -> tuple[int, int, np.ndarray]:
-    """Give the two control points of an edge and the vector between them [m]."""
-    points = pattern.panel(ref.panel).points
-    following = (ref.edge + 1) % len(points)
-    return first[ref.panel] + ref.edge, first[ref.panel] + following, points[following] - points[ref.edge]
-
-
-def _length_rate(pattern: Pattern, ref: EdgeRef, first: dict[str, int]) -> np.ndarray:
+def _length_rate(pattern: Pattern, ref: EdgeRef) -> np.ndarray:
     """Give d ln length / d points of an edge [1/m], shape [point_count, 2]: a curve follows its chord."""
-    start, end, _ = _ends(pattern, ref, first)
-    return _ln_distance(pattern, (start, end))[1]
+    return _ln_distance(pattern, pattern.ends_of(ref))[1]
 
 
-def _area_rate(pattern: Pattern, name: str, first: dict[str, int]) -> np.ndarray:
+def _area_rate(pattern: Pattern, name: str) -> np.ndarray:
     """Give d ln A / d points of a panel's polygon of control points [1/m], shape [point_count, 2]."""
-    start, points = first[name], pattern.panel(name).points
+    start, points = pattern.first_points[name], pattern.panel(name).points
     after, before = np.roll(points, -1, axis=0), np.roll(points, 1, axis=0)
     rates = np.zeros((len(pattern.points), 2))
     turned = np.stack([after[:, 1] - before[:, 1], before[:, 0] - after[:, 0]], axis=1)

@@ -10,7 +10,7 @@ from .meshing import choose_edge_length, contains
 from .pattern import EDGE_KINDS, Edge, EdgeRef, Panel, Pattern, Seam
 from .polygon import polygon_area, polygon_width
 from .resampling import resample
-from .seams import equalise_seams, seam_lengths, seam_mismatch, seam_slopes
+from .seams import equalise_seams, seam_constraints, seam_lengths, seam_mismatch, seam_ratios, seam_sides
 from .sewing import mesh_pattern
 from .symmetry import Mirror, Symmetry, find_symmetry
 from .templates import (
@@ -61,9 +61,11 @@ __all__ = [
     "resample",
     "reverse_edge",
     "save_pattern",
+    "seam_constraints",
     "seam_lengths",
     "seam_mismatch",
-    "seam_slopes",
+    "seam_ratios",
+    "seam_sides",
     "split_edge",
     "write_pattern",
 ]

@@ -9,6 +9,7 @@ from scipy.sparse import block_diag, csr_matrix
 
 from .curves import relative_to_chord
 from .garment import Garment
+from .memo import once
 from .pattern import EdgeRef
 
 CHUNK = 1000
@@ -45,6 +46,7 @@ class ControlMap:
         return (self.matrix.T @ np.asarray(gradient, float).ravel()).reshape(-1, 2)
 
 
+@once
 def map_controls(garment: Garment) -> ControlMap:
     """Compute the control map of a flat mesh."""
     blocks = []

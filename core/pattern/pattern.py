@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -117,6 +118,21 @@ class Pattern:
     def points(self) -> np.ndarray:
         """Give all control points [m], panel after panel, shape [point_count, 2]."""
         return np.concatenate([panel.points for panel in self.panels])
+
+    @cached_property
+    def first_points(self) -> dict[str, int]:
+        """Return the index in `points` of each panel's first control point, by the panel's name."""
+        return {panel.name: int(at) for panel, at in zip(self.panels, self.point_starts, strict=False)}
+
+    @cached_property
+    def gathered(self) -> np.ndarray:
+        """Return which seams are gathered, shape [seam_count]."""
+        return np.array([seam.gathered for seam in self.seams], dtype=bool)
+
+    def ends_of(self, edge: EdgeRef) -> tuple[int, int]:
+        """Return the indices in `points` of the control points at which an edge begins and ends."""
+        first, count = self.first_points[edge.panel], len(self.panel(edge.panel).points)
+        return first + edge.edge, first + (edge.edge + 1) % count
 
     @property
     def point_starts(self) -> np.ndarray:

@@ -7,7 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from .curves import unit_length
-from .pattern import EdgeRef, Pattern
+from .memo import once
+from .pattern import Pattern
 from .symmetry import Symmetry, find_symmetry
 
 GOAL = 1e-6
@@ -31,7 +32,7 @@ Sides = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 def seam_lengths(pattern: Pattern) -> np.ndarray:
     """Give the lengths of both sides of every seam [m], shape [seam_count, 2]."""
-    starts, ends, factors = _seam_sides(pattern)
+    starts, ends, factors = seam_sides(pattern)
     points = pattern.points
     return factors * np.linalg.norm(points[ends] - points[starts], axis=-1)
 
@@ -39,8 +40,8 @@ def seam_lengths(pattern: Pattern) -> np.ndarray:
 def seam_mismatch(pattern: Pattern) -> float:
     """Give the largest difference [m] between the two sides of an ungathered seam; 0 where there is none."""
     lengths = seam_lengths(pattern)
-    plain = np.array([not seam.gathered for seam in pattern.seams], bool)
-    return float(np.abs(lengths[plain, 0] - lengths[plain, 1]).max(initial=0.0))
+    apart = (lengths[:, 0] - lengths[:, 1])[~pattern.gathered]
+    return float(np.abs(apart).max(initial=0.0))
 
 
 def equalise_seams(
@@ -63,7 +64,7 @@ def equalise_seams(
         pattern: What to change.
         fixed: (panel name, control point) that must stay where they are.
         like: The pattern that tells the ratios of gathered seams and the symmetry, the template say; default: pattern.
-        symmetry: The symmetry of `like`, where it is known already.
+        symmetry: The symmetry to keep, where it is not that of `like`.
 
     Returns:
         The changed pattern; see `seam_mismatch` for what may be left where fixed points contradict the seams.
@@ -72,11 +73,9 @@ def equalise_seams(
         return pattern
     like = like or pattern
     symmetry = symmetry or find_symmetry(like)
-    lengths = seam_lengths(like)
-    gathered = np.array([seam.gathered for seam in pattern.seams], bool)
-    ratio = np.where(gathered, lengths[:, 0] / lengths[:, 1], 1.0)
+    ratio = seam_ratios(like)
     free = _free_coordinates(pattern, symmetry, fixed)
-    sides = _seam_sides(pattern)
+    sides = seam_sides(pattern)
     points = pattern.points
     residual, jacobian = _mismatch(points, sides, ratio)
     for _ in range(STEPS):
@@ -95,15 +94,29 @@ def equalise_seams(
     return pattern.with_points(points)
 
 
-def seam_slopes(pattern: Pattern, like: Pattern | None = None) -> np.ndarray:
-    """Give the derivative of every seam's mismatch by all coordinates x0, y0, x1, ..., shape [seam_count, 2 points].
+def seam_constraints(
+    pattern: Pattern, points: np.ndarray | None = None, like: Pattern | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Compute the mismatch of every seam [m], shape [seam_count], and its derivative by all coordinates x0, y0, x1, ...
 
-    A gathered seam keeps its ratio in `like`, as in `equalise_seams`.
+    An edge follows its chord by a similarity, so the mismatch is l_a - q_s l_b = f_a |c_a| - q_s f_b |c_b|, and its
+    derivative along a chord is the chord's direction times f.
+
+    Args:
+        pattern: Whose seams.
+        points: Control points at which both are taken [m], shape [point_count, 2]; None for the pattern's own.
+        like: The pattern that tells the ratios of gathered seams, as in `equalise_seams`; None for the pattern itself.
+
+    Returns:
+        Mismatches, and derivatives of shape [seam_count, 2 point_count].
     """
-    lengths = seam_lengths(like or pattern)
-    gathered = np.array([seam.gathered for seam in pattern.seams], bool)
-    ratio = np.where(gathered, lengths[:, 0] / lengths[:, 1], 1.0)
-    return _mismatch(pattern.points, _seam_sides(pattern), ratio)[1]
+    return _mismatch(pattern.points if points is None else points, seam_sides(pattern), seam_ratios(like or pattern))
+
+
+def seam_ratios(pattern: Pattern) -> np.ndarray:
+    """Return the ratio of lengths that both sides of each seam are to have, 1 unless gathered, shape [seam_count]."""
+    lengths = seam_lengths(pattern)
+    return np.where(pattern.gathered, lengths[:, 0] / lengths[:, 1], 1.0)
 
 
 def _mismatch(points: np.ndarray, sides: Sides, ratio: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -123,11 +136,10 @@ def _mismatch(points: np.ndarray, sides: Sides, ratio: np.ndarray) -> tuple[np.n
 
 def _free_coordinates(pattern: Pattern, symmetry: Symmetry, fixed: Iterable[tuple[str, int]]) -> np.ndarray:
     """Give an orthonormal basis of the movements allowed, so that the least norm is that of all points' movement."""
-    starts = {panel.name: int(start) for panel, start in zip(pattern.panels, pattern.point_starts, strict=False)}
     points = pattern.points
     symmetric = np.abs(symmetry.expand(symmetry.reduce(points)) - points).max() < SYMMETRIC
     allowed = symmetry.matrix.toarray() if symmetric else np.eye(2 * len(points))
-    still = [2 * (starts[name] + index) + axis for name, index in fixed for axis in (0, 1)]
+    still = [2 * (pattern.first_points[name] + index) + axis for name, index in fixed for axis in (0, 1)]
     if still:
         _, values, right = np.linalg.svd(allowed[still])
         rank = int((values > 1e-9).sum())
@@ -136,18 +148,12 @@ def _free_coordinates(pattern: Pattern, symmetry: Symmetry, fixed: Iterable[tupl
     return left[:, values > 1e-9]
 
 
-def _seam_sides(pattern: Pattern) -> Sides:
-    """Give first and last control point and length over chord of both sides of each seam, shape [seam_count, 2]."""
-    first = {panel.name: int(start) for panel, start in zip(pattern.panels, pattern.point_starts, strict=False)}
-    panels = {panel.name: panel for panel in pattern.panels}
-
-    def describe(ref: EdgeRef) -> tuple[int, int, float]:
-        panel = panels[ref.panel]
-        return (
-            first[ref.panel] + ref.edge,
-            first[ref.panel] + (ref.edge + 1) % len(panel.points),
-            unit_length(panel.edges[ref.edge]),
-        )
-
-    sides = np.array([[describe(seam.a), describe(seam.b)] for seam in pattern.seams], float).reshape(-1, 2, 3)
-    return sides[..., 0].astype(np.int64), sides[..., 1].astype(np.int64), sides[..., 2]
+@once
+def seam_sides(pattern: Pattern) -> Sides:
+    """Return first and last control point and length over chord of both sides of each seam, shape [seam_count, 2]."""
+    sides = [
+        [(*pattern.ends_of(ref), unit_length(pattern.panel(ref.panel).edges[ref.edge])) for ref in (seam.a, seam.b)]
+        for seam in pattern.seams
+    ]
+    found = np.array(sides, float).reshape(-1, 2, 3)
+    return found[..., 0].astype(np.int64), found[..., 1].astype(np.int64), found[..., 2]

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.sparse import csr_matrix, lil_matrix
 
 from ..mesh import fit_rigid
+from .memo import once
 from .orientation import place_points
 from .pattern import Edge, Panel, Pattern
 
@@ -80,6 +81,7 @@ class Symmetry:
         return (self.matrix.T @ np.asarray(gradient, float).ravel()).reshape(-1, 2)
 
 
+@once
 def find_symmetry(pattern: Pattern) -> Symmetry:
     """Find the left-right symmetry of a pattern (thesis algorithm 2).
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
 from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template
-from garmentq.core.fit import ShapeProblem, ShapeSettings, estimate_body_offset, is_estimated
+from garmentq.core.fit import FitScene, ShapeProblem, ShapeSettings, estimate_body_offset, is_estimated
 from garmentq.core.pattern import load_template
 from garmentq.core.simulate import Scene, Topology, equilibrium, get_fabric, soften
 
@@ -18,7 +18,10 @@ def test_cloth_on_a_body_guessed_too_thin_hangs_where_it_was_scanned() -> None:
     pattern, fabric = load_template("tank"), soften(get_fabric("cotton_poplin"))
     worn = drape_template(pattern, wearer, settings=DrapeSettings(template_vertices=400))
     scanned = worn.at(equilibrium(Scene(Topology.from_garment(worn), fabric, wearer.grid), worn.nodes).nodes)
-    problem = ShapeProblem.of(scanned, pattern, fabric, wearer.grid.shrunk(0.012), None, ShapeSettings())
+    problem = ShapeProblem.of(
+        FitScene.of(scanned, pattern, Scene(Topology.from_garment(scanned), fabric, wearer.grid.shrunk(0.012))),
+        ShapeSettings(),
+    )
 
     def fall(drape: np.ndarray) -> float:
         return float((scanned.nodes - drape)[:, 1].mean())

@@ -12,7 +12,16 @@ from garmentq.core.case import Case, GradedDrape
 from garmentq.core.checkpoints import save
 from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template, waist_loop
 from garmentq.core.errors import Cancelled
-from garmentq.core.fit import Descent, DescentProblem, InverseSettings, descend, find_held, fit_inverse, move_pattern
+from garmentq.core.fit import (
+    Descent,
+    DescentProblem,
+    FitScene,
+    InverseSettings,
+    descend,
+    find_held,
+    fit_inverse,
+    move_pattern,
+)
 from garmentq.core.fit.adam import Adam
 from garmentq.core.fit.losses.range import STIFFNESSES
 from garmentq.core.hooks import Arrays, Hooks
@@ -76,7 +85,8 @@ def scene() -> Worn:
 
 def state(scene: Worn, settings: InverseSettings = SHORT, locks: tuple[str, ...] = ()) -> DescentProblem:
     held = find_held(scene.template, scene.template, locks)
-    return DescentProblem.of(scene.worn, scene.target, scene.template, scene.fabric, None, scene.pins, settings, held)
+    cloth = Scene(Topology.from_garment(scene.worn), scene.fabric, pins=scene.pins)
+    return DescentProblem.of(FitScene.of(scene.worn, scene.template, cloth, STIFFNESSES, held), scene.target, settings)
 
 
 def test_adam_steps_are_as_large_as_its_rates() -> None:
@@ -94,17 +104,17 @@ def test_gradient_through_the_simulator(scene: Worn) -> None:
     problem = state(scene)
     rng = np.random.default_rng(0)
     at = problem.start
-    at[: len(problem.held)] += 2e-3 * rng.normal(size=len(problem.held))
+    at[: len(problem.scene.locked)] += 2e-3 * rng.normal(size=len(problem.scene.locked))
     at[-1] = problem.material.high[-1] + 0.5
     implicit = Implicit(tolerance=0.0)
-    rest = implicit.solve(problem.scene(at), problem.drape(at, scene.worn.nodes, None, Hooks())[0])
+    rest = implicit.solve(problem.at(at), problem.drape(at, scene.worn.nodes, None, Hooks())[0])
     _, gradient = problem.evaluate(at, rest.nodes, rest.nodes)
-    scale = np.concatenate([np.full(len(problem.held), 1e-6), np.full(len(STIFFNESSES), 1e-4)])
+    scale = np.concatenate([np.full(len(problem.scene.locked), 1e-6), np.full(len(STIFFNESSES), 1e-4)])
     for _ in range(3):
         way = scale * rng.normal(size=len(at))
         ends = []
         for sign in (1.0, -1.0):
-            nodes = implicit.solve(problem.scene(at + sign * way), rest.nodes).nodes
+            nodes = implicit.solve(problem.at(at + sign * way), rest.nodes).nodes
             ends.append(problem.evaluate(at + sign * way, nodes, nodes)[0])
         assert float(gradient @ way) == pytest.approx(0.5 * (ends[0] - ends[1]), rel=2e-3)
 

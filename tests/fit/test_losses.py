@@ -18,7 +18,6 @@ from garmentq.core.pattern import (
     Pattern,
     Seam,
     equalise_seams,
-    find_symmetry,
     load_template,
     mesh_pattern,
 )
@@ -198,7 +197,7 @@ def test_gradient_of_the_panels(name: str) -> None:
 
 def test_smooth_curves_are_kept(skirt: Garment) -> None:
     """Breaks where no smooth point is kept, or a similarity of a panel counts as a change."""
-    loss = PanelLoss.of(skirt, skirt.pattern, find_symmetry(skirt.pattern))
+    loss = PanelLoss.of(skirt, skirt.pattern)
     turned = skirt.pattern.points @ np.array([[0.8, -0.6], [0.6, 0.8]]) * 1.1
     assert loss.evaluate(turned)[0] == pytest.approx(0.0, abs=1e-12)
     assert len(loss.here)

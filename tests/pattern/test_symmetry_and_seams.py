@@ -3,10 +3,24 @@
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.pattern import equalise_seams, find_symmetry, read_pattern, seam_lengths, seam_mismatch
+from garmentq.core.pattern import (
+    EdgeRef,
+    equalise_seams,
+    find_symmetry,
+    load_template,
+    map_controls,
+    mesh_pattern,
+    read_pattern,
+    seam_constraints,
+    seam_lengths,
+    seam_mismatch,
+    seam_ratios,
+)
+from garmentq.core.pattern.curves import chord
 
 
 def _pairs(pattern):
@@ -121,3 +135,31 @@ def test_mirrored_file_has_the_same_symmetry(tee_file):
             if "curvature" in edge:
                 edge["curvature"][1] *= -1
     assert len(find_symmetry(read_pattern(mirrored)).effective) == 12
+
+
+@pytest.mark.parametrize("name", ["skirt", "tshirt", "sleeved_dress"])
+def test_derivatives_of_the_seams(name: str) -> None:
+    """Breaks if a seam's row has a wrong point, sign, factor or ratio: against central differences."""
+    pattern = load_template(name)
+    rng = np.random.default_rng(0)
+    points = pattern.points + 5e-3 * rng.normal(size=pattern.points.shape)
+    way = rng.normal(size=points.shape)
+    ends = [seam_constraints(pattern, points + sign * 1e-6 * way)[0] for sign in (1.0, -1.0)]
+    missing, rates = seam_constraints(pattern, points)
+    np.testing.assert_allclose(rates @ way.ravel(), (ends[0] - ends[1]) / 2e-6, rtol=1e-6, atol=1e-8)
+    lengths = seam_lengths(pattern.with_points(points))
+    np.testing.assert_allclose(missing, lengths[:, 0] - seam_ratios(pattern) * lengths[:, 1], atol=1e-12)
+
+
+def test_a_pattern_knows_where_its_edges_end_and_what_was_found_of_it() -> None:
+    """Breaks if an edge's ends are another panel's, or if a moved pattern has what was found of the one before."""
+    pattern = load_template("tshirt")
+    for panel in pattern.panels:
+        for index in range(len(panel.edges)):
+            start, end = pattern.ends_of(EdgeRef(panel.name, index))
+            np.testing.assert_array_equal(pattern.points[[start, end]], chord(panel, index))
+    moved = pattern.with_points(pattern.points * 1.5)
+    assert find_symmetry(pattern) is find_symmetry(pattern)
+    assert find_symmetry(moved) is not find_symmetry(pattern)
+    garment = mesh_pattern(pattern, 200)
+    assert map_controls(garment) is map_controls(garment) is not map_controls(replace(garment, uv=2.0 * garment.uv))

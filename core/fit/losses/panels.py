@@ -49,9 +49,9 @@ class PanelLoss:
     arms: np.ndarray
 
     @classmethod
-    def of(cls, garment: Garment, like: Pattern, symmetry: Symmetry | None = None) -> PanelLoss:
+    def of(cls, garment: Garment, like: Pattern) -> PanelLoss:
         """Prepare for a meshed pattern; `like`, the template, tells which corners to keep."""
-        kept = _kept_corners(like, symmetry or find_symmetry(like))
+        kept = _kept_corners(like, find_symmetry(like))
         rows = np.array(kept, dtype=np.int64).reshape(-1, 3)
         points = like.points
         ends = points[rows]
@@ -73,11 +73,6 @@ class PanelLoss:
             np.add.at(gradient, self.here, by_one - by_two)
             np.add.at(gradient, self.after, by_two)
         return value, gradient
-
-    def least_share(self, points: np.ndarray) -> float:
-        """Give the smallest share of its first area that a flat triangle has; negative where one has turned over."""
-        at = self.control.apply(points - self.control.points) + self.uv
-        return float((signed_areas(at[self.uv_faces]) / signed_areas(self.uv[self.uv_faces])).min())
 
     def _folds(self, points: np.ndarray) -> tuple[float, np.ndarray]:
         """Give the first sum and its gradient."""

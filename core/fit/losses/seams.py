@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...pattern import Garment, Pattern, seam_lengths
+from ...pattern import Garment, Pattern, seam_lengths, seam_ratios, seam_sides
 
 
 @dataclass(frozen=True)
@@ -38,18 +38,11 @@ class SeamLoss:
     def of(cls, garment: Garment, like: Pattern) -> SeamLoss:
         """Prepare for a meshed pattern; `like` tells the ratios of gathered seams."""
         pattern = garment.pattern
-        first = {panel.name: int(start) for panel, start in zip(pattern.panels, pattern.point_starts, strict=False)}
-        size = {panel.name: len(panel.points) for panel in pattern.panels}
-        sides = [[side.a, side.b] for side in pattern.seams]
-        starts = np.array([[first[s.panel] + s.edge for s in pair] for pair in sides], dtype=np.int64).reshape(-1, 2)
-        ends = np.array([[first[s.panel] + (s.edge + 1) % size[s.panel] for s in pair] for pair in sides], dtype=int)
-        ends = ends.reshape(-1, 2)
+        starts, ends, _ = seam_sides(pattern)
         points = pattern.points
         factors = seam_lengths(pattern) / np.linalg.norm(points[ends] - points[starts], axis=-1)
-        gathered = np.array([seam.gathered for seam in pattern.seams], dtype=bool)
-        lengths = seam_lengths(like)
         counts = np.array([len(garment.edge_uv[seam.a]) - 1 for seam in pattern.seams])
-        return cls(starts, ends, factors, np.where(gathered, lengths[:, 0] / lengths[:, 1], 1.0), gathered, counts)
+        return cls(starts, ends, factors, seam_ratios(like), pattern.gathered, counts)
 
     def best_ratios(self, points: np.ndarray) -> np.ndarray:
         """Give the logarithms, for `evaluate`, that leave nothing of the gathered seams' loss, [gathered_count]."""
