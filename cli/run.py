@@ -107,6 +107,9 @@ def wait_and_show(backend: Backend, job: str, folder: Path, wait: Wait, verbose:
     Returns:
         Exit status, the worst of the family.
     """
+    from contextlib import suppress
+
+    from ..service.results import ResultMissing
     from .follow import WaitTimedOut, follow
     from .summary import print_result
     from .terminal import note, print_error, print_json
@@ -121,10 +124,13 @@ def wait_and_show(backend: Backend, job: str, folder: Path, wait: Wait, verbose:
         return exits.DETACHED
     folders = name_folders(family, folder)
     for found in family:
-        files = backend.export_files(found.id, folders[found.id]) if found.state == State.SUCCEEDED else []
+        files: list[Path] = []
+        if found.state == State.SUCCEEDED:
+            with suppress(ResultMissing):  # not every kind of job has files
+                files = backend.export_files(found.id, folders[found.id])
         if wait.as_json:
             print_json({**found.as_json(), "files": {path.name: str(path) for path in files}})
-        elif files:
+        elif found.state == State.SUCCEEDED:
             print_result(found, files, verbose)
         if found.error:
             print_error(found.error.code, found.error.message)

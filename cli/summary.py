@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from ..service.records import Gate, JobReport
-from .terminal import plain, print_table, show_time
+from .terminal import plain, print_table, show, show_time
 
 FIRST = (
     "surface_rms_mm.s2t", "surface_rms_mm.t2s", "graded.surface_rms_mm.s2t", "graded.surface_rms_mm.t2s",
@@ -30,21 +30,14 @@ def print_result(job: JobReport, files: Sequence[Path], verbose: bool = False) -
     if verbose:
         print_tables(job, files)
         return
-    click.echo(plain(f"{job.garment or 'result'} (job {job.id})"))
+    click.echo(plain(f"{job.garment or job.kind} (job {job.id})"))
     for title, text in summarise(job, files):
         click.echo(f"  {title:<10} {plain(text)}")
 
 
 def summarise(job: JobReport, files: Sequence[Path]) -> Iterator[tuple[str, str]]:
-    """Yield the lines of a summary as title and text: what the garment is, how near it lies, and what to open next."""
-    metrics: Mapping[str, float | None] = job.metrics
-    yield "scan", f"{job.name}; wearer: {job.body or 'not known'}"
-    yield "pattern", f"base pattern {job.template}, {_describe_count(metrics, 'vertices')} vertices in each mesh"
-    yield "fabric", f"{job.fabric}; {_describe_bending(metrics)}"
-    distances = "; ".join(_describe_distances(metrics))
-    yield "surface", f"RMS to the scan / back: {distances}" if distances else "not measured"
-    depths = "; ".join(_describe_depths(metrics))
-    yield "body", f"depth inside it / crossing faces: {depths}" if depths else "not measured"
+    """Yield the lines of a summary as title and text: what was found, how good it is, and what to open next."""
+    yield from _describe_garment(job) if job.garment is not None else _describe_details(job)
     yield "checks", _describe_gates(job.gates)
     warnings = job.warnings
     more = f" (and {len(warnings) - 1} more, see --verbose)" if len(warnings) > 1 else ""
@@ -53,6 +46,26 @@ def summarise(job: JobReport, files: Sequence[Path]) -> Iterator[tuple[str, str]
     names = {path.name: path for path in files}
     chosen = [str(names[name]) for name in OPEN_FIRST if name in names] or [str(path) for path in files]
     yield "open", ", ".join(chosen) or f"garmentq export {job.id} --out DIR"
+
+
+def _describe_garment(job: JobReport) -> Iterator[tuple[str, str]]:
+    metrics: Mapping[str, float | None] = job.metrics
+    yield "scan", f"{job.name}; wearer: {job.body or 'not known'}"
+    yield "pattern", f"base pattern {job.template}, {_describe_count(metrics, 'vertices')} vertices in each mesh"
+    yield "fabric", f"{job.fabric}; {_describe_bending(metrics)}"
+    distances = "; ".join(_describe_distances(metrics))
+    yield "surface", f"RMS to the scan / back: {distances}" if distances else "not measured"
+    depths = "; ".join(_describe_depths(metrics))
+    yield "body", f"depth inside it / crossing faces: {depths}" if depths else "not measured"
+
+
+def _describe_details(job: JobReport) -> Iterator[tuple[str, str]]:
+    """Yield what a job found that is no recovery: its own details, and the jobs that it made."""
+    yield "name", job.name
+    for name, value in job.details.items():
+        yield name, show(value)
+    if job.children:
+        yield "made", ", ".join(f"{child.name} ({child.job}, {child.state})" for child in job.children)
 
 
 def print_tables(job: JobReport, files: Sequence[Path]) -> None:

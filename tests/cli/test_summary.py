@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from garmentq.cli.summary import print_result, summarise
-from garmentq.service.records import Gate, JobReport
+from garmentq.service.records import Child, Gate, JobReport
 from garmentq.service.states import State
 
 GATES = [
@@ -62,3 +62,13 @@ def test_it_has_ten_lines(job, capsys) -> None:
     """Breaks where a text brings line breaks along, or a result without numbers is a traceback."""
     print_result(replace(job, warnings=["two\nlines"]), [])
     assert len(capsys.readouterr().out.splitlines()) == 10
+
+
+def test_a_job_of_another_kind_shows_its_own(capsys) -> None:
+    """Breaks where a job that recovers nothing is told in a garment's words, or its children are left out."""
+    children = [Child("aaaabbbbcccc", "\u00c4rmel", "standin", State.QUEUED)]
+    other = {"kind": "standin", "garment": None, "details": {"pieces": 3}, "children": children}
+    print_result(make_job(**other, metrics={}, gates=[]), [])
+    shown = capsys.readouterr().out
+    assert shown.startswith("standin (job 3685ecfd4f81)") and "pieces     3" in shown
+    assert "\u00c4rmel (aaaabbbbcccc, queued)" in shown and "base pattern" not in shown
