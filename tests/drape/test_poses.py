@@ -86,7 +86,7 @@ def depth(nodes: np.ndarray, garment: Garment, skin: ExposedSurface) -> float:
 
 
 def at_rest(velocity: np.ndarray) -> bool:
-    """Tell whether nine nodes of ten are slower than 3 cm/s, half than 1 cm/s: what falls is at 1 m/s."""
+    """Check that nine nodes of ten are slower than 3 cm/s, half than 1 cm/s: what falls is at 1 m/s."""
     speed = np.linalg.norm(velocity, axis=1)
     return bool(np.median(speed) < 0.01 and np.quantile(speed, 0.9) < 0.03)
 
