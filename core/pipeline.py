@@ -117,8 +117,9 @@ def drape_to_scan(case: Case, clock: Clock) -> GradedDrape:
     kept = load(clock.hooks, "drape", _KeptDrape, base.points, count)
     if kept is not None:
         garment = mesh_pattern(base.with_points(kept.points), count)
-        contours, _ = name_contours(kept.nodes, garment.faces, case.body)
-        return GradedDrape(garment.at(kept.nodes, contours), kept.drape, kept.warnings)
+        if len(garment.nodes) == len(kept.nodes):  # another release may mesh the same points otherwise
+            contours, _ = name_contours(kept.nodes, garment.faces, case.body)
+            return GradedDrape(garment.at(kept.nodes, contours), kept.drape, kept.warnings)
     with clock.stage("template", "dressing the body in the template") as hooks:
         worn = drape_template(base, case.wearer, case.target, hooks=hooks)
     with clock.stage("grade", "grading the pattern to the scan") as hooks:
