@@ -43,7 +43,7 @@ def serving(settings: ServiceSettings) -> Iterator[tuple[subprocess.Popen[bytes]
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     unlimited = dict.fromkeys(("GARMENTQ_API_REQUESTS_PER_SECOND", "GARMENTQ_API_BURST"), "100000")
-    environment = make_environment(settings) | unlimited | {"GARMENTQ_CHECKER": "garmentq_standin:check"}
+    environment = make_environment(settings) | unlimited | {"GARMENTQ_CHECKER": "garmentq_checker:check"}
     command = [sys.executable, "-m", "garmentq.cli.main", "serve", "--port", str(port)]
     process = subprocess.Popen(command, env=environment, stderr=subprocess.DEVNULL)
     url = f"http://127.0.0.1:{port}"

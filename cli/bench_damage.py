@@ -107,8 +107,9 @@ class _Study:
         """Return the figures of one run."""
         from ..core.export import plain
         from ..core.hooks import Hooks
+        from ..core.inputs import read_files
         from ..core.measure import measure_recovery
-        from ..core.pipeline import read_files, recover
+        from ..core.pipeline import recover
         from ..core.recovery import Request
         from ..core.settings import RecoverySettings
 

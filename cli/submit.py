@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from ..service.states import QUEUES
+from ..service.states import QUEUES, State
 from . import exits
 from .options import OrderOptions, home_option, json_option, order_options, timeout_option
 
@@ -40,8 +40,9 @@ def command(
 ) -> None:
     """Queue one or more scans.
 
-    Prints the id of each job; the same scan with the same settings is the same job. A file that is refused is named
-    on standard error, the others are queued all the same, and the exit status is 4. `garmentq up` starts a worker.
+    Prints the id of each job; the same scan with the same settings is the same job. The worker checks the files first;
+    what it refuses within 3 s is named on standard error, the others go on, and the exit status is 4. `garmentq up`
+    starts a worker.
     Each --keep of a dressed person's scan is a garment, and a job, of its own.
 
     \b
@@ -52,11 +53,12 @@ def command(
     from ..core.errors import GarmentqError
     from ..service.backend import open_backend
     from ..service.settings import read_settings
+    from .checked import wait_checked
     from .order import make_order, split_garments
     from .terminal import print_error, print_json
 
     backend = open_backend(read_settings(home=home))
-    status, jobs = exits.OK, []
+    status, made = exits.OK, []
     for file, chosen in product(files, split_garments(options)):
         try:
             order = make_order(backend, file, chosen)
@@ -65,16 +67,25 @@ def command(
             print_error(error.code, error.message)
             if as_json:
                 print_json({"file": str(file), "job": None, "error": {"code": error.code, "message": error.message}})
-            status = exits.error_status(error)
+            status = max(status, exits.error_status(error))
             continue
-        jobs.append(submitted.job)
-        if as_json:
-            found = {"job": submitted.job, "state": submitted.state, "is_new": submitted.is_new}
-            print_json({"file": str(file), **found, "error": None})
-        else:
+        made.append((file, submitted))
+        if not as_json:
             click.echo(submitted.job)
+    jobs = list(dict.fromkeys(submitted.job for _, submitted in made))
+    found = [] if wait or not jobs else wait_checked(backend, jobs, queue)
+    refused = {job.id: job for job in found if job.state is State.FAILED and job.bad_input}
+    for job in refused.values():
+        if job.error:
+            print_error(job.error.code, job.error.message)
+        status = max(status, exits.BAD_INPUT)
+    for file, submitted in made if as_json else ():
+        ended = refused.get(submitted.job)
+        state, failure = (ended.state, ended.error) if ended else (submitted.state, None)
+        shown = {"job": submitted.job, "state": state, "is_new": submitted.is_new}
+        print_json({"file": str(file), **shown, "error": asdict(failure) if failure else None})
     if wait:
-        status = max(status, _wait(backend, list(dict.fromkeys(jobs)), timeout))
+        status = max(status, _wait(backend, jobs, timeout))
     context.exit(status)
 
 

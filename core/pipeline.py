@@ -6,12 +6,11 @@ import platform
 import resource
 from dataclasses import dataclass, replace
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .body import Body, BodyMissing, builtin_body, is_builtin, is_smpl, load_smpl, register_body
+from .body import Body, builtin_body, is_builtin, register_body
 from .case import Case, GradedDrape
 from .checkpoints import load, save
 from .clock import Clock
@@ -19,10 +18,11 @@ from .drape import WearerGeometry, describe_motion, drape_as_scanned, drape_temp
 from .fit import METHODS, Fit, find_held
 from .grade import choose_template, grade_pattern, slide_seams
 from .hooks import SILENT, Hooks
+from .inputs import read_body, read_files, read_template
 from .measure import Reference, judge, measure_fit, measure_knowledge, measure_seams
-from .pattern import Garment, Pattern, list_templates, load_pattern, load_template, mesh_pattern
+from .pattern import Garment, Pattern, list_templates, load_template, mesh_pattern
 from .recovery import Recovery, Request
-from .scan import Pieces, load_pieces
+from .scan import Pieces
 from .segment import CATEGORIES, Target, name_contours, segment_garment
 from .settings import SettingsBad
 from .simulate import Drape, get_fabric
@@ -156,28 +156,14 @@ def redrape_pattern(case: Case, drape: GradedDrape, fit: Fit, clock: Clock) -> F
     return replace(fit, meshes=meshes, redrape=again, warnings=(*fit.warnings, *warnings))
 
 
-def read_files(request: Request) -> Pieces:
-    """Read the garment and its wearer, or cut the garment out of a dressed person's scan.
-
-    Raises:
-        BodyMissing: where no body is given, and none is in the scan.
-        BadInput: where a file cannot be used.
-    """
-    selection = request.selection
-    if request.body is None and selection is None:
-        raise BodyMissing()
-    given = None if request.body is None or is_builtin(request.body) else Path(request.body)
-    settings = request.settings
-    return load_pieces(request.scan, given, units=settings.units, up=settings.up, selection=selection)
-
-
 def find_body(request: Request, pieces: Pieces, hooks: Hooks) -> Body:
     """Register the given mesh or the dressed person, read a body of SMPL's format, or make the built-in body."""
     wearer = pieces.wearer
     if is_builtin(request.body) or wearer is None:
         return builtin_body(str(request.body))
-    if request.body is not None and is_smpl(request.body):
-        return load_smpl(Path(request.body))
+    own = read_body(request)
+    if own is not None:
+        return own
     body = load(hooks, "body", Body)
     if body is None:
         body = register_body(wearer.vertices, wearer.faces, cloth=pieces.cloth, name=wearer.name, hooks=hooks)
@@ -187,8 +173,9 @@ def find_body(request: Request, pieces: Pieces, hooks: Hooks) -> Body:
 
 def find_template(request: Request, target: Target) -> tuple[str, Pattern]:
     """Give the base pattern and its name: the given file, the named template, or the category's own."""
-    if request.template is not None:
-        return request.template.stem, load_pattern(request.template)
+    given = read_template(request)
+    if request.template is not None and given is not None:
+        return request.template.stem, given
     name = request.settings.template
     if name is None:
         name = choose_template(target, [info.name for info in list_templates()])

@@ -15,6 +15,7 @@ from .settings import RecoverySettings
 if TYPE_CHECKING:  # so that a refusal of a bad file need not wait for the other rooms
     from .body import Body
     from .pattern import Garment, Pattern
+    from .reading import Reading
     from .scan import Scan
     from .segment import Target
     from .simulate import Fabric, FabricEstimate
@@ -35,6 +36,7 @@ class Request:
         template: A pattern file that serves as the base pattern, or None to choose from the library.
         settings: Everything else.
         labels: A file with one label per vertex of a dressed person's scan, or None.
+        reading: What the files hold, where a limited process has read them already; None: they are read here.
     """
 
     scan: Path
@@ -42,6 +44,7 @@ class Request:
     template: Path | None = None
     settings: RecoverySettings = field(default_factory=RecoverySettings)
     labels: Path | None = None
+    reading: Reading | None = None
 
     @property
     def selection(self) -> Selection | None:

@@ -246,6 +246,16 @@ def report(database: Database, claim: Claim, stage: str, fraction: float, messag
         record(session, claim.job, "progress", stage=stage, fraction=round(fraction, 4), message=message)
 
 
+def note_checked(database: Database, claim: Claim, found: dict[str, Any]) -> None:
+    """Keep what the first stage found out of a job's files.
+
+    Raises:
+        FenceLost: where the job belongs to someone else.
+    """
+    with database.write() as session:
+        write_fenced(session, claim, checked=found, touched=clock())
+
+
 def write_fenced(session: Session, claim: Claim, **values: Any) -> None:
     """Change the job's row if the claim still holds; call it first in a transaction that writes anything for a job.
 

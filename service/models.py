@@ -87,6 +87,7 @@ class JobRow(Base):
     error_message: Mapped[str | None] = mapped_column(Text)
     bad_input: Mapped[bool] = mapped_column(default=False)
     result: Mapped[dict[str, Any] | None]
+    checked: Mapped[dict[str, Any] | None]
 
 
 class JobInputRow(Base):

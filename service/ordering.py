@@ -4,18 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ..core.body import is_builtin
 from ..core.errors import BadInput
 from ..core.settings import RecoverySettings, SettingsBad
 from .services import Services
-from .settings import ServiceSettings
 from .submission import BodyUnreadable, Order
 from .templates import find_template
-
-if TYPE_CHECKING:
-    from ..core.scan import Selection
 
 
 class FileUnreadable(BadInput):
@@ -25,49 +20,61 @@ class FileUnreadable(BadInput):
 
 
 def check_order(services: Services, order: Order, template: str | None = None) -> Order:
-    """Check files and names before anything is queued, and find the file of an imported template.
+    """Check names and paths before anything is queued, and find the file of an imported template.
+
+    What the files hold is checked by the job's first stage.
 
     Args:
-        services: The home whose checker and templates count.
+        services: The home whose templates count.
         order: What is wanted; a template in it is a file.
         template: Name of a shipped or imported template, or None. Never a path.
 
     Raises:
         GarmentqError: with the code of what cannot be used.
     """
-    checked = check_files(services.settings, order)
+    checked = check_typed(order)
     if order.template is not None or template is None:
         return checked
     file = find_template(services, template)
     return replace(checked, template=file, settings=replace(checked.settings, template=template))
 
 
-def check_files(settings: ServiceSettings, order: Order) -> Order:
-    """Check all of an order but the name of its template.
+def check_typed(order: Order) -> Order:
+    """Check what can be known of an order without its service, and without looking into its files.
 
     Raises:
         GarmentqError: with the code of what cannot be used.
     """
     from ..core.recovery import make_selection
+    from ..core.scan import FileMissing, LabelsUnreadable, check_extension
 
     _check_names(order.settings)
     selection = make_selection(order.labels, order.settings)
-    body = None if order.body is None and selection is not None else _check_body(order.body)
-    _check_meshes(settings, replace(order, body=body), selection)
+    _check_file(order.scan, FileMissing(f"{order.scan} is not a file; check the path."))
+    check_extension(order.scan)
+    if order.labels is not None:
+        missing = LabelsUnreadable(f"there is no label file '{order.labels.name}'; check the path.")
+        _check_file(order.labels, missing)
     if order.template is not None:
-        from ..core.pattern import load_pattern
+        _check_file(order.template, FileUnreadable(f"there is no pattern file '{order.template}'; check the path."))
+    if order.body is None and selection is not None:
+        return order
+    return replace(order, body=_check_body(order.body))
 
-        load_pattern(order.template)
-    return replace(order, body=body)
 
+def _check_file(path: Path, missing: BadInput) -> None:
+    """Check that a file is there and can be opened.
 
-def _check_meshes(settings: ServiceSettings, order: Order, selection: Selection | None) -> None:
-    check, body, chosen = settings.find("checker"), order.body, order.settings
-    part = {} if selection is None else {"selection": selection}
+    Raises:
+        BadInput: `missing`, where it is not there.
+        FileUnreadable: where it cannot be opened.
+    """
+    if not path.is_file():
+        raise missing
     try:
-        check(order.scan, body if isinstance(body, Path) else None, units=chosen.units, up=chosen.up, **part)
+        path.open("rb").close()
     except OSError as error:
-        raise FileUnreadable(f"'{error.filename}' cannot be read: {error.strerror}.") from error
+        raise FileUnreadable(f"'{path}' cannot be read: {error.strerror}.") from error
 
 
 def _check_names(chosen: RecoverySettings) -> None:
@@ -90,6 +97,6 @@ def _check_body(body: Path | str | None) -> Path | str:
         parse_spec(body)  # whoever can be described can be made; making takes 0.3 s
         return body
     path = Path(body)
-    if not path.is_file():
-        raise BodyUnreadable(f"there is no body file '{body}'; give a mesh, or --body builtin:female,height=1.70.")
+    missing = f"there is no body file '{body}'; give a mesh, or --body builtin:female,height=1.70."
+    _check_file(path, BodyUnreadable(missing))
     return path

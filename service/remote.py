@@ -29,7 +29,7 @@ from ..core.body import is_builtin
 from ..core.errors import NotFound
 from .connection import TRIES, Connection, ServiceUnreachable
 from .jobs import pick_known
-from .ordering import check_files
+from .ordering import check_typed
 from .query import JobQuery
 from .records import (
     Artifact,
@@ -97,7 +97,7 @@ class RemoteBackend:
 
     def check_order(self, order: Order, template: str | None = None) -> Order:
         """Check an order's files and names before they are sent; the service knows its templates."""
-        checked = check_files(self._settings, order)
+        checked = check_typed(order)
         return replace(checked, settings=replace(checked.settings, template=template))
 
     def submit(self, order: Order) -> Submitted:

@@ -175,10 +175,11 @@ def _find_family(session: Session, jobs: Sequence[str]) -> dict[str, dict[str, A
 
 
 def _show_details(session: Session, row: JobRow, settings: ServiceSettings) -> dict[str, Any]:
+    checked = {} if row.checked is None else {"checked": row.checked}
     try:
-        return find_kind(settings, row.kind).show(session, row)
+        return checked | find_kind(settings, row.kind).show(session, row)
     except KindUnknown:
-        return {}
+        return checked
 
 
 def _named(job: str, kind: str, name: str) -> Any:

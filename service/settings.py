@@ -19,8 +19,8 @@ PIPELINE = "garmentq.core.pipeline:recover"
 WRITER = "garmentq.core.export:write_recovery"
 """What turns a recovery into files."""
 
-CHECKER = "garmentq.core.scan:load_pieces"
-"""What looks at a scan and its body before they are queued."""
+CHECKER = "garmentq.service.checking:check_recovery"
+"""What reads and checks the files of a recovery first, in a limited process."""
 
 
 class ServiceSettingBad(BadInput):
@@ -55,7 +55,7 @@ class ServiceSettings:
         pipeline: Dotted path of the function that runs a job.
         writer: Dotted path of the function that writes a recovery's files.
         kinds: Dotted paths of the classes of further kinds of jobs, `package.module:Class`, with commas between.
-        checker: Dotted path of the function that refuses a bad scan or body at submission.
+        checker: Dotted path of the function that reads and checks a recovery's files, in a limited process.
     """
 
     home: Path = Path("~/.local/share/garmentq")

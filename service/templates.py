@@ -9,12 +9,15 @@ from pathlib import Path
 from sqlalchemy import select
 
 from ..core.errors import BadInput
+from ..core.limited import Bounds, call_limited
 from .database import Database, clock
 from .models import TemplateRow
 from .records import ImportedTemplate, Template
 from .services import Services
 from .store import Store
 
+BOUNDS = Bounds(memory_bytes=1024**3, cpu_seconds=20, wall_seconds=60.0)
+"""What reading a pattern file may cost: it takes 0.5 s, nearly all of it to start."""
 NAME = re.compile(r"[a-z0-9][a-z0-9_.-]{0,63}", re.ASCII)
 
 
@@ -31,13 +34,13 @@ def import_template(services: Services, name: str, path: Path) -> ImportedTempla
         TemplateNameBad: where the name is none, or a shipped template's.
         PatternBad: where the file cannot be read.
     """
-    from ..core.pattern import list_templates, load_pattern
+    from ..core.pattern import list_templates
 
-    pattern = load_pattern(path)
+    found = call_limited("garmentq.core.reading:check_pattern", {"source": str(path.absolute())}, BOUNDS).result
     if name in [info.name for info in list_templates()]:
         raise TemplateNameBad(f"'{name}' is the name of a shipped template; choose another.")
-    keep_template(services.database, services.store, name, path, pattern.category, len(pattern.panels))
-    return ImportedTemplate(name, len(pattern.panels), len(pattern.seams), pattern.category)
+    keep_template(services.database, services.store, name, path, found["category"], found["panels"])
+    return ImportedTemplate(name, **found)
 
 
 def keep_template(database: Database, store: Store, name: str, path: Path, category: str, panels: int) -> None:

@@ -22,8 +22,9 @@ import numpy as np
 
 from ..core.errors import BadInput, GarmentqError
 from ..core.hooks import Arrays, Hooks
+from ..service.checking import STAGE, check_files
 from ..service.database import Database, DatabaseUnreachable
-from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, release, report
+from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, note_checked, release, report
 from ..service.kinds import FileRef, Work, find_kind, read_request
 from ..service.results import CHECKPOINT, PREVIOUS, export_files, load_checkpoint, save_checkpoint, store_result
 from ..service.settings import ServiceSettings
@@ -123,7 +124,12 @@ def _work(settings: ServiceSettings, database: Database, held: Claim, watch: Wat
             request = read_request(kind.request, held.request)
             work = unpack(settings, database, store, held, folder)
             limit_threads(settings.threads)
-            result = kind.run(request, work, make_hooks(database, store, held, watch))
+            hooks = make_hooks(database, store, held, watch)
+            if checker := kind.checker(settings):
+                hooks.progress(STAGE, 0.0, "reading and checking the files")
+                found = check_files(checker, held.request, work.files, hooks.is_cancelled)
+                persist(partial(note_checked, database, held, found), watch)
+            result = kind.run(request, work, hooks)
             if watch.reason in ("lost", "cancelled"):
                 return _stop(database, held, watch.reason, settings.max_seconds)
             persist(lambda: store_result(database, store, held, kind, result, work.out), watch)

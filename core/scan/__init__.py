@@ -1,23 +1,28 @@
 """From an untrusted file to a checked `Scan`."""
 
 from .cut import cut_garment
-from .header import check_header
+from .header import check_extension, check_header
 from .labels import read_labels
 from .limits import Limits
 from .load import lies_on, load_pair, load_scan
 from .pieces import Pieces, load_pieces
-from .scan import Scan
+from .refusal import FileMissing, LabelsUnreadable
+from .scan import Scan, describe_scan
 from .selection import TOLERANCE, Selection, parse_colour, select_vertices
 from .units import find_units, find_up
 
 __all__ = [
     "TOLERANCE",
+    "FileMissing",
+    "LabelsUnreadable",
     "Limits",
     "Pieces",
     "Scan",
     "Selection",
+    "check_extension",
     "check_header",
     "cut_garment",
+    "describe_scan",
     "find_units",
     "find_up",
     "lies_on",

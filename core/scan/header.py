@@ -72,8 +72,7 @@ def check_header(path: Path, limits: Limits) -> Declared:
     extension = path.suffix.lower().lstrip(".")
     if extension in FORMATS and any(head.startswith(magic) for magic in _ARCHIVES):
         raise ArchiveRefused(f"{path.name} is an archive named .{extension}; unpack it and give the mesh file inside.")
-    if extension not in FORMATS:
-        raise _refuse_extension(path.name, extension)
+    check_extension(path)
     if size > limits.file_bytes:
         limit = limits.file_bytes >> 20
         raise FileTooLarge(f"{path.name} has {size >> 20} MiB, more than the {limit} MiB read; decimate the mesh.")
@@ -83,13 +82,21 @@ def check_header(path: Path, limits: Limits) -> Declared:
     return check(path, head, size, limits)
 
 
-def _refuse_extension(name: str, extension: str) -> Exception:
+def check_extension(path: Path) -> None:
+    """Check that a mesh file's name ends in one of the accepted extensions.
+
+    Raises:
+        ArchiveRefused, FormatUnknown: where it does not.
+    """
+    name, extension = path.name, path.suffix.lower().lstrip(".")
+    if extension in FORMATS:
+        return
     accepted = ", ".join(FORMATS).upper()
     if extension == "gltf":
-        return FormatUnknown(f"{name}: a .gltf keeps its data in other files; export it as one .glb.")
+        raise FormatUnknown(f"{name}: a .gltf keeps its data in other files; export it as one .glb.")
     if extension in ("zip", "3mf", "usdz", "gz", "7z", "rar", "tar", "tgz", "bz2", "xz", "zst"):
-        return ArchiveRefused(f"{name} is an archive (.{extension}); give a mesh file instead ({accepted}).")
-    return FormatUnknown(f"{name}: files of type .{extension or '?'} are not read; export the mesh as {accepted}.")
+        raise ArchiveRefused(f"{name} is an archive (.{extension}); give a mesh file instead ({accepted}).")
+    raise FormatUnknown(f"{name}: files of type .{extension or '?'} are not read; export the mesh as {accepted}.")
 
 
 def _check_count(name: str, count: int, what: str, limits: Limits) -> None:

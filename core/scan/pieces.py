@@ -27,11 +27,14 @@ class Pieces:
         wearer: The body's mesh, or the whole dressed person, or None.
         cloth: True at the wearer's vertices that are cloth, the garment's and other clothes', shape [vertex_count];
             None where the wearer is a bare body.
+        labels: Label of each vertex of the scan that the garment was cut out of, numbers or texts; None where there are
+            none, or nothing was cut.
     """
 
     garment: Scan
     wearer: Scan | None
     cloth: np.ndarray | None = None
+    labels: np.ndarray | None = None
 
 
 def load_pieces(
@@ -68,7 +71,7 @@ def load_pieces(
     if labels is not None and selection.colour is None:
         garment = _tell_skin(garment, labels[~cloth])
     if body is None:
-        return Pieces(garment, whole, cloth)
+        return Pieces(garment, whole, cloth, labels)
     if is_smpl(body):
         model = load_smpl(Path(body))
         wearer = Scan(model.vertices, model.faces, name=Path(body).stem)
@@ -78,7 +81,7 @@ def load_pieces(
         raise refusal.BodyApart(
             f"the garment cut out of {garment.name} does not lie on the body; export both from the same scene."
         )
-    return Pieces(garment, wearer)
+    return Pieces(garment, wearer, labels=labels)
 
 
 def _tell_skin(garment: Scan, labels: np.ndarray) -> Scan:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+
+from ..mesh import face_areas
 
 
 @dataclass(frozen=True)
@@ -35,3 +38,20 @@ class Scan:
     labels: np.ndarray | None = None
     repairs: tuple[str, ...] = ()
     unseen: np.ndarray | None = None
+
+
+def describe_scan(scan: Scan) -> dict[str, Any]:
+    """Return what is known of a mesh as JSON values: name, hash, unit, axis, extent [m], counts, area [m2], repairs."""
+    return {
+        "name": scan.name,
+        "sha256": scan.sha256,
+        "units": scan.units,
+        "up": scan.up_axis,
+        "extent_m": [round(float(side), 4) for side in np.ptp(scan.vertices, axis=0)],
+        "vertex_count": len(scan.vertices),
+        "face_count": len(scan.faces),
+        "area_m2": round(float(face_areas(scan.vertices, scan.faces).sum()), 4),
+        "repairs": list(scan.repairs),
+        "has_colours": scan.colours is not None,
+        "has_labels": scan.labels is not None,
+    }

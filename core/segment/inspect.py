@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..body import Body, is_builtin, is_smpl, load_smpl
-from ..mesh import face_areas
-from ..scan import Limits, Pieces, Scan, Selection, load_pieces
+from ..scan import Limits, Pieces, Scan, Selection, describe_scan, load_pieces
 from .garment import segment_garment
 from .loop import find_loops, smoothed_length
 
@@ -119,21 +118,9 @@ def inspect_file(
 
 
 def _describe(scan: Scan, boundaries: list[float]) -> dict[str, Any]:
-    x, y, z = (round(float(side), 4) for side in np.ptp(scan.vertices, axis=0))
-    return {
-        "name": scan.name,
-        "sha256": scan.sha256,
-        "units": scan.units,
-        "up": scan.up_axis,
-        "extent_m": (x, y, z),
-        "vertex_count": len(scan.vertices),
-        "face_count": len(scan.faces),
-        "area_m2": round(float(face_areas(scan.vertices, scan.faces).sum()), 4),
-        "repairs": scan.repairs,
-        "has_colours": scan.colours is not None,
-        "has_labels": scan.labels is not None,
-        "boundaries_m": tuple(round(length, 4) for length in boundaries),
-    }
+    found = describe_scan(scan)
+    lengths = tuple(round(length, 4) for length in boundaries)
+    return found | {"extent_m": tuple(found["extent_m"]), "repairs": scan.repairs, "boundaries_m": lengths}
 
 
 def _find_body(body: Body | Path | str | None, pieces: Pieces) -> Body | None:

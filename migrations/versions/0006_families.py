@@ -20,6 +20,7 @@ def upgrade() -> None:
     op.execute("alter table jobs add column parent varchar(16) constraint fk_jobs_parent references jobs (id)")
     op.add_column("jobs", sa.Column("family", sa.String(length=16), nullable=False, server_default=""))
     op.execute("update jobs set family = id")
+    op.add_column("jobs", sa.Column("checked", sa.JSON(none_as_null=True), nullable=True))
     op.create_index("ix_jobs_family", "jobs", ["family"], unique=False)
     op.create_index("ix_jobs_parent", "jobs", ["parent"], unique=False)
     op.create_table(
@@ -58,7 +59,7 @@ def downgrade() -> None:
     for name in ("ix_jobs_parent", "ix_jobs_family", "ix_jobs_urgency"):
         op.drop_index(name, table_name="jobs")
     with op.batch_alter_table("jobs", schema=None) as batch_op:
-        for column in ("family", "parent", "kind"):
+        for column in ("checked", "family", "parent", "kind"):
             batch_op.drop_column(column)
     op.create_index(
         "ix_jobs_urgency", "jobs", ["state", "queue", sa.literal_column("priority DESC"), "created", "id"], unique=False

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Annotated
 
-from anyio import CapacityLimiter
 from fastapi import Depends, Request, Security
 from fastapi.dependencies.models import Dependant
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
@@ -28,13 +27,11 @@ class Rooms(Services):
         limits: What a request may cost.
         is_open: True where a caller without a key may be the local user.
         meter: Counts what each key asks for.
-        checks: Lets a few scans be checked at a time.
     """
 
     limits: ApiLimits
     is_open: bool
     meter: Meter
-    checks: list[CapacityLimiter] = field(default_factory=list)
 
 
 bearer = HTTPBearer(auto_error=False, description="A token from `garmentq keys create`.")

@@ -9,8 +9,8 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
-from anyio import CapacityLimiter, to_thread
 from fastapi import APIRouter, Depends, Header, Query, Response
+from starlette.concurrency import run_in_threadpool
 
 from ...core.body import is_builtin
 from ...core.settings import RecoverySettings
@@ -55,10 +55,12 @@ def show_created() -> dict[int | str, dict[str, Any]]:
 async def create_job(
     wanted: JobIn, response: Response, rooms: RoomsOf, caller: Submitter, idempotency_key: Token = None
 ) -> Any:
-    """Check the files, then queue the job. The same files with the same settings are the same job: 200, not 202."""
-    if not rooms.checks:
-        rooms.checks.append(CapacityLimiter(rooms.limits.checks))
-    done = await to_thread.run_sync(_create, rooms, caller, wanted, idempotency_key, limiter=rooms.checks[0])
+    """Queue the job. The same files with the same settings are the same job: 200, not 202.
+
+    Names and settings are checked at once. The files are read by the job's first stage, `check`: what cannot be used
+    ends the job as `failed` with `bad_input`, and a code that says why.
+    """
+    done = await run_in_threadpool(_create, rooms, caller, wanted, idempotency_key)
     response.headers["location"] = f"/v1/jobs/{done.job}"
     response.status_code = 202 if done.is_new else 200
     return {"job": done.job, "state": done.state, "is_new": done.is_new}

@@ -25,8 +25,7 @@ class ApiLimits:
         template_bytes: Largest pattern file [bytes]; a GarmentCode pattern is below 100 kB.
         chunk_seconds: Longest silence of a client that sends [s]; a phone network pauses for a few seconds.
         upload_seconds: Longest time of one upload [s]; 512 MiB at 1 MB/s.
-        answer_seconds: Longest time until an answer begins [s]; a large scan is checked in about 30 s.
-        checks: Scans checked at a time; each runs a parsing process and holds its arrays.
+        answer_seconds: Longest time until an answer begins [s]; the largest upload is copied and hashed in a few.
         streams: Event streams that one key may hold open; each asks the database twice a second.
         requests_per_second: Requests of one key in the long run [1/s]; `garmentq submit` of a folder asks about 20
             times a second, and a core answers about 200.
@@ -41,7 +40,6 @@ class ApiLimits:
     chunk_seconds: float = 30.0
     upload_seconds: float = 600.0
     answer_seconds: float = 120.0
-    checks: int = 2
     streams: int = 32
     requests_per_second: float = 50.0
     burst: int = 200

@@ -14,7 +14,7 @@ from fastapi import APIRouter, Query, Request, Response
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import ClientDisconnect
 
-from ...core.errors import BadInput, NotFound
+from ...core.errors import BadInput
 from ..store import StorageFull
 from ..submission import clean_name
 from ..uploads import check_day, find_upload, keep_upload
@@ -49,7 +49,7 @@ def _add(kind: str) -> None:
         with rooms.meter.uploading(caller.key):
             await run_in_threadpool(check_day, rooms.database, caller.key, length, most)
             async with _received(request, rooms, Path(cleaned).suffix.lower()) as path:
-                await run_in_threadpool(_check, kind, path, cleaned, rooms)
+                await run_in_threadpool(_check, kind, path, cleaned)
                 keep = (rooms.database, rooms.store, caller.key, path, name, most)
                 kept = await run_in_threadpool(keep_upload, *keep)
         response.headers["location"] = f"/v1/{kind}/{kept.sha256}"
@@ -112,18 +112,14 @@ async def _received(request: Request, rooms: Rooms, suffix: str) -> AsyncIterato
             os.unlink(temporary)
 
 
-def _check(kind: str, path: Path, name: str, rooms: Rooms) -> None:
-    """Refuse what the first look tells; the mesh itself is parsed when a job asks for it."""
+def _check(kind: str, path: Path, name: str) -> None:
+    """Refuse what name and size tell; a file's content is looked at by the job that needs it, in a limited process."""
     if kind in EXTENSIONS:
         if path.suffix not in EXTENSIONS[kind]:
             raise FileRefused(f"{name} does not end in {' '.join(EXTENSIONS[kind])}.")
-        if path.stat().st_size == 0:
-            raise FileRefused(f"{name} is empty.")
-        return
-    from ...core.scan import Limits, check_header
+    else:
+        from ...core.scan import check_extension
 
-    try:
-        check_header(path, Limits(file_bytes=rooms.limits.upload_bytes))
-    except (BadInput, NotFound) as error:
-        error.message = error.message.replace(path.name, name).replace(path.stem, Path(name).stem)
-        raise
+        check_extension(Path(name))
+    if path.stat().st_size == 0:
+        raise FileRefused(f"{name} is empty.")

@@ -86,20 +86,14 @@ class Kind(ABC):
     request: ClassVar[type[Any]]
     stages: ClassVar[tuple[str, ...]]
 
-    def check(self, request: Any, files: Path) -> dict[str, Any]:
-        """Read the user's bytes and refuse what cannot be used: the first stage, in a limited process.
-
-        Args:
-            request: What is asked for.
-            files: Holds each file of the request, as FIELD/NAME.
+    def checker(self, settings: ServiceSettings) -> str:
+        """Return what reads the user's bytes and refuses what cannot be used: the first stage, in a limited process.
 
         Returns:
-            What was found out, as JSON values.
-
-        Raises:
-            BadInput: with the code of what cannot be used.
+            Dotted path of a function, `package.module:name`, as `checking.check_recovery` is; empty where a job has no
+            files of a user's own. Its module should be light: a fresh process imports it for each job.
         """
-        return {}
+        return ""
 
     @abstractmethod
     def run(self, request: Any, work: Work, hooks: Hooks) -> Any:

@@ -5,59 +5,25 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from dataclasses import asdict, dataclass, field
-from pathlib import Path
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from sqlalchemy.orm import Session
 
-from ...core.recovery import STAGES, Request
-from ...core.settings import RecoverySettings
+from ...core.recovery import STAGES
 from ..database import serialise
 from ..jobs import Claim
 from ..models import BodyRow, JobRow, MaterialRow, MetricRow, PanelRow, PatternRow, ScanRow
 from .kind import Kind, Outcome, Work
-from .request import FileRef
+from .recover_request import RecoverRequest
 
 if TYPE_CHECKING:
     from ...core.body import Body
     from ...core.hooks import Hooks
     from ...core.recovery import Recovery
     from ...core.simulate import Fabric
-
-
-@dataclass(frozen=True)
-class RecoverRequest:
-    """Ask for one recovery.
-
-    Attributes:
-        scan: The garment's or the dressed person's file.
-        body: The wearer's file, the description of a built-in body, or None: then it is in the scan.
-        template: A pattern file, or None.
-        settings: Everything else.
-        labels: One label per vertex of a dressed person's scan, or None.
-    """
-
-    scan: FileRef
-    body: FileRef | str | None
-    template: FileRef | None
-    settings: RecoverySettings = field(default_factory=RecoverySettings)
-    labels: FileRef | None = None
-
-    def unpack(self, files: Path) -> Request:
-        """Return the pipeline's request, with the files in a folder as FIELD/NAME."""
-
-        def find(part: str, file: FileRef | None) -> Path | None:
-            return files / part / file.name if file is not None else None
-
-        return Request(
-            scan=files / "scan" / self.scan.name,
-            body=find("body", self.body) if isinstance(self.body, FileRef) else self.body,
-            template=find("template", self.template),
-            settings=self.settings,
-            labels=find("labels", self.labels),
-        )
+    from ..settings import ServiceSettings
 
 
 class Recover(Kind):
@@ -66,6 +32,10 @@ class Recover(Kind):
     name = "recover"
     request = RecoverRequest
     stages = ("check", *STAGES)
+
+    def checker(self, settings: ServiceSettings) -> str:
+        """Return the reader of scans, bodies, labels and patterns."""
+        return settings.checker
 
     def run(self, request: RecoverRequest, work: Work, hooks: Hooks) -> Recovery:
         """Run the pipeline and write its files."""

@@ -7,7 +7,8 @@ import pytest
 import trimesh
 from garmentq.core.body import JOINTS, PARENTS, SmplBad, load_smpl
 from garmentq.core.body.template import load_template
-from garmentq.core.pipeline import find_body, read_files
+from garmentq.core.inputs import read_files
+from garmentq.core.pipeline import find_body
 from garmentq.core.recovery import Request
 from scipy.spatial.transform import Rotation
 

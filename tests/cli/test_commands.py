@@ -70,16 +70,16 @@ def test_help_is_light():
 def test_bad_input_ends_in_one_line(cli, tmp_path):
     """Broken where a file, body, template or name that cannot be used gives a traceback or another status than 4."""
     body, good = put_file(tmp_path, "body.ply"), put_file(tmp_path, "good.ply")
-    broken = tmp_path / "broken.ply"
+    broken, zipped = tmp_path / "broken.ply", put_file(tmp_path, "scan.zip")
     broken.write_text("no mesh")
     cases = [
-        (("run", broken, "--body", body), 4, "scan.truncated"),
-        (("run", tmp_path / "nosuch.ply", "--body", body), 4, "input.unreadable"),
-        (("run", tmp_path, "--body", body), 4, "input.unreadable"),
+        (("run", tmp_path / "nosuch.ply", "--body", body), 4, "scan.missing"),
+        (("run", tmp_path, "--body", body), 4, "scan.missing"),
+        (("run", zipped, "--body", body), 4, "scan.archive"),
+        (("run", good, "--keep", "1", "--labels", tmp_path / "nosuch.npz"), 4, "scan.labels_unreadable"),
         (("run", good), 4, "body.missing"),
         (("run", good, "--body", tmp_path / "nosuch.ply"), 4, "body.unreadable"),
         (("run", good, "--body", "builtin:female,height=9"), 4, "body.spec_bad"),
-        (("run", good, "--body", body, "--template", broken), 4, "pattern."),
         (("run", good, "--body", body, "--template", "nosuch"), 3, "template.unknown"),
         (("run", good, "--body", body, "--fabric", "nosuch"), 3, "fabric.unknown"),
         (("run", good, "--body", body, "--garment", "hat"), 2, "settings.bad"),
@@ -96,8 +96,8 @@ def test_bad_input_ends_in_one_line(cli, tmp_path):
     for words in (("run",), ("nosuch",), ("run", good, "--vertices", "3"), ("query", "--limit", "0")):
         assert cli(*words).returncode == 2
     assert cli("status", "--json").stdout == ""
-    done = cli.start("run", broken, "--body", body)
-    assert done.returncode == 4 and done.stderr == "error scan.truncated: The file is cut off; export it again.\n"
+    done = cli.start("run", zipped, "--body", body)
+    assert done.returncode == 4 and done.stderr.startswith("error scan.archive") and done.stderr.count("\n") == 1
 
 
 def test_an_unreachable_service_is_status_9(cli, tmp_path):
@@ -126,17 +126,40 @@ def test_statuses_of_ended_jobs(cli, database, queue_job):
 
 
 def test_submit_goes_on_after_a_bad_file(cli, tmp_path):
-    """Broken where one bad file keeps the others out of the queue."""
-    broken = tmp_path / "broken.ply"
-    broken.write_text("no mesh")
-    files = [put_file(tmp_path, "a.ply"), broken, put_file(tmp_path, "b.ply")]
+    """Broken where one bad file keeps the others out of the queue, or `submit` waits where nobody checks."""
+    files = [put_file(tmp_path, "a.ply"), tmp_path / "nosuch.ply", put_file(tmp_path, "b.ply")]
     done = cli("submit", *files, "--body", put_file(tmp_path, "body.ply"), "--json")
     rows = [json.loads(line) for line in done.stdout.splitlines()]
-    assert done.returncode == 4
-    assert [row["job"] is not None for row in rows] == [True, False, True]
-    assert rows[1]["error"]["code"] == "scan.truncated"
-    again = cli("submit", files[0], "--body", tmp_path / "body.ply").stdout.strip()
-    assert again == rows[0]["job"]
+    assert done.returncode == 4 and "no worker is up" in done.stderr
+    assert {row["file"]: row["job"] is not None for row in rows} == {
+        str(file): file.name != "nosuch.ply" for file in files
+    }
+    assert next(row["error"]["code"] for row in rows if row["job"] is None) == "scan.missing"
+    again = cli("submit", files[0], "--body", tmp_path / "body.ply")
+    assert again.stdout.strip() in [row["job"] for row in rows] and again.returncode == 0
+
+
+@pytest.mark.slow
+def test_submit_waits_for_the_check(cli, tmp_path):
+    """Broken where a file that cannot be used is not named, an ill file keeps a good one back, or no status tells."""
+    broken, body = tmp_path / "broken.ply", put_file(tmp_path, "body.ply")
+    broken.write_text("no mesh")
+    good = put_file(tmp_path, "good.ply")
+    try:
+        assert cli.start("up", "--workers", "2").returncode == 0
+        done = cli("submit", good, broken, "--body", body, "--wait")
+        assert done.returncode == 4 and done.stderr.count("error scan.truncated") == 1
+        assert len(done.stdout.split()) == 2
+        again = cli("submit", good, broken, "--body", body, "--json")
+        rows = [json.loads(line) for line in again.stdout.splitlines()]
+        assert again.stderr == "error scan.truncated: The file is cut off; export it again.\n"
+        assert again.returncode == 4 and [row["job"] for row in rows] == done.stdout.split()
+        assert [row["state"] for row in rows] == ["succeeded", "failed"]
+        assert [row["error"] and row["error"]["code"] for row in rows] == [None, "scan.truncated"]
+        ran = cli("run", broken, "--body", body)
+        assert ran.returncode == 4 and ran.stderr.splitlines()[-1].startswith("error scan.truncated")
+    finally:
+        cli("down")
 
 
 @pytest.mark.slow

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from garmentq.service.jobs import claim, find_job
 from garmentq.service.kinds import read_request
-from garmentq.service.kinds.recover import RecoverRequest
+from garmentq.service.kinds.recover_request import RecoverRequest
 from garmentq.workers.recovery import unpack
 from garmentq_home import put_file
 

@@ -12,8 +12,8 @@ import pytest
 import trimesh
 from garmentq.core.body import JOINTS, Body, builtin_body, register_body
 from garmentq.core.errors import BadInput
+from garmentq.core.inputs import read_files
 from garmentq.core.mesh import vertex_normals
-from garmentq.core.pipeline import read_files
 from garmentq.core.recovery import Request
 from garmentq.core.scan import Pieces, Scan, Selection, cut_garment, load_pieces, select_vertices
 from garmentq.core.scan.selection import select_other_cloth

@@ -48,7 +48,7 @@ def make_settings(home: Path, **changes) -> ServiceSettings:
         "idle_seconds": 0.0,
         "pipeline": "garmentq_standin:recover",
         "writer": "garmentq_standin:write",
-        "checker": "garmentq_standin:check",
+        "checker": "garmentq_checker:check",
     }
     return ServiceSettings(home=home, **(quick | changes))
 

@@ -36,14 +36,6 @@ class Refused(BadInput):
     code = "scan.truncated"
 
 
-def check(
-    path: Path, body: Path | None, units: str | None = None, up: str | None = None, selection: object = None
-) -> None:
-    """Refuse a file that is not a PLY."""
-    if not path.read_bytes().startswith(b"ply"):
-        raise Refused()
-
-
 def recover(request: Request, hooks: Hooks) -> Recovery:
     """Do what the scan's name says, and give a tiny result."""
     name = request.scan.stem

@@ -1,0 +1,48 @@
+"""Wait a moment for the first stage of fresh jobs, which reads their files and refuses what cannot be used."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from ..service.checking import STAGE
+from ..service.states import State
+from .terminal import note
+
+if TYPE_CHECKING:
+    from ..service.backend import Backend
+    from ..service.records import Job
+
+CHECK_SECONDS = 3.0
+"""How long `submit` waits for the checks of all its files [s]; a pair of meshes takes 1 s on an idle core."""
+
+
+def wait_checked(backend: Backend, jobs: Sequence[str], queue: str) -> list[Job]:
+    """Wait until the files of all jobs are checked, but no longer than `CHECK_SECONDS`, nor without a worker.
+
+    Args:
+        backend: Where the jobs are.
+        jobs: Their ids.
+        queue: The queue that they are in.
+
+    Returns:
+        The jobs as they then are.
+    """
+    deadline = time.monotonic() + CHECK_SECONDS
+    while True:
+        found = backend.find_jobs_by_id(jobs)
+        if not any(is_unchecked(job) for job in found):
+            return found
+        if not any(queue in worker.queues.split(",") for worker in backend.read_queue().workers):
+            note("no worker is up, so the files are not checked yet; `garmentq up` starts one.")
+            return found
+        if time.monotonic() > deadline:
+            note("not all files are checked yet; `garmentq status` tells what becomes of the jobs.")
+            return found
+        time.sleep(backend.poll_seconds)
+
+
+def is_unchecked(job: Job) -> bool:
+    """Return whether nobody has read a job's files so far."""
+    return job.state in (State.WAITING, State.QUEUED) or (job.state == State.RUNNING and job.stage in ("", STAGE))

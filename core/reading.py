@@ -1,0 +1,104 @@
+"""What the files of one recovery hold, and how a limited process hands it over: as plain arrays."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .body import Body
+from .checkpoints import pack, unpack
+from .limited import ReaderCrashed
+from .pattern import Pattern, load_pattern
+from .scan import Pieces, describe_scan
+
+MOST_LABELS = 50
+"""Labels that are listed of a scan."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What the files of a request hold.
+
+    Attributes:
+        pieces: The garment, and the wearer's mesh where there is one.
+        body: The wearer, where its file is of SMPL's format and has its own skeleton; else None.
+        pattern: The base pattern, where it is a file; else None.
+    """
+
+    pieces: Pieces
+    body: Body | None = None
+    pattern: Pattern | None = None
+
+
+def describe_reading(reading: Reading) -> dict[str, Any]:
+    """Return what was understood of the files, as JSON values."""
+    pieces = reading.pieces
+    garment, wearer = pieces.garment, pieces.wearer
+    labels = pieces.labels if pieces.labels is not None else garment.labels
+    found: dict[str, Any] = {"scan": describe_scan(garment)}
+    if labels is not None:
+        values, counts = np.unique(labels, return_counts=True)
+        pairs = zip(values.tolist(), counts.tolist(), strict=True)
+        found["labels"] = {str(value): count for value, count in list(pairs)[:MOST_LABELS]}
+    if wearer is not None:
+        found["body"] = describe_scan(wearer)
+    if reading.pattern is not None:
+        found["pattern"] = describe_pattern(reading.pattern)
+    return found
+
+
+def describe_pattern(pattern: Pattern) -> dict[str, Any]:
+    """Return a pattern's category and counts, as JSON values."""
+    return {"panels": len(pattern.panels), "seams": len(pattern.seams), "category": pattern.category}
+
+
+def check_pattern(source: str) -> dict[str, Any]:
+    """Read a pattern file in a limited process, and describe it.
+
+    Raises:
+        BadInput: where it is none.
+    """
+    return describe_pattern(load_pattern(Path(source)))
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """A reading, and as JSON what its pattern's file held beyond the pattern."""
+
+    reading: Reading
+    extra: str = ""
+
+
+def save_reading(reading: Reading, path: Path) -> None:
+    """Write a reading as plain arrays."""
+    extra, pattern = "", reading.pattern
+    if pattern is not None:
+        extra, reading = json.dumps(pattern.extra), replace(reading, pattern=replace(pattern, extra={}))
+    with path.open("wb") as file:
+        np.savez(file, **pack(_Kept(reading, extra)))  # type: ignore[arg-type]
+
+
+def load_reading(path: Path) -> Reading:
+    """Read what `save_reading` wrote in a limited process, which is not believed: no pickle, nothing compressed.
+
+    Raises:
+        ReaderCrashed: where it is something else.
+    """
+    try:
+        with zipfile.ZipFile(path) as archive:
+            if any(entry.compress_type != zipfile.ZIP_STORED for entry in archive.infolist()):
+                raise ValueError("compressed")
+        with np.load(path, allow_pickle=False) as arrays:
+            kept = unpack(_Kept, {name: arrays[name] for name in arrays.files})
+        if kept is None:
+            raise ValueError("not whole")
+        if kept.reading.pattern is None:
+            return kept.reading
+        return replace(kept.reading, pattern=replace(kept.reading.pattern, extra=json.loads(kept.extra)))
+    except (ValueError, KeyError, TypeError, OSError, EOFError, zipfile.BadZipFile, RecursionError) as error:
+        raise ReaderCrashed() from error
