@@ -1,4 +1,4 @@
-"""What a recovery is asked for; light, for the limited process that reads its files knows nothing else of the service."""
+"""What a recovery is asked for; light, since the limited process that reads its files imports it."""
 
 from __future__ import annotations
 
