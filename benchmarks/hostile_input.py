@@ -1,4 +1,5 @@
-"""What refusing bad files and requests costs: CPU and wall time of the service, and of `garmentq run` on the same file.
+"""What bad files and requests cost: CPU and wall time of the service (a job that its worker refuses is a 202 here), and
+of `garmentq run` on the same file, whose worker refuses it.
 
 python benchmarks/hostile_input.py           # a table in Markdown, about a minute on an idle machine
 """
@@ -146,7 +147,8 @@ def run_command(name: str, content: bytes, folder: Path) -> tuple[float, float, 
     _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
     seconds = time.monotonic() - begun
-    return usage.ru_utime + usage.ru_stime, seconds, process.returncode, told.split(":")[0].removeprefix("error ")
+    code = told.strip().splitlines()[-1].split(":")[0].removeprefix("error ")
+    return usage.ru_utime + usage.ru_stime, seconds, process.returncode, code
 
 
 def main() -> None:
@@ -160,7 +162,7 @@ def main() -> None:
             answer = ask()
             seconds, cpu = time.monotonic() - begun, service.cpu_seconds() - cpu
             try:
-                code = answer.json()["code"]
+                code = answer.json().get("code", "-")
             except ValueError:
                 code = "-"
             row = f"| {name} | {answer.status_code} | {code} | {cpu:.2f} | {seconds:.2f} |"
@@ -174,6 +176,8 @@ def main() -> None:
         print(f"\nThe service lives; its largest resident memory was {service.peak_mb():.0f} MB.")
         service.process.terminate()
         service.process.wait()
+        down = [sys.executable, "-m", "garmentq.cli.main", "down", "--home", str(Path(folder) / "home")]
+        subprocess.run(down, check=True)
 
 
 if __name__ == "__main__":
