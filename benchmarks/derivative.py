@@ -63,7 +63,7 @@ def worst_error(laid: Laid, nodes: np.ndarray, found: np.ndarray, up: np.ndarray
 
     Steps of 1e-7 m and 1e-5 of the fabric: the error of the quotient falls with the square of the step down to there.
     """
-    solver, parameters, worst = make_solver(laid.scene.topology), laid.parameters, 0.0
+    solver, parameters, worst = make_solver(laid.scene.topology.pattern), laid.parameters, 0.0
     for n in range(parameters.count):
         step = np.zeros(parameters.count)
         step[n] = 1e-7 if n < parameters.shape.shape[1] else 1e-5
@@ -91,7 +91,7 @@ def recover_shape(laid: Laid, start: np.ndarray, change: np.ndarray) -> tuple[fl
     error at the end.
     """
     scene, friction, shape = laid.scene, laid.friction, replace(laid.parameters, fabric=())
-    solver, implicit = make_solver(scene.topology), Implicit()
+    solver, implicit = make_solver(scene.topology.pattern), Implicit()
     target = implicit.solve(shape.move(scene, change), start, solver, friction=friction).nodes
     tie, roughly = Inertia(target, 1.0 / Unrolled.dt**2), Implicit(tolerance=ROUGHLY)
     found, begun, reached = np.zeros(len(change)), time.process_time(), np.inf
@@ -113,7 +113,7 @@ def measure(name: str) -> dict[str, float]:
     """Measure one size."""
     laid = drape(SIDES[name])
     scene, friction, parameters = laid.scene, laid.friction, laid.parameters
-    solver = make_solver(scene.topology)
+    solver = make_solver(scene.topology.pattern)
     rest = Implicit(tolerance=0.0).solve(scene, laid.nodes, solver, friction=friction)
     up = np.sin(9 * rest.nodes[:, [1, 2, 0]] + [0.3, 0.5, 0.7])
     rates = parameters.rates(scene)

@@ -69,7 +69,7 @@ def drape(count: int) -> tuple[Laid, dict[str, slice]]:
 
 def differ(laid: Laid, start: np.ndarray, derivative: Derivative, ups: np.ndarray, step: float) -> np.ndarray:
     """Give the central differences of every up . x by every parameter, shape [count, losses]; nan where not at rest."""
-    solver, parameters = make_solver(laid.scene.topology), laid.parameters
+    solver, parameters = make_solver(laid.scene.topology.pattern), laid.parameters
     found = np.full((parameters.count, len(ups)), np.nan)
     for n in range(parameters.count):
         way = np.zeros(parameters.count)
@@ -103,7 +103,7 @@ def extrapolate(quotients: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
 def measure(count: int, derivative: Derivative) -> dict[str, str]:
     """Measure one size: for each kind the largest relative error of a parameter, and the difference quotient's own."""
     laid, kinds = drape(count)
-    scene, start, solver = laid.scene, laid.nodes, make_solver(laid.scene.topology)
+    scene, start, solver = laid.scene, laid.nodes, make_solver(laid.scene.topology.pattern)
     if isinstance(derivative, Implicit):
         start = derivative.solve(scene, start, solver, friction=laid.friction).nodes
     at = derivative.solve(scene, start, solver, friction=laid.friction)

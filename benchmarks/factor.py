@@ -41,7 +41,8 @@ def systems(count: int) -> Iterator[tuple[str, sparse.csr_matrix, int]]:
     operator, areas = gradient_operator(garment.rest, garment.faces, size)
     laplacian = operator.T @ sparse.diags(np.repeat(areas, 2)) @ operator
     bending, mass = bending_operators(garment)
-    blocks = sparse.csr_matrix((np.ones(len(topology.indices)), topology.indices, topology.indptr))
+    pattern = topology.pattern
+    blocks = sparse.csr_matrix((np.ones(len(pattern.indices)), pattern.indices, pattern.indptr))
     # stretch of 300 N/m on every pair of nodes that a face or a hinge couples
     stiff = sparse.diags(np.asarray(blocks.sum(axis=1)).ravel() + 1.0) - blocks
     yield "cloth, 3x3 blocks", sparse.csr_matrix(300.0 * stiff), 3

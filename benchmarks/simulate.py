@@ -24,7 +24,7 @@ def assemble_naively(topology: Topology, elements: tuple[np.ndarray, np.ndarray,
 def spread_elements(topology: Topology) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """List the coordinates of all 9 entries of every element's node pairs, with stand-in values."""
     rows, columns = [], []
-    for nodes in (topology.faces, topology.hinges):
+    for nodes in (topology.faces, topology.hinges.nodes):
         k = nodes.shape[1]
         rows.append(np.repeat(nodes, k, axis=1).ravel())
         columns.append(np.tile(nodes, (1, k)).ravel())
@@ -51,8 +51,8 @@ def measure(name: str) -> dict[str, float]:
     elements = spread_elements(topology)
     found["naive assembly"] = quickest(lambda: assemble_naively(topology, elements), 3)
     right = energy.gradient(nodes)[1].ravel()
-    lu = SuperLU(topology.indptr, topology.indices)
-    fronts = make_solver(topology)
+    lu = SuperLU(topology.pattern.indptr, topology.pattern.indices)
+    fronts = make_solver(topology.pattern)
     for key, solver in (("fronts", fronts), ("superlu", lu)):
         found[f"{key} factor"] = quickest(lambda s=solver: s.factor(data), 5)
         found[f"{key} solve"] = quickest(lambda s=solver: s.solve(right))

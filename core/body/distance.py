@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -27,6 +28,16 @@ class DistanceBad(BadInput):
     """The body mesh gives no signed distance; repair the mesh and try again."""
 
     code = "body.distance_bad"
+
+
+class GridArrays(NamedTuple):
+    """A `DistanceGrid` as `sample_distance` takes it: coefficients in C order, their shape, and the rest."""
+
+    coefficients: np.ndarray
+    shape: tuple[int, int, int]
+    origin: np.ndarray
+    spacing: float
+    offset: float
 
 
 @dataclass(frozen=True)
@@ -91,6 +102,13 @@ class DistanceGrid:
         coefficients = spline_filter(np.asarray(values, dtype=np.float64), order=3, mode="mirror")
         return cls(np.asarray(origin, dtype=np.float64), float(spacing), np.ascontiguousarray(coefficients))
 
+    @property
+    def arrays(self) -> GridArrays:
+        """Return the grid as `sample_distance` takes it."""
+        return GridArrays(
+            self.coefficients.ravel(), self.coefficients.shape, self.origin, float(self.spacing), float(self.offset)
+        )
+
     def shrunk(self, depth: float) -> DistanceGrid:
         """Give the body shrunk by `depth` [m] along its normals; costs nothing, for a body that is inflated."""
         return replace(self, offset=self.offset + depth)
@@ -120,7 +138,7 @@ class DistanceGrid:
         points = np.ascontiguousarray(points, dtype=np.float64)
         values, slopes = np.zeros(len(points)), np.zeros((len(points), 3))
         curves = np.zeros((len(points), 3, 3))
-        _sample_all(points, self.coefficients, self.origin, self.spacing, self.offset, values, slopes, curves)
+        _sample_all(points, self.arrays, values, slopes, curves)
         return values, slopes, curves
 
 
@@ -190,14 +208,13 @@ def _blend(flat, at, w):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, inline="always")
-def sample_distance(point, flat, shape, origin, spacing, offset, reach, order, slope, curve):  # type: ignore[no-untyped-def]
-    """Give the distance at one point [m] and write its gradient [3] (order >= 1) and Hessian [3, 3] (order 2).
+def sample_distance(point, grid, reach, order, slope, curve):  # type: ignore[no-untyped-def]
+    """Return the distance at one point [m] and write its gradient [3] (order >= 1) and Hessian [3, 3] (order 2).
 
     Further than `reach` [m] from the surface, and outside the grid, `slope` and `curve` are left as they are; where the
-    coefficient at its corner is `CLEAR` cells further, the distance is rough. `flat`: the coefficients of a grid of
-    this `shape`, in C order.
+    coefficient at its corner is `CLEAR` cells further, the distance is rough.
     """
-    nx, ny, nz = shape
+    flat, (nx, ny, nz), origin, spacing, offset = grid
     s0 = (point[0] - origin[0]) / spacing
     s1 = (point[1] - origin[1]) / spacing
     s2 = (point[2] - origin[2]) / spacing
@@ -250,19 +267,8 @@ def sample_distance(point, flat, shape, origin, spacing, offset, reach, order, s
 
 
 @njit(cache=True)
-def _sample_all(points, coefficients, origin, spacing, offset, values, slopes, curves):  # type: ignore[no-untyped-def]
+def _sample_all(points, grid, values, slopes, curves):  # type: ignore[no-untyped-def]
     """Sample many points at full accuracy."""
-    flat = coefficients.ravel()
     for v in range(len(points)):
-        values[v] = sample_distance(
-            (points[v, 0], points[v, 1], points[v, 2]),
-            flat,
-            coefficients.shape,
-            origin,
-            spacing,
-            offset,
-            np.inf,
-            2,
-            slopes[v],
-            curves[v],
-        )
+        point = (points[v, 0], points[v, 1], points[v, 2])
+        values[v] = sample_distance(point, grid, np.inf, 2, slopes[v], curves[v])

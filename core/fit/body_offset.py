@@ -58,7 +58,7 @@ def estimate_body_offset(problem: ShapeProblem, hooks: Hooks = SILENT) -> Distan
         force, normal = contact_forces(scene, drape.nodes)
         touching = force > 0
         missing = ((problem.garment.nodes - drape.nodes) * normal).sum(1)[touching]
-        areas = scene.topology.node_areas[touching]
+        areas = scene.topology.rest.node_areas[touching]
         grid = _moved_out(grid, drape.nodes[touching], missing, areas)
     return grid
 

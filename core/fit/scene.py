@@ -63,7 +63,8 @@ class FitScene:
         symmetry = find_symmetry(like)
         parameters = Parameters.of_garment(garment, map_controls(garment), symmetry, fabric)
         none = np.zeros(symmetry.matrix.shape[1], dtype=bool)
-        return cls(garment, like, scene, parameters, make_solver(scene.topology), none if locked is None else locked)
+        solver = make_solver(scene.topology.pattern)
+        return cls(garment, like, scene, parameters, solver, none if locked is None else locked)
 
     @property
     def symmetry(self) -> Symmetry:

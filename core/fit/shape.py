@@ -123,7 +123,7 @@ class ShapeProblem:
 
     def observations(self, nodes: np.ndarray) -> float:
         """Give n, the number of independent things that a drape [m], shape [node_count, 3], tells of the target."""
-        normals, areas = self.loss.normals, self.scene.first.topology.node_areas
+        normals, areas = self.loss.normals, self.scene.first.topology.rest.node_areas
         return count_independent(self.loss.target, normals, ((nodes - self.loss.target) * normals).sum(1), areas)
 
     def step(

@@ -18,7 +18,7 @@ from .proportion import Proportions, find_proportions
 from .registration import match_surface
 
 if TYPE_CHECKING:
-    from ..simulate import Solver, Topology
+    from ..simulate import BlockPattern, Solver
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ class Isometry:
         proportions: Rules to keep.
         start: Control points at the start [m], shape [point_count, 2].
         anchor: Matrix of the last sum, shape [effective_count, effective_count].
-        topology: Which nodes share a face; its rest shape is of no account.
+        coupled: Which nodes share a face.
         solver: Analysed for it.
         settings: How.
     """
@@ -96,7 +96,7 @@ class Isometry:
     proportions: Proportions
     start: np.ndarray
     anchor: np.ndarray
-    topology: Topology
+    coupled: BlockPattern
     solver: Solver
     settings: IsometrySettings
 
@@ -120,7 +120,7 @@ class Isometry:
             strain: U of each face, shape [face_count, 2, 2].
             settings: How.
         """
-        from ..simulate import Topology, make_solver
+        from ..simulate import BlockPattern, make_solver
 
         borders = []
         for contour in name_contours(garment.nodes, garment.faces, body)[0]:
@@ -131,9 +131,7 @@ class Isometry:
                 loop = target.vertices[other.vertices]
             borders.append((contour.vertices, ClosedCurve(loop)))
         free = find_symmetry(like).matrix.toarray()
-        # any triangle will do: only which nodes share a face counts, and flat faces may be slivers
-        some = np.broadcast_to(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), (len(garment.faces), 3, 2))
-        topology = Topology.from_mesh(garment.faces, some, len(garment.nodes))
+        coupled, _ = BlockPattern.of(len(garment.nodes), garment.faces)
         return cls(
             goal=TriangleSurface(target.vertices, target.faces),
             borders=tuple(borders),
@@ -142,8 +140,8 @@ class Isometry:
             proportions=find_proportions(like),
             start=garment.pattern.points,
             anchor=_anchor(garment, free, settings),
-            topology=topology,
-            solver=make_solver(topology),
+            coupled=coupled,
+            solver=make_solver(coupled),
             settings=settings,
         )
 
@@ -174,10 +172,10 @@ class Isometry:
 
     def _factor(self, stiffness: sp.csr_matrix, held: np.ndarray) -> None:
         """Factor the nodes' matrix: a stiffness [n, n] that all coordinates share, and a block [3, 3] of each node."""
-        pairs = np.asarray(stiffness[self.topology.block_rows, self.topology.block_columns]).ravel()
+        pairs = np.asarray(stiffness[self.coupled.rows, self.coupled.columns]).ravel()
         blocks = pairs[:, None, None] * np.eye(3)
-        blocks[self.topology.diagonal] += held
-        if not self.solver.factor(self.topology.assemble(blocks, np.zeros(len(held), dtype=bool))):
+        blocks[self.coupled.diagonal] += held
+        if not self.solver.factor(self.coupled.assemble(blocks)):
             raise np.linalg.LinAlgError("the cloth on the target is not held everywhere")  # a node without a face
 
     def _turned_strain(self, gradient: sp.csr_matrix, nodes: np.ndarray) -> np.ndarray:

@@ -13,6 +13,7 @@ from .settings import GRAVITY, ContactSettings, SettingsBad, SolveSettings
 
 if TYPE_CHECKING:
     from .bending_friction import BendingFriction
+    from .block_pattern import BlockPattern
     from .contact import contact_forces
     from .derivative import AtRest, Derivative, Implicit, Response, linearise_at
     from .dynamics import State, settle
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 _LAZY = {
     "AtRest": "derivative",
     "BendingFriction": "bending_friction",
+    "BlockPattern": "block_pattern",
     "Derivative": "derivative",
     "Drape": "statics",
     "Energy": "energy",
@@ -78,6 +80,7 @@ __all__ = [
     "GRAVITY",
     "AtRest",
     "BendingFriction",
+    "BlockPattern",
     "ContactSettings",
     "Derivative",
     "Drape",

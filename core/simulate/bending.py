@@ -7,25 +7,28 @@ import math
 import numpy as np
 from numba import njit
 
-from .topology import add_block
+from .block_pattern import add_block
 
 
 @njit(cache=True)
-def bending(x, hinges, scale, rest, k, angles, moments, slip, order, exact, slots, gradient, blocks):  # type: ignore
-    """Add the hinges' gradient (order >= 1) and Hessian blocks (order 2) and give their energy [J].
+def bending(x, elements, k, folds, order, exact, derivatives):  # type: ignore[no-untyped-def]
+    """Add the hinges' gradient (order >= 1) and Hessian blocks (order 2) and return their energy [J].
 
     E_h = 2 k c (1 - cos((theta - theta0) / 2)),  c = |e|^2 / (A1 + A2),  dE/dtheta = k c sin((theta - theta0) / 2).
 
-    Notation: `hinges` nodes (0, 1, 2, 3) with the edge from 0 to 1; `scale` c; `rest` theta0 [rad]; `k` [N m]; theta
-    the angle between both normals, pi - alpha of eq. 3.4; grad theta the u_i of eq. 3.4 (Bridson et al. 2003).
+    Notation: `elements` a `HingeElements`: nodes (0, 1, 2, 3), the edge from 0 to 1; scale c; angles theta0; `k` [N m];
+    theta the angle between both normals, pi - alpha of eq. 3.4; grad theta the u_i of eq. 3.4 (Bridson et al. 2003).
     On a regular mesh a cylinder of curvature kappa costs k kappa^2 / 4 per area: the flexural rigidity is B = k / 2. A
     mesh whose diagonals all point one way couples bending with twist and lets a narrow strip show 0.8 of it.
 
-    With `moments` above zero the friction of `BendingFriction` about `angles` comes on top, which is convex in theta.
+    With `folds` whose moments are above zero the friction of `BendingFriction` comes on top, convex in theta.
 
     **Deviation**: eq. 3.4 is a force; it is used as the gradient of the energy above, which it is for theta0 = 0 and
     rest lengths and areas in c, so that the Hessian is exact and symmetric. The PSD form keeps d2E grad grad^T.
     """
+    hinges, scale, rest, slots = elements
+    angles, moments, slip = folds
+    gradient, blocks = derivatives
     energy = 0.0
     slope = np.zeros((4, 3))
     curve = np.zeros((10, 3, 3))
@@ -84,20 +87,25 @@ def bending(x, hinges, scale, rest, k, angles, moments, slip, order, exact, slot
                         curve[n, d, f] = second * slope[a, d] * slope[b, f]
                 n += 1
         if exact:
-            _curve_triangle(e, p, n1, 1.0, squared, length, m1, t1, slope[2], first, 2, 5, 7, curve)
-            _curve_triangle(e, q, n2, -1.0, squared, length, m2, t2, slope[3], first, 3, 6, 9, curve)
+            edge = (e, squared, length)
+            _curve_triangle(edge, (p, n1, 1.0, m1, t1), slope[2], first, (2, 5, 7), curve)
+            _curve_triangle(edge, (q, n2, -1.0, m2, t2), slope[3], first, (3, 6, 9), curve)
         for n in range(10):
             add_block(blocks, slots[h, n], curve[n])
     return energy
 
 
 @njit(cache=True)
-def _curve_triangle(e, p, n, sign, squared, length, m, t, apex, first, to0, to1, own, curve):  # type: ignore[no-untyped-def]
+def _curve_triangle(edge, triangle, apex, first, slots, curve):  # type: ignore[no-untyped-def]
     """Add `first` times one triangle's share of the Hessian of theta.
 
     The apex gradient G = -|e| n / m, n = sign e x p, m = n.n, depends on this triangle alone; the edge's ends carry
-    -t G and -(1 - t) G with t = p.e / |e|^2. `to0`, `to1`, `own`: slots of blocks (0, apex), (1, apex), (apex, apex).
+    -t G and -(1 - t) G with t = p.e / |e|^2. `edge`: e, |e|^2, |e|; `triangle`: p, n, its sign, m, t; `slots`: of the
+    blocks (0, apex), (1, apex), (apex, apex).
     """
+    e, squared, length = edge
+    p, n, sign, m, t = triangle
+    to0, to1, own = slots
     for d in range(3):
         for f in range(3):
             # entry (d, f) of the cross-product matrices [e]x and [p]x, and of n x e and n x p

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -45,20 +46,28 @@ class BendingFriction:
     @classmethod
     def at(cls, topology: Topology, nodes: np.ndarray, moment: float = MOMENT) -> BendingFriction:
         """Compute the friction, of a moment per length [N m/m], in the folds of nodes [m], shape [node_count, 3]."""
-        lengths = np.linalg.norm(topology.hinge_edges, axis=-1).mean(axis=0)
+        lengths = np.linalg.norm(topology.hinges.edges(topology.rest), axis=-1).mean(axis=0)
         return cls(measure_angles(topology, nodes), moment * lengths)
 
 
-def friction_state(topology: Topology, friction: BendingFriction | None = None) -> tuple[np.ndarray, np.ndarray, float]:
-    """Return angles, moments and slip as `bending` takes them: moments of zero where there is no internal friction."""
-    if friction is None:
-        return topology.hinge_rest, np.zeros(len(topology.hinges)), SLIP
-    return friction.angles, friction.moments, friction.slip
+class FoldFriction(NamedTuple):
+    """A `BendingFriction` as the bending's kernel takes it; moments of zero where there is none."""
+
+    angles: np.ndarray
+    moments: np.ndarray
+    slip: float
+
+    @classmethod
+    def of(cls, topology: Topology, friction: BendingFriction | None = None) -> FoldFriction:
+        """Return the friction in the hinges of a mesh, or none."""
+        if friction is None:
+            return cls(topology.hinges.angles, np.zeros(len(topology.hinges.nodes)), SLIP)
+        return cls(friction.angles, friction.moments, float(friction.slip))
 
 
 def measure_angles(topology: Topology, nodes: np.ndarray) -> np.ndarray:
-    """Give the angle between the normals of each hinge's faces [rad], signed as in `bending`, shape [hinge_count]."""
-    start, end, first, second = (nodes[topology.hinges[:, n]] for n in range(4))
+    """Compute the angle between the normals of each hinge's faces [rad], signed as in `bending`, [hinge_count]."""
+    start, end, first, second = (nodes[topology.hinges.nodes[:, n]] for n in range(4))
     edge = end - start
     before, after = np.cross(edge, first - start), np.cross(second - start, edge)
     sine = -np.linalg.norm(edge, axis=1) * (before * (second - start)).sum(1)

@@ -2,81 +2,76 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
 from ..body import sample_distance
+from .block_pattern import Derivatives
 from .scene import Scene
 
 NO_BLOCKS = np.zeros((0, 3, 3))
 """Where a kernel is not asked for Hessian blocks."""
 
 
-def contact_forces(scene: Scene, nodes: np.ndarray, areas: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Compute the contact force [N], shape [node_count], and its unit direction, shape [node_count, 3].
+class NodeElements(NamedTuple):
+    """Nodes as the kernels take them: area of each [m2] and the slot of its diagonal block, both [node_count]."""
+
+    areas: np.ndarray
+    slots: np.ndarray
+
+
+class Forces(NamedTuple):
+    """Contact force on each node [N], shape [node_count], and its unit direction, shape [node_count, 3]."""
+
+    size: np.ndarray
+    normal: np.ndarray
+
+    @classmethod
+    def none(cls, count: int) -> Forces:
+        """Return no force on any node."""
+        return cls(np.zeros(count), np.zeros((count, 3)))
+
+
+def contact_forces(scene: Scene, nodes: np.ndarray, areas: np.ndarray | None = None) -> Forces:
+    """Compute the contact forces at nodes [m], shape [node_count, 3].
 
     Args:
         scene: The cloth and the body.
         nodes: Positions [m], shape [node_count, 3].
         areas: Area of each node [m2], shape [node_count]; the rest shape's where None.
     """
-    force, normal, waste = np.zeros(len(nodes)), np.zeros((len(nodes), 3)), np.zeros((len(nodes), 3))
+    forces = Forces.none(len(nodes))
     if scene.body is not None:
-        areas = scene.topology.node_areas if areas is None else areas
-        add_contact(scene, nodes, areas, 1, False, (waste, NO_BLOCKS), (force, normal))
-    return force, normal
-
-
-def add_contact(
-    scene: Scene,
-    nodes: np.ndarray,
-    areas: np.ndarray,
-    order: int,
-    exact: bool,
-    derivatives: tuple[np.ndarray, np.ndarray],
-    forces: tuple[np.ndarray, np.ndarray],
-) -> float:
-    """Add the contact's gradient and Hessian blocks to `derivatives`, write `forces`, and return its energy [J]."""
-    grid, law = scene.body, scene.contact
-    assert grid is not None
-    return float(
-        contact(
-            nodes, grid.coefficients, grid.origin, grid.spacing, grid.offset, areas, law.stiffness, law.thickness,
-            order, exact, scene.topology.diagonal, *derivatives, *forces,
-        )
-    )  # fmt: skip
+        areas = scene.topology.rest.node_areas if areas is None else areas
+        elements = NodeElements(areas, scene.topology.pattern.diagonal)
+        waste = Derivatives(np.zeros((len(nodes), 3)), NO_BLOCKS)
+        contact(nodes, scene.body.arrays, elements, scene.contact.law, 1, False, waste, forces)
+    return forces
 
 
 @njit(cache=True)
-def contact(x, coefficients, origin, spacing, offset, areas, stiffness, thickness, order, exact, diagonal, gradient,
-            blocks, force, normal):  # type: ignore[no-untyped-def]  # fmt: skip
-    """Add the contact's gradient (order >= 1) and Hessian blocks (order 2) and give its energy [J].
+def contact(x, grid, nodes, law, order, exact, derivatives, forces):  # type: ignore[no-untyped-def]
+    """Add the contact's gradient (order >= 1) and Hessian blocks (order 2) and return its energy [J].
 
     E_v = a_v k / 3 (delta - d(x_v))^3 where d < delta, else 0: twice continuously differentiable, as d is.
 
-    Notation: `areas` a_v [m2]; `stiffness` k [N/m4]; `thickness` delta [m]; the grid's four fields give d. `force`
-    [node_count] and `normal` [node_count, 3] receive the contact force [N] and its direction, for friction.
+    Notation: `grid` gives d; `nodes` `NodeElements`, with the areas a_v [m2]; `law` k [N/m4] and delta [m]; the
+    `derivatives` are `Derivatives`; `forces` receive the contact force and its direction, for friction.
 
     **Deviation**: the thesis' force is inversely proportional to the distance, which is unbounded at the surface. The
     PSD form drops the curvature of d.
     """
+    areas, diagonal = nodes
+    stiffness, thickness = law
+    gradient, blocks = derivatives
+    force, normal = forces
     energy = 0.0
-    flat = coefficients.ravel()
     slope, curve = np.zeros(3), np.zeros((3, 3))
     for v in range(x.shape[0]):
         force[v] = 0.0
-        distance = sample_distance(
-            (x[v, 0], x[v, 1], x[v, 2]),
-            flat,
-            coefficients.shape,
-            origin,
-            spacing,
-            offset,
-            thickness,
-            order,
-            slope,
-            curve,
-        )
+        distance = sample_distance((x[v, 0], x[v, 1], x[v, 2]), grid, thickness, order, slope, curve)
         if distance >= thickness:
             continue
         depth = thickness - distance

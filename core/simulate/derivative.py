@@ -80,7 +80,7 @@ class Implicit:
         Raises:
             NotAtRest: where the force left stays above the tolerance.
         """
-        energy, solver = Energy(scene, friction, inertia), solver or make_solver(scene.topology)
+        energy, solver = Energy(scene, friction, inertia), solver or make_solver(scene.topology.pattern)
         nodes = find_rest(energy, place_pinned(scene, nodes), solver, self.tolerance, self.max_iterations)
         blocks = energy.hessian(nodes)[2]
         return AtRest(energy, nodes, blocks, factor(energy, blocks, solver))
@@ -155,7 +155,7 @@ def factor(energy: Energy, blocks: np.ndarray, solver: Solver) -> Solver:
     data = topology.assemble(blocks, energy.scene.fixed)
     if solver.factor(data):
         return solver
-    general = SuperLU(topology.indptr, topology.indices)
+    general = SuperLU(topology.pattern.indptr, topology.pattern.indices)
     if not general.factor(data):
         raise NotAtRest("the cloth is free to move; hold it, or lay it on a body.")
     return general
@@ -193,4 +193,4 @@ def pull_pins(scene: Scene, blocks: np.ndarray, weights: np.ndarray, upstream: n
 
 def matrix_of(topology: Topology, data: np.ndarray) -> csr_matrix:
     """Give the sparse matrix with these entries, shape [3 node_count, 3 node_count]."""
-    return csr_matrix((data, topology.indices, topology.indptr), shape=(3 * topology.node_count,) * 2)
+    return csr_matrix((data, topology.pattern.indices, topology.pattern.indptr), shape=(3 * topology.node_count,) * 2)

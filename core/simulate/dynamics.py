@@ -51,7 +51,7 @@ def settle(
     nodes = np.array(nodes, dtype=np.float64)
     velocities = np.zeros_like(nodes) if velocities is None else np.asarray(velocities, dtype=np.float64)
     anchors = nodes.copy() if anchors is None else anchors
-    solver = solver or make_solver(scene.topology)
+    solver = solver or make_solver(scene.topology.pattern)
     for _ in range(steps):
         start = nodes
         friction = lag_friction(scene, nodes, anchors)

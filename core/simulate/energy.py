@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from .bending import bending
-from .bending_friction import friction_state
-from .contact import NO_BLOCKS, add_contact
+from .bending_friction import FoldFriction
+from .block_pattern import Derivatives
+from .contact import NO_BLOCKS, Forces, NodeElements, contact
 from .friction import Friction, friction
 from .membrane import foresee_stress, membrane
 from .scene import LEVEL, Scene
@@ -78,7 +79,7 @@ class Energy:
         It is linear in the step and so free of the stretch that any straight step along a fold brings.
         """
         topology = self.scene.topology
-        return np.asarray(foresee_stress(nodes, step, topology.faces, topology.shape_gradients, self._stiffness))
+        return np.asarray(foresee_stress(nodes, step, topology.faces, topology.rest.gradients, self._stiffness))
 
     def _evaluate(
         self, nodes: np.ndarray, order: int, exact: bool, stress: np.ndarray = NO_STRESS
@@ -86,44 +87,19 @@ class Energy:
         scene = self.scene
         topology, fabric = scene.topology, scene.fabric
         nodes = np.ascontiguousarray(nodes, dtype=np.float64)
-        gradient = np.zeros_like(nodes)
-        blocks = np.zeros((len(topology.block_rows), 3, 3)) if order == 2 else NO_BLOCKS
-        energy = membrane(
-            nodes,
-            topology.faces,
-            topology.shape_gradients,
-            topology.areas,
-            self._stiffness,
-            stress,
-            order,
-            exact,
-            topology.face_slots,
-            gradient,
-            blocks,
-        )
-        energy += bending(
-            nodes,
-            topology.hinges,
-            topology.hinge_scale,
-            topology.hinge_rest,
-            fabric.k,
-            *friction_state(topology, scene.bending_friction),
-            order,
-            exact,
-            topology.hinge_slots,
-            gradient,
-            blocks,
-        )
+        blocks = np.zeros((len(topology.pattern.rows), 3, 3)) if order == 2 else NO_BLOCKS
+        found = Derivatives(np.zeros_like(nodes), blocks)
+        energy = membrane(nodes, topology.face_elements, self._stiffness, stress, order, exact, found)
+        folds = FoldFriction.of(topology, scene.bending_friction)
+        energy += bending(nodes, topology.hinge_elements, fabric.k, folds, order, exact, found)
+        diagonal = topology.pattern.diagonal
         if scene.body is not None:
-            forces = np.zeros(len(nodes)), np.zeros_like(nodes)
-            energy += add_contact(scene, nodes, topology.node_areas, order, exact, (gradient, blocks), forces)
+            elements, forces = NodeElements(topology.rest.node_areas, diagonal), Forces.none(len(nodes))
+            energy += contact(nodes, scene.body.arrays, elements, scene.contact.law, order, exact, found, forces)
         if self.friction is not None:
-            f = self.friction
-            energy += friction(
-                nodes, f.anchors, f.normals, f.limits, f.slip, order, topology.diagonal, gradient, blocks
-            )
-        energy += self._add_loads(nodes, order, exact, gradient, blocks)
-        return float(energy), gradient, blocks
+            energy += friction(nodes, self.friction, order, diagonal, found)
+        energy += self._add_loads(nodes, order, exact, *found)
+        return float(energy), *found
 
     def _add_loads(self, nodes: np.ndarray, order: int, exact: bool, gradient: np.ndarray, blocks: np.ndarray) -> float:
         """Add weight, rotation, inertia and springs: linear or quadratic. The PSD form drops the rotation's."""
@@ -131,7 +107,7 @@ class Energy:
         masses, gravity = scene.masses, np.asarray(scene.gravity, dtype=np.float64)
         energy = -float(masses @ (nodes @ gravity))
         gradient -= masses[:, None] * scene.acceleration(nodes)
-        diagonal = scene.topology.diagonal
+        diagonal = scene.topology.pattern.diagonal
         if scene.rotation is not None:
             outward = LEVEL * (nodes - np.asarray(scene.rotation.centre))
             energy -= 0.5 * scene.rotation.rate**2 * float(masses @ (outward**2).sum(1))

@@ -26,7 +26,7 @@ def factor_regularised(energy: Energy, solver: Solver, nodes: np.ndarray, blocks
         share = _RETREAT
     psd = energy.hessian(nodes, False)[2] if share > 0 else blocks
     shift = scene.mean_weight
-    psd[topology.diagonal] += shift * np.eye(3)
+    psd[topology.pattern.diagonal] += shift * np.eye(3)
     while True:
         mixed = share * blocks + (1.0 - share) * psd if share > 0 else psd
         if solver.factor(topology.assemble(mixed, fixed)) and solver.is_positive_definite():
@@ -36,5 +36,5 @@ def factor_regularised(energy: Energy, solver: Solver, nodes: np.ndarray, blocks
         elif shift > 1e12 * scene.mean_weight:
             return -1.0
         else:
-            psd[topology.diagonal] += 99.0 * shift * np.eye(3)
+            psd[topology.pattern.diagonal] += 99.0 * shift * np.eye(3)
             shift *= 100.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -11,9 +11,8 @@ from .contact import contact_forces
 from .scene import Scene
 
 
-@dataclass(frozen=True)
-class Friction:
-    """Hold what friction takes as given while positions are solved for.
+class Friction(NamedTuple):
+    """What friction takes as given while positions are solved for.
 
     Attributes:
         anchors: Where each node sticks [m], shape [node_count, 3].
@@ -49,15 +48,18 @@ def lag_friction(scene: Scene, nodes: np.ndarray, anchors: np.ndarray) -> Fricti
 
 
 @njit(cache=True)
-def friction(x, anchors, normals, limits, slip, order, diagonal, gradient, blocks):  # type: ignore[no-untyped-def]
-    """Add friction's gradient (order >= 1) and Hessian blocks (order 2) and give its energy [J].
+def friction(x, given, order, diagonal, derivatives):  # type: ignore[no-untyped-def]
+    """Add friction's gradient (order >= 1) and Hessian blocks (order 2) and return its energy [J].
 
     E_v = L_v f(|u|),  u = (I - n n^T)(x - a),  f(y) = y^2/s - y^3/(3 s^2) for y < s, else y - s/3; f'(y >= s) = 1.
 
-    Notation: `anchors` a [m]; `normals` n; `limits` L = mu N [N], lagged; `slip` s [m]. The force never exceeds mu N
-    and opposes the motion away from the anchor; below s it is elastic, so a block at rest does not creep. The
-    smoothing is that of Li et al. 2020 (incremental potential contact) with an anchor in place of the last time step.
+    Notation: `given` a `Friction`: anchors a [m]; normals n; limits L = mu N [N], lagged; slip s [m]. The force never
+    exceeds mu N and opposes the motion away from the anchor; below s it is elastic, so a block at rest does not creep.
+    The smoothing is that of Li et al. 2020 (incremental potential contact) with an anchor in place of the last time
+    step.
     """
+    anchors, normals, limits, slip = given
+    gradient, blocks = derivatives
     energy = 0.0
     u = np.zeros(3)
     for v in range(x.shape[0]):

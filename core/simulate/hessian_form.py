@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import torch
 
-from .bending_friction import friction_state
+from .bending_friction import FoldFriction
 from .energy import Energy
 
 Pulled = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -30,7 +30,7 @@ def pull_form(energy: Energy, nodes: np.ndarray, one: np.ndarray, other: np.ndar
     scene = energy.scene
     topology, fabric = scene.topology, scene.fabric
     values = [fabric.H00, fabric.H01, fabric.H11, fabric.H22, fabric.k, fabric.density]
-    free = [torch.tensor(np.array(part), requires_grad=True) for part in (nodes, topology.rest, values)]
+    free = [torch.tensor(np.array(part), requires_grad=True) for part in (nodes, topology.rest.corners, values)]
     x, rest, stiffness = free
     first, second = torch.from_numpy(np.array(one)), torch.from_numpy(np.array(other))
     edges = rest[:, 1:] - rest[:, :1]
@@ -92,19 +92,20 @@ def _positive_part(a, b, c):  # type: ignore[no-untyped-def]
 def _bending(scene, x, rest, areas, k, one, other):  # type: ignore[no-untyped-def]
     """E'' (grad theta . one)(grad theta . other) for each hinge; see `bending` and `BendingFriction`."""
     topology = scene.topology
-    sides, corners = torch.from_numpy(topology.hinge_faces), torch.from_numpy(topology.hinge_corners)
+    hinged = topology.hinges
+    sides, corners = torch.from_numpy(hinged.faces), torch.from_numpy(hinged.corners)
     flat = [rest[sides[:, s], (corners[:, s] + 1) % 3] - rest[sides[:, s], corners[:, s]] for s in (0, 1)]
     scale = sum((edge**2).sum(1) for edge in flat) / 2.0 / areas[sides].sum(1)
-    hinges = torch.from_numpy(topology.hinges)
+    hinges = torch.from_numpy(hinged.nodes)
     start, end, before, after = (x[hinges[:, n]] for n in range(4))
     e, p, q = end - start, before - start, after - start
     n1, n2 = torch.linalg.cross(e, p), torch.linalg.cross(q, e)
     squared, m1, m2 = (e**2).sum(1), (n1**2).sum(1), (n2**2).sum(1)
     length = torch.sqrt(squared)
     turn = torch.atan2(-length * (n1 * q).sum(1), (n1 * n2).sum(1))
-    angle = 0.5 * (turn - torch.from_numpy(topology.hinge_rest))
+    angle = 0.5 * (turn - torch.from_numpy(hinged.angles))
     second = 0.5 * k * scale * torch.cos(angle).abs()
-    angles, moments, slip = friction_state(topology, scene.bending_friction)
+    angles, moments, slip = FoldFriction.of(topology, scene.bending_friction)
     away = turn - torch.from_numpy(angles)
     away = away - 2.0 * np.pi * torch.round(away.detach() / (2.0 * np.pi))
     second = second + torch.from_numpy(moments) * slip**2 / (away**2 + slip**2) ** 1.5

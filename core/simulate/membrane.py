@@ -7,20 +7,23 @@ import math
 import numpy as np
 from numba import njit
 
-from .topology import add_block
+from .block_pattern import add_block
 
 
 @njit(cache=True)
-def membrane(x, faces, shape, areas, H, stress, order, exact, slots, gradient, blocks):  # type: ignore[no-untyped-def]
-    """Add the membrane's gradient (order >= 1) and Hessian blocks (order 2) and give its energy [J].
+def membrane(x, elements, H, stress, order, exact, derivatives):  # type: ignore[no-untyped-def]
+    """Add the membrane's gradient (order >= 1) and Hessian blocks (order 2) and return its energy [J].
 
     E_f = A/2 eps^T H eps,  eps = (e00, e11, e01),  e = (F^T F - I) / 2,  F = [f_u f_v] = sum_a x_a (dN_a/du, dN_a/dv).
 
-    Notation: `x` [node_count, 3] positions [m]; `shape` dN/d(u, v) [1/m]; `areas` A [m2]; `H` = (H00, H01, H11, H22)
-    [N/m], with sigma = H eps and e01 the tensor shear, so that sigma2 = H22 e01 is conjugate to e01. Source: eq. 3.3.
+    Notation: `x` [node_count, 3] positions [m]; `elements` a `FaceElements`, its shape dN/d(u, v) [1/m], its areas A
+    [m2]; `H` = (H00, H01, H11, H22) [N/m], with sigma = H eps and e01 the tensor shear, so that sigma2 = H22 e01 is
+    conjugate to e01. Source: eq. 3.3.
     The PSD form (`exact` False) keeps the material part and the positive part of the 2x2 stress in the geometric part.
     `stress` [face_count, 3], where it is not empty, takes sigma's place in the geometric part (`foresee_stress`).
     """
+    faces, shape, areas, slots = elements
+    gradient, blocks = derivatives
     energy = 0.0
     gram = _work()
     fu, fv, block = gram[0], gram[1], gram[2:5]

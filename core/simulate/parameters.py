@@ -59,7 +59,7 @@ class Parameters:
         step = np.asarray(step, dtype=np.float64)
         topology, first = scene.topology, self.shape.shape[1]
         if first:
-            moved = topology.rest + (self.shape @ step[:first]).reshape(topology.rest.shape)
+            moved = topology.rest.corners + (self.shape @ step[:first]).reshape(topology.rest.corners.shape)
             topology = topology.reshape(moved)
         scaled = {
             n: getattr(scene.fabric, n) * float(np.exp(s)) for n, s in zip(self.fabric, step[first:], strict=True)
@@ -74,7 +74,7 @@ class Parameters:
         fabric = np.zeros((len(FABRIC), self.count))
         for n, name in enumerate(self.fabric):
             fabric[FABRIC.index(name), first + n] = getattr(scene.fabric, name)
-        return rest.reshape(*scene.topology.rest.shape, self.count), fabric
+        return rest.reshape(*scene.topology.rest.corners.shape, self.count), fabric
 
     def pull(self, scene: Scene, sensitivity: Sensitivity) -> np.ndarray:
         """Compute a number's derivative by the parameters, shape [count]."""

@@ -60,7 +60,7 @@ class Scene:
     @property
     def masses(self) -> np.ndarray:
         """Return the lumped mass of each node [kg], shape [node_count]."""
-        return self.fabric.density * self.topology.node_areas
+        return self.fabric.density * self.topology.rest.node_areas
 
     @property
     def mean_weight(self) -> float:

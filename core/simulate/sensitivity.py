@@ -8,8 +8,9 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from .bending import bending
-from .bending_friction import friction_state
-from .contact import contact_forces
+from .bending_friction import FoldFriction
+from .block_pattern import Derivatives
+from .contact import NO_BLOCKS, contact_forces
 from .energy import NO_STRESS, Energy
 from .fabric import Fabric
 from .membrane import membrane
@@ -51,7 +52,7 @@ def pull_forces(energy: Energy, nodes: np.ndarray, weights: np.ndarray) -> tuple
     Notation: g = dE/dx [N], `nodes` x and `weights`, both of shape [node_count, 3].
     """
     topology, fabric = energy.scene.topology, energy.scene.fabric
-    shape, areas, faces = topology.shape_gradients, topology.areas, topology.faces
+    shape, areas, faces = topology.rest.gradients, topology.rest.areas, topology.faces
     F, sigma = _deform(topology, fabric, nodes)
     L = np.swapaxes(weights[faces], 1, 2) @ shape
     C = np.swapaxes(F, 1, 2) @ L
@@ -60,21 +61,21 @@ def pull_forces(energy: Energy, nodes: np.ndarray, weights: np.ndarray) -> tuple
     by_area = (sigma * C).sum((1, 2))
 
     folds = _unit_folds(energy, nodes)
-    by_scale = fabric.k * (folds * weights[topology.hinges]).sum((1, 2))
-    around = areas[topology.hinge_faces].sum(1)
+    by_scale = fabric.k * (folds * weights[topology.hinges.nodes]).sum((1, 2))
+    around = areas[topology.hinges.faces].sum(1)
     by_total = -by_scale * topology.hinge_scale / around
     count = len(faces)
-    by_area += sum(np.bincount(topology.hinge_faces[:, s], by_total, minlength=count) for s in (0, 1))
+    by_area += sum(np.bincount(topology.hinges.faces[:, s], by_total, minlength=count) for s in (0, 1))
     by_area += (weights * _load_per_area(energy, nodes)).sum(1)[faces].sum(1) / 3
     Q[:, 0, 0] += by_area
     Q[:, 1, 1] += by_area
     rest = areas[:, None, None] * (shape @ np.swapaxes(Q, 1, 2))
 
-    corners, edges = topology.hinge_corners, topology.hinge_edges
+    corners, edges = topology.hinges.corners, topology.hinges.edges(topology.rest)
     flat = rest.reshape(-1, 2)
     for s in (0, 1):
         push = (by_scale / around)[:, None] * edges[s]
-        first = 3 * topology.hinge_faces[:, s]
+        first = 3 * topology.hinges.faces[:, s]
         ends = ((first + (corners[:, s] + 1) % 3, 1.0), (first + corners[:, s], -1.0))
         for end, sign in ends:
             for axis in (0, 1):
@@ -88,7 +89,7 @@ def push_forces(energy: Energy, nodes: np.ndarray, rest_rates: np.ndarray) -> np
     `rest_rates` [m], shape [face_count, 3, 2, direction_count].
     """
     topology, fabric = energy.scene.topology, energy.scene.fabric
-    shape, areas, faces = topology.shape_gradients, topology.areas, topology.faces
+    shape, areas, faces = topology.rest.gradients, topology.rest.areas, topology.faces
     count, many = len(faces), rest_rates.shape[-1]
     F, sigma = _deform(topology, fabric, nodes)
     metric, stress = np.swapaxes(F, 1, 2) @ F, F @ sigma
@@ -104,16 +105,16 @@ def push_forces(energy: Energy, nodes: np.ndarray, rest_rates: np.ndarray) -> np
     found = _gather(faces, topology.node_count) @ (local @ D.reshape(count, 4, many)).reshape(3 * count, 3 * many)
 
     area_rates = areas[:, None] * (D[:, 0, 0] + D[:, 1, 1])
-    corners, edges = topology.hinge_corners, topology.hinge_edges
-    around = areas[topology.hinge_faces].sum(1)[:, None]
-    scale_rates = -topology.hinge_scale[:, None] * area_rates[topology.hinge_faces].sum(1)
+    corners, edges = topology.hinges.corners, topology.hinges.edges(topology.rest)
+    around = areas[topology.hinges.faces].sum(1)[:, None]
+    scale_rates = -topology.hinge_scale[:, None] * area_rates[topology.hinges.faces].sum(1)
     for s in (0, 1):
-        side = topology.hinge_faces[:, s]
+        side = topology.hinges.faces[:, s]
         turn = rest_rates[side, (corners[:, s] + 1) % 3] - rest_rates[side, corners[:, s]]
         scale_rates += (edges[s][:, :, None] * turn).sum(1)
     scale_rates *= fabric.k / around
     spread = (_unit_folds(energy, nodes)[..., None] * scale_rates[:, None, None, :]).reshape(-1, 3 * many)
-    found += _gather(topology.hinges, topology.node_count) @ spread
+    found += _gather(topology.hinges.nodes, topology.node_count) @ spread
     node_rates = _gather(faces, topology.node_count) @ np.repeat(area_rates / 3, 3, axis=0)
     found = found.reshape(-1, 3, many)
     return found + _load_per_area(energy, nodes)[:, :, None] * node_rates[:, None, :]
@@ -124,23 +125,21 @@ def fabric_forces(energy: Energy, nodes: np.ndarray) -> np.ndarray:
     topology = energy.scene.topology
     nodes = np.ascontiguousarray(nodes, dtype=np.float64)
     found = np.zeros((len(nodes), 3, len(FABRIC)))
-    none = np.zeros((0, 3, 3))
     for n in range(4):
         gradient = np.zeros_like(nodes)
-        membrane(nodes, topology.faces, topology.shape_gradients, topology.areas, np.eye(4)[n], NO_STRESS, 1, True,
-                 topology.face_slots, gradient, none)  # fmt: skip
+        membrane(nodes, topology.face_elements, np.eye(4)[n], NO_STRESS, 1, True, Derivatives(gradient, NO_BLOCKS))
         found[:, :, n] = gradient
     gradient = np.zeros_like(nodes)
-    bending(nodes, topology.hinges, topology.hinge_scale, topology.hinge_rest, 1.0, *friction_state(topology), 1, True,
-            topology.hinge_slots, gradient, none)  # fmt: skip
+    folds, pushed = FoldFriction.of(topology), Derivatives(gradient, NO_BLOCKS)
+    bending(nodes, topology.hinge_elements, 1.0, folds, 1, True, pushed)
     found[:, :, 4] = gradient
-    found[:, :, 5] = _acceleration(energy, nodes) * topology.node_areas[:, None]
+    found[:, :, 5] = _acceleration(energy, nodes) * topology.rest.node_areas[:, None]
     return found
 
 
 def _deform(topology: Topology, fabric: Fabric, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Give F, shape [face_count, 3, 2], and the stress per rest length Sigma [N/m], shape [face_count, 2, 2]."""
-    F = np.swapaxes(nodes[topology.faces], 1, 2) @ topology.shape_gradients
+    F = np.swapaxes(nodes[topology.faces], 1, 2) @ topology.rest.gradients
     return F, _stress(fabric, 0.5 * (np.swapaxes(F, 1, 2) @ F - np.eye(2)))
 
 
@@ -156,12 +155,12 @@ def _stress(fabric: Fabric, strain: np.ndarray) -> np.ndarray:
 def _unit_folds(energy: Energy, nodes: np.ndarray) -> np.ndarray:
     """Give each hinge's own force at k = c = 1, shape [hinge_count, 4, 3]: every hinge on nodes of its own."""
     topology = energy.scene.topology
-    count = len(topology.hinges)
-    apart = np.ascontiguousarray(nodes[topology.hinges].reshape(-1, 3))
+    count = len(topology.hinges.nodes)
+    apart = np.ascontiguousarray(nodes[topology.hinges.nodes].reshape(-1, 3))
     gradient = np.zeros_like(apart)
     own = np.arange(4 * count).reshape(count, 4)
-    bending(apart, own, np.ones(count), topology.hinge_rest, 1.0, *friction_state(topology), 1, True,
-            topology.hinge_slots, gradient, np.zeros((0, 3, 3)))  # fmt: skip
+    elements = topology.hinge_elements._replace(nodes=own, scale=np.ones(count))
+    bending(apart, elements, 1.0, FoldFriction.of(topology), 1, True, Derivatives(gradient, NO_BLOCKS))
     return gradient.reshape(count, 4, 3)
 
 

@@ -43,6 +43,11 @@ class ContactSettings:
         """
         _check_positive(self, "thickness", "stiffness", "slip")
 
+    @property
+    def law(self) -> tuple[float, float]:
+        """Return stiffness and thickness as the contact's kernel takes them."""
+        return float(self.stiffness), float(self.thickness)
+
 
 @dataclass(frozen=True)
 class SolveSettings:

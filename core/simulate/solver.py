@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from ..mesh.linear import Solver, SuperLU
-from .topology import Topology
+from .block_pattern import BlockPattern
 
 __all__ = ["Solver", "SuperLU", "make_solver"]
 
 
-def make_solver(topology: Topology) -> Solver:
-    """Return the quickest solver for definite matrices of a mesh, with the pattern analysed.
+def make_solver(pattern: BlockPattern) -> Solver:
+    """Return the quickest solver for definite matrices of a pattern, analysed.
 
     It refuses an indefinite matrix, as descent must; an adjoint at an equilibrium with an indefinite Hessian takes
     `SuperLU`.
     """
     from ..mesh.multifrontal import Cholesky
 
-    return Cholesky(topology.indptr, topology.indices, block=3)
+    return Cholesky(pattern.indptr, pattern.indices, block=3)

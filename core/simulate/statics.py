@@ -146,7 +146,7 @@ def equilibrium(
     if nodes.shape != (scene.topology.node_count, 3) or not np.isfinite(nodes).all():
         raise NodesBad()
     anchors = nodes.copy() if anchors is None else anchors
-    solver = solver or make_solver(scene.topology)
+    solver = solver or make_solver(scene.topology.pattern)
     energy, progress, outcome = Energy(scene), _Progress(settings, stop), None
     while outcome is None:
         hooks.check()

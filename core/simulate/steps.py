@@ -44,7 +44,7 @@ class TimeSteps(ABC):
         Raises:
             NotAtRest: where a step cannot be taken; take shorter ones.
         """
-        energy, solver = Energy(scene, friction), solver or make_solver(scene.topology)
+        energy, solver = Energy(scene, friction), solver or make_solver(scene.topology.pattern)
         start = np.array(nodes, dtype=np.float64)
         path = [start if velocities is None else start - self.dt * np.asarray(velocities), start]
         for _ in range(self.steps):
@@ -100,7 +100,7 @@ class InMotion:
         else:
             bars[-1] = upstream
         pinned = 0 if scene.pins is None else len(scene.pins.nodes)
-        rest, fabric, pins = np.zeros_like(scene.topology.rest), np.zeros(6), np.zeros((pinned, 3))
+        rest, fabric, pins = np.zeros_like(scene.topology.rest.corners), np.zeros(6), np.zeros((pinned, 3))
         tied = (scene.masses / way.dt**2)[:, None]
         for t in range(len(path) - 1, 1, -1):
             step = way.energy_of_step(self.energy, path[t - 2], path[t - 1])

@@ -1,15 +1,20 @@
-"""What never changes while a mesh deforms: rest shape, hinges, and where each element's numbers go."""
+"""What never changes while a mesh deforms: its rest shape, its hinges and the pattern of its matrix."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from ..errors import BadInput
 from ..mesh import HalfEdges, lump, shape_gradients, signed_areas
 from ..pattern import Garment
+from .block_pattern import BlockPattern
+
+FLATTEST = 1e-4
+"""Height of a flat triangle, as a share of its longest edge, under which its stiffness would drown the rest of the
+matrix in round-off."""
 
 
 class TopologyBad(BadInput):
@@ -18,52 +23,114 @@ class TopologyBad(BadInput):
     code = "simulate.topology_bad"
 
 
-@dataclass(frozen=True)
-class Topology:
-    """Hold a cloth mesh's rest shape and its static assembly map (thesis 3.2.4.3); built once per mesh.
+class FaceElements(NamedTuple):
+    """Faces as the membrane's kernel takes them: nodes, gradients of the shape functions, areas and block slots."""
 
-    **Deviation**: the thesis multiplies a sparse mapping matrix with the stack of element Jacobians. On one CPU core it
-    is quicker to let each element add its 3x3 blocks straight to their fixed slots, in a fixed order.
+    nodes: np.ndarray
+    shape: np.ndarray
+    areas: np.ndarray
+    slots: np.ndarray
+
+
+class HingeElements(NamedTuple):
+    """Hinges as the bending's kernel takes them: nodes, scale, rest angle and block slots; see `Hinges`."""
+
+    nodes: np.ndarray
+    scale: np.ndarray
+    angles: np.ndarray
+    slots: np.ndarray
+
+
+@dataclass(frozen=True)
+class RestShape:
+    """Describe the flat triangles of a cloth.
 
     Attributes:
-        node_count: Nodes in 3D.
-        faces: Node indices, shape [face_count, 3].
-        rest: Flat rest triangles, weft along the first axis, warp along the second [m], shape [face_count, 3, 2].
-        shape_gradients: Gradients of the three linear shape functions at rest [1/m], shape [face_count, 3, 2].
-        areas: Rest areas [m2], shape [face_count].
+        corners: Weft along the first axis, warp along the second [m], shape [face_count, 3, 2].
+        gradients: Gradients of the three linear shape functions [1/m], shape [face_count, 3, 2].
+        areas: Areas [m2], shape [face_count].
         node_areas: A third of the area of the faces around each node [m2], shape [node_count].
-        hinges: Nodes (start, end, opposite in the first face, opposite in the second), shape [hinge_count, 4].
-        hinge_faces: The two faces of each hinge, shape [hinge_count, 2].
-        hinge_scale: |e|^2 / (A1 + A2) at rest (eq. 3.4), |e|^2 the mean of both sides', shape [hinge_count].
-        hinge_rest: Rest angle between the two normals [rad], shape [hinge_count].
-        face_slots: Block that each of a face's 6 upper blocks adds to; ~slot where it adds transposed, [face_count, 6].
-        hinge_slots: The same for the 10 upper blocks of a hinge, shape [hinge_count, 10].
-        diagonal: Slot of each node's diagonal block, shape [node_count].
-        block_rows, block_columns: Node pair (row <= column) of each block, shape [block_count].
-        block_places: Where the block and its transpose start in the matrix's data, shape [block_count, 2].
-        row_stride: Entries in each scalar row of a node, shape [node_count].
-        indptr, indices: Pattern of the symmetric scalar matrix of 3 node_count rows (its CSC is its CSR).
     """
 
-    node_count: int
-    faces: np.ndarray
-    rest: np.ndarray
-    shape_gradients: np.ndarray
+    corners: np.ndarray
+    gradients: np.ndarray
     areas: np.ndarray
     node_areas: np.ndarray
-    hinges: np.ndarray
-    hinge_faces: np.ndarray
-    hinge_scale: np.ndarray
-    hinge_rest: np.ndarray
+
+    @classmethod
+    def of(cls, corners: np.ndarray, faces: np.ndarray, node_count: int) -> RestShape:
+        """Measure flat triangles [m], shape [face_count, 3, 2], of faces [face_count, 3].
+
+        Raises:
+            TopologyBad: where a face has no area.
+        """
+        corners = np.ascontiguousarray(corners, dtype=np.float64)
+        areas = signed_areas(corners)
+        sides = corners[:, 1:] - corners[:, :1]
+        # `not`, so that an area that is not a number is refused too
+        if not (2.0 * np.abs(areas) > FLATTEST * (sides**2).sum(2).max(1)).all():
+            raise TopologyBad("a face of the flat pattern has no area; mesh the panel again.")
+        areas = np.abs(areas)
+        return cls(corners, shape_gradients(corners), areas, lump(areas, faces, node_count))
+
+
+@dataclass(frozen=True)
+class Hinges:
+    """Describe the edges about which two faces turn against each other.
+
+    Attributes:
+        nodes: Start, end, opposite in the first face, opposite in the second, shape [hinge_count, 4].
+        faces: The two faces, shape [hinge_count, 2].
+        corners: The corner of each face at which the edge starts, shape [hinge_count, 2].
+        angles: Rest angle between the two normals [rad], shape [hinge_count].
+    """
+
+    nodes: np.ndarray
+    faces: np.ndarray
+    corners: np.ndarray
+    angles: np.ndarray
+
+    @classmethod
+    def of(cls, faces: np.ndarray, node_count: int, angles: np.ndarray | None = None) -> Hinges:
+        """Find the hinges of faces [face_count, 3]; their rest angles [rad] are zero where None."""
+        found = HalfEdges.of(faces, node_count)
+        at, corners = found.hinges // 3, found.hinges % 3
+        angles = np.zeros(len(at)) if angles is None else np.asarray(angles, dtype=np.float64)
+        return cls(found.hinge_vertices, at, corners, angles)
+
+    def edges(self, rest: RestShape) -> np.ndarray:
+        """Return each hinge's edge in the flat triangles of both its faces [m], shape [2, hinge_count, 2]."""
+        flat = rest.corners
+        return np.stack(
+            [flat[f, (c + 1) % 3] - flat[f, c] for f, c in zip(self.faces.T, self.corners.T, strict=True)]
+        )
+
+    def scale(self, rest: RestShape) -> np.ndarray:
+        """Return |e|^2 / (A1 + A2) (eq. 3.4), |e|^2 the mean of both sides', shape [hinge_count]."""
+        return np.asarray((self.edges(rest) ** 2).sum(-1).mean(0) / rest.areas[self.faces].sum(1))
+
+
+@dataclass(frozen=True)
+class Topology:
+    """Describe a cloth mesh: which nodes its elements couple, its rest shape and its hinges.
+
+    Attributes:
+        faces: Node indices, shape [face_count, 3].
+        pattern: Of its matrix.
+        rest: Its flat triangles.
+        hinges: Its edges between two faces.
+        face_slots: Blocks that each face's 6 upper blocks add to, shape [face_count, 6]; see `BlockPattern.of`.
+        hinge_slots: The same for the 10 of a hinge, shape [hinge_count, 10].
+        hinge_scale: |e|^2 / (A1 + A2) at rest, shape [hinge_count].
+    """
+
+    faces: np.ndarray
+    pattern: BlockPattern
+    rest: RestShape
+    hinges: Hinges
     face_slots: np.ndarray
     hinge_slots: np.ndarray
-    diagonal: np.ndarray
-    block_rows: np.ndarray
-    block_columns: np.ndarray
-    block_places: np.ndarray
-    row_stride: np.ndarray
-    indptr: np.ndarray
-    indices: np.ndarray
+    hinge_scale: np.ndarray
 
     @classmethod
     def from_garment(cls, garment: Garment) -> Topology:
@@ -89,131 +156,34 @@ class Topology:
             raise TopologyBad("the cloth has no triangles.")
         if faces.min() < 0 or faces.max() >= count:
             raise TopologyBad("a face of the cloth points at a node that does not exist.")
-        shape_gradients, areas = _rest_shape(rest)
-        node_areas = lump(areas, faces, count)
-        edges = HalfEdges.of(faces, count)
-        hinges, hinge_faces = edges.hinge_vertices, edges.hinges // 3
-        edge = _hinge_edges(rest, hinge_faces, edges.hinges % 3)
-        scale = (edge**2).sum(-1).mean(0) / areas[hinge_faces].sum(1)
-        angles = np.zeros(len(hinges)) if rest_angles is None else np.asarray(rest_angles, dtype=np.float64)
-        return cls(
-            count, faces, np.ascontiguousarray(rest, dtype=np.float64), shape_gradients, areas, node_areas, hinges,
-            hinge_faces, scale, angles, *_map_blocks(count, faces, hinges),
-        )  # fmt: skip
+        shape, hinges = RestShape.of(rest, faces, count), Hinges.of(faces, count, rest_angles)
+        pattern, slots = BlockPattern.of(count, faces, hinges.nodes)
+        return cls(faces, pattern, shape, hinges, slots[0], slots[1], hinges.scale(shape))
 
     @property
-    def hinge_corners(self) -> np.ndarray:
-        """Give the corner at which each hinge's edge starts in each of its two faces, shape [hinge_count, 2]."""
-        opposite = self.faces[self.hinge_faces] == self.hinges[:, 2:, None]
-        return (opposite.argmax(2) + 1) % 3
+    def node_count(self) -> int:
+        """Return the number of nodes in 3D."""
+        return self.pattern.node_count
 
     @property
-    def hinge_edges(self) -> np.ndarray:
-        """Give each hinge's edge in the flat triangles of both its faces [m], shape [2, hinge_count, 2]."""
-        return _hinge_edges(self.rest, self.hinge_faces, self.hinge_corners)
+    def face_elements(self) -> FaceElements:
+        """Return the faces as the membrane's kernel takes them."""
+        return FaceElements(self.faces, self.rest.gradients, self.rest.areas, self.face_slots)
+
+    @property
+    def hinge_elements(self) -> HingeElements:
+        """Return the hinges as the bending's kernel takes them."""
+        return HingeElements(self.hinges.nodes, self.hinge_scale, self.hinges.angles, self.hinge_slots)
 
     def reshape(self, rest: np.ndarray) -> Topology:
-        """Give the same mesh with other flat rest triangles [m], shape [face_count, 3, 2]; solvers stay valid.
+        """Return the same mesh with other flat rest triangles [m], shape [face_count, 3, 2]; solvers stay valid.
 
         Raises:
             TopologyBad: where a face has no area.
         """
-        rest = np.ascontiguousarray(rest, dtype=np.float64)
-        shape_gradients, areas = _rest_shape(rest)
-        node_areas = lump(areas, self.faces, self.node_count)
-        edge = _hinge_edges(rest, self.hinge_faces, self.hinge_corners)
-        scale = (edge**2).sum(-1).mean(0) / areas[self.hinge_faces].sum(1)
-        return replace(
-            self, rest=rest, shape_gradients=shape_gradients, areas=areas, node_areas=node_areas, hinge_scale=scale
-        )
+        shape = RestShape.of(rest, self.faces, self.node_count)
+        return replace(self, rest=shape, hinge_scale=self.hinges.scale(shape))
 
     def assemble(self, blocks: np.ndarray, fixed: np.ndarray) -> np.ndarray:
-        """Spread blocks [block_count, 3, 3] to the matrix's data; fixed nodes get the identity."""
-        data = np.zeros(len(self.indices))
-        _spread(blocks, self.block_rows, self.block_columns, self.block_places, self.row_stride, fixed, data)
-        return data
-
-
-def _rest_shape(rest: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Compute shape gradients and areas of flat triangles; refuse those that have none."""
-    areas = np.abs(signed_areas(rest))
-    longest = ((rest[:, 1:] - rest[:, :1]) ** 2).sum(2).max(1)
-    # 1e-4: a height under 1e-4 of the longest edge; its stiffness would drown the rest of the matrix in round-off
-    if not np.isfinite(areas).all() or (2.0 * areas <= 1e-4 * longest).any():
-        raise TopologyBad("a face of the flat pattern has no area; mesh the panel again.")
-    return shape_gradients(rest), areas
-
-
-def _hinge_edges(rest: np.ndarray, hinge_faces: np.ndarray, corner: np.ndarray) -> np.ndarray:
-    """Give the flat edge of each hinge on both sides, shape [2, hinge_count, 2]."""
-    return np.stack(
-        [rest[hinge_faces[:, s], (corner[:, s] + 1) % 3] - rest[hinge_faces[:, s], corner[:, s]] for s in (0, 1)]
-    )
-
-
-def _map_blocks(count: int, faces: np.ndarray, hinges: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Number the distinct node pairs and place their 3x3 blocks in one symmetric matrix."""
-    of_face = [(a, b) for a in range(3) for b in range(a, 3)]
-    of_hinge = [(a, b) for a in range(4) for b in range(a, 4)]
-    rows = np.concatenate([faces[:, [a for a, _ in of_face]].ravel(), hinges[:, [a for a, _ in of_hinge]].ravel()])
-    columns = np.concatenate([faces[:, [b for _, b in of_face]].ravel(), hinges[:, [b for _, b in of_hinge]].ravel()])
-    rows, columns = np.concatenate([rows, np.arange(count)]), np.concatenate([columns, np.arange(count)])
-    turned = rows > columns
-    low, high = np.where(turned, columns, rows), np.where(turned, rows, columns)
-    keys, slots = np.unique(low * count + high, return_inverse=True)
-    slots = np.where(turned, ~slots, slots)
-    face_slots = slots[: 6 * len(faces)].reshape(-1, 6)
-    hinge_slots = slots[6 * len(faces) : 6 * len(faces) + 10 * len(hinges)].reshape(-1, 10)
-    block_rows, block_columns = keys // count, keys % count
-    upper = block_rows < block_columns
-    # every block of the full matrix, in row order: the upper ones, and the transposes of those off the diagonal
-    full_rows = np.concatenate([block_rows, block_columns[upper]])
-    full_columns = np.concatenate([block_columns, block_rows[upper]])
-    order = np.lexsort((full_columns, full_rows))
-    degree = np.bincount(full_rows, minlength=count)
-    first = np.concatenate([[0], np.cumsum(degree)])
-    place = np.zeros(len(order), dtype=np.int64)
-    position = np.arange(len(order)) - first[full_rows[order]]
-    place[order] = 9 * first[full_rows[order]] + 3 * position
-    places = np.stack([place[: len(keys)], place[: len(keys)]], axis=1)
-    places[upper, 1] = place[len(keys) :]
-    stride = 3 * degree
-    indptr = np.concatenate([[0], np.cumsum(np.repeat(stride, 3))])
-    row_of_entry = np.repeat(np.arange(3 * count), np.repeat(stride, 3))
-    offset = np.arange(indptr[-1]) - indptr[row_of_entry]
-    indices = 3 * full_columns[order][first[row_of_entry // 3] + offset // 3] + offset % 3
-    diagonal = np.flatnonzero(~upper)
-    return (face_slots, hinge_slots, diagonal, block_rows, block_columns, places, stride,
-            indptr.astype(np.int32), indices.astype(np.int32))  # fmt: skip
-
-
-@njit(cache=True)
-def _spread(blocks, rows, columns, places, stride, fixed, data):  # type: ignore[no-untyped-def]
-    """Copy each block and its transpose to their places in the scalar matrix."""
-    for b in range(len(rows)):
-        i, j = rows[b], columns[b]
-        here, there = places[b, 0], places[b, 1]
-        if fixed[i] or fixed[j]:
-            if i == j:
-                for d in range(3):
-                    data[here + d * stride[i] + d] = 1.0
-            continue
-        for d in range(3):
-            for e in range(3):
-                value = blocks[b, d, e]
-                data[here + d * stride[i] + e] = value
-                if i != j:
-                    data[there + e * stride[j] + d] = value
-
-
-@njit(cache=True, inline="always")
-def add_block(blocks, slot, block):  # type: ignore[no-untyped-def]
-    """Add a 3x3 block to its slot, transposed where the slot says so."""
-    if slot >= 0:
-        for d in range(3):
-            for e in range(3):
-                blocks[slot, d, e] += block[d, e]
-    else:
-        for d in range(3):
-            for e in range(3):
-                blocks[~slot, e, d] += block[d, e]
+        """Return the matrix's data from its blocks [block_count, 3, 3]; fixed nodes get the identity."""
+        return self.pattern.assemble(blocks, fixed)

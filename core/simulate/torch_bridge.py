@@ -56,7 +56,7 @@ def drape_tensor(
     """
     points = np.zeros((0, 3)) if scene.pins is None else np.asarray(scene.pins.points, dtype=np.float64)
     values = np.array([getattr(scene.fabric, name) for name in FABRIC])
-    given = [(rest, scene.topology.rest), (fabric, values), (pins, points)]
+    given = [(rest, scene.topology.rest.corners), (fabric, values), (pins, points)]
     tensors = [torch.from_numpy(np.array(value)) if tensor is None else tensor for tensor, value in given]
     return _Drape.apply(*tensors, start, (scene, derivative, friction))  # type: ignore[no-any-return, no-untyped-call]
 

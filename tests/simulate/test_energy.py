@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 
 def dense(topology: Topology, data: np.ndarray) -> np.ndarray:
-    return sparse.csc_matrix((data, topology.indices, topology.indptr)).toarray()
+    return sparse.csc_matrix((data, topology.pattern.indices, topology.pattern.indptr)).toarray()
 
 
 def test_gradient_against_differences(everything, crumpled):
@@ -59,7 +59,7 @@ def test_psd_form_has_no_negative_direction(everything, crumpled):
 
 def torch_energy(x, topology, fabric, centre, radius, thickness, stiffness):
     """The same physics written down once more, with another contact distance (exact), in plain torch."""
-    faces, rest = torch.as_tensor(topology.faces), torch.as_tensor(topology.rest)
+    faces, rest = torch.as_tensor(topology.faces), torch.as_tensor(topology.rest.corners)
     base = torch.stack([rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0]], dim=-1)
     area = base.det().abs() / 2
     edges = torch.stack([x[faces[:, 1]] - x[faces[:, 0]], x[faces[:, 2]] - x[faces[:, 0]]], dim=-1)

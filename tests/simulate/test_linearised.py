@@ -30,7 +30,7 @@ def loose(everything, crumpled):
     """The same without inertia, which the steps bring themselves; loosely held, so that the rest can move."""
     nodes = crumpled[1]
     limits = np.where(np.arange(len(nodes)) % 3 > 0, 0.01, 0.0)
-    friction = replace(everything.friction, limits=limits)
+    friction = everything.friction._replace(limits=limits)
     pins = replace(everything.scene.pins, points=nodes[[0, 3]] + 0.002)
     return replace(everything.scene, pins=pins), friction, nodes
 
@@ -58,10 +58,10 @@ def test_adjoint_against_central_differences(loose, held):
         scene = replace(scene, pins=Pins(scene.pins.nodes, scene.pins.points))
     topology = scene.topology
     rng = np.random.default_rng(3)
-    fields = rng.normal(size=(3, *topology.rest.shape)) * 0.05
+    fields = rng.normal(size=(3, *topology.rest.corners.shape)) * 0.05
     parameters = Parameters(csr_matrix(fields.reshape(3, -1).T), FABRIC)
     linearised = Linearised(STEPS)
-    solver = make_solver(topology)
+    solver = make_solver(topology.pattern)
     upstream = np.sin(9 * nodes[:, [1, 2, 0]] + [0.3, 0.5, 0.7])
     velocities = 0.05 * np.sin(7 * nodes)
 
