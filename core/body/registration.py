@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import BadInput
 from ..hooks import SILENT, Hooks
-from ..mesh import TriangleSurface, face_areas, face_normals, vertex_areas
+from ..mesh import TriangleSurface, face_areas, face_normals, signed_volume, vertex_areas
 from .body import JOINTS, Body
 from .fit import Fitter, OrientedPoints, Stage, State, vectors_of
 from .skinning import skin
@@ -126,8 +126,7 @@ def register_body(
     faces = np.asarray(faces, dtype=np.int64)
     if not len(faces) or not np.isfinite(vertices).all():
         raise NotHuman(f"The body mesh has no faces or positions that are no numbers. {NotHuman().message}")
-    corners = vertices[faces]
-    if np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) < 0:
+    if signed_volume(vertices, faces) < 0:
         faces = faces[:, ::-1]
     if cloth is not None:
         cloth = np.asarray(cloth, dtype=bool)

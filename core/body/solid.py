@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..mesh import signed_volume
+
 INSIDE = 0.5
 """Winding number above which a point is inside; holes and parts that overlap do no more than bend it near them."""
 
@@ -26,7 +28,7 @@ class Solid:
         import igl
 
         self.vertices = np.ascontiguousarray(vertices, dtype=np.float64)
-        turned = faces[:, ::-1] if is_inside_out(self.vertices, faces) else faces
+        turned = faces[:, ::-1] if signed_volume(self.vertices, faces) < 0 else faces
         self.faces = np.ascontiguousarray(turned, dtype=np.int64)
         self._winding = igl.FastWindingNumberBVH()
         self._winding.init(self.vertices, self.faces, 2)
@@ -39,9 +41,3 @@ class Solid:
     def exposed(self, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
         """Find which points of the skin [m], with unit normals, shapes [n, 3], no other part swallows, shape [n]."""
         return ~self.contains(points + LIFT * normals)
-
-
-def is_inside_out(vertices: np.ndarray, faces: np.ndarray) -> bool:
-    """Tell whether the enclosed volume is negative."""
-    a, b, c = (vertices[faces[:, k]] - vertices[faces].mean((0, 1)) for k in range(3))
-    return bool(np.einsum("fd,fd->", a, np.cross(b, c)) < 0)

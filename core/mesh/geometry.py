@@ -78,6 +78,16 @@ def signed_areas(flat: np.ndarray) -> np.ndarray:
     return np.asarray(0.5 * (p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]))
 
 
+def signed_volume(vertices: np.ndarray, faces: np.ndarray) -> float:
+    """Compute the volume that a closed surface encloses, sum_f x_0 . (x_1 x x_2) / 6 [m3]; positive where outward.
+
+    Positions are taken from the mean corner, so that what an open surface gives does not depend on the origin.
+    """
+    corners = vertices[faces]
+    a, b, c = np.moveaxis(corners - corners.mean(axis=(0, 1)), 1, 0)
+    return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6.0
+
+
 def corner_angles(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Compute the three inner angles of each face [rad], shape [face_count, 3]."""
     corners = vertices[faces]

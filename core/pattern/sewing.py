@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh import find_components
+from ..mesh import HalfEdges, find_components
 from .errors import MeshTooCoarse, NotOrientable
 from .garment import Garment
 from .meshing import FlatMesh, MeshSettings, choose_edge_length, count_segments, mesh_panel, refine_counts, split_edges
@@ -100,16 +100,12 @@ def _weld(uv_faces: np.ndarray, edge_uv: dict[EdgeRef, np.ndarray], pattern: Pat
 
 def _crowded_edges(uv_faces: np.ndarray, uv_node: np.ndarray) -> np.ndarray:
     """Give the inner uv edges, shape [n, 2], that once welded join a node to itself or more than two triangles."""
-    edges = np.concatenate([uv_faces[:, [0, 1]], uv_faces[:, [1, 2]], uv_faces[:, [2, 0]]])
-    flat = np.sort(edges, axis=1)
-    nodes = np.sort(uv_node[edges], axis=1)
-    _, inverse, shared = np.unique(nodes, axis=0, return_inverse=True, return_counts=True)
-    _, flat_inverse, flat_shared = np.unique(flat, axis=0, return_inverse=True, return_counts=True)
-    crowded = (shared[inverse.ravel()] > 2) | (nodes[:, 0] == nodes[:, 1])
-    inner = flat_shared[flat_inverse.ravel()] == 2
+    flat, welded = HalfEdges.of(uv_faces), HalfEdges.of(uv_node[uv_faces])
+    crowded = (welded.face_counts[welded.edge] > 2) | (welded.tail == welded.head)
+    inner = flat.face_counts[flat.edge] == 2
     if np.any(crowded) and not np.any(crowded & inner):
         raise MeshTooCoarse("two seams share both ends with one short edge; raise vertex_count.")
-    return np.unique(flat[crowded & inner], axis=0)
+    return flat.edges[np.unique(flat.edge[crowded & inner])]
 
 
 def _split(meshes: list[FlatMesh], starts: np.ndarray, crowded: np.ndarray) -> list[FlatMesh]:

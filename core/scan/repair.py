@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..mesh import HalfEdges, area_vectors, face_areas, find_components, vertex_normals
+from ..mesh import HalfEdges, area_vectors, face_areas, find_components, signed_volume, vertex_normals
 
 MERGE = 1e-7
 """Vertices closer than this share of the bounding box's diagonal are one: the resolution of float32, in which STL and
@@ -95,7 +95,7 @@ def _flip_slivers(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, 
     """Remove flat triangles without opening a crack: each gives its middle vertex to the neighbour at its long side."""
     corners = vertices[faces]
     sides = np.linalg.norm(np.roll(corners, -1, axis=1) - np.roll(corners, -2, axis=1), axis=2)
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    area = 2.0 * face_areas(vertices, faces)
     longest = sides.max(axis=1) if len(faces) else np.zeros(0)
     slivers = np.flatnonzero(area <= SLIVER * longest**2)
     if len(slivers) == 0:
@@ -249,15 +249,10 @@ def boundary_pieces(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray
 
 def enclosed_volume(vertices: np.ndarray, faces: np.ndarray) -> float:
     """Give the signed volume [unit cubed] of the surface with each opening closed by a fan; outward is positive."""
-    centre = vertices[np.unique(faces)].mean(axis=0)
-    a, b, c = (vertices[faces[:, k]] - centre for k in range(3))
-    volume = float(np.einsum("ij,ij->", a, np.cross(b, c)))
     rim, piece, means, _ = boundary_pieces(vertices, faces)
-    if len(rim):
-        # The lid's triangles run against the boundary's direction.
-        p, q, m = vertices[rim[:, 1]] - centre, vertices[rim[:, 0]] - centre, means[piece] - centre
-        volume += float(np.einsum("ij,ij->", p, np.cross(q, m)))
-    return volume / 6.0
+    # The lid's triangles run against the boundary's direction.
+    lids = np.column_stack([rim[:, 1], rim[:, 0], len(vertices) + piece])
+    return signed_volume(np.concatenate([vertices, means]), np.concatenate([faces, lids]))
 
 
 def _turn_outward(surface: RepairedMesh) -> RepairedMesh:

@@ -22,6 +22,7 @@ from garmentq.core.mesh import (
     right_stretch,
     shape_gradients,
     signed_areas,
+    signed_volume,
     unit,
     vertex_areas,
     vertex_normals,
@@ -80,6 +81,8 @@ def test_a_tetrahedron():
     # the area vectors of a closed surface cancel
     assert np.abs(area_vectors(vertices, faces).sum(0)).max() < 1e-15
     assert np.allclose(corner_angles(vertices, faces).sum(1), np.pi)
+    assert signed_volume(vertices + 5.0, faces) == pytest.approx(1 / 6)
+    assert signed_volume(vertices, faces[:, ::-1]) == pytest.approx(-1 / 6)
     assert np.allclose(vertex_areas(vertices, faces).sum(), areas.sum())
 
 
