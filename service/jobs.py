@@ -303,7 +303,10 @@ def release(database: Database, claim: Claim) -> None:
         FenceLost: where the job belongs to someone else.
     """
     with database.write() as session:
-        move(session, claim, State.QUEUED, "released", attempts=JobRow.attempts - 1)
+        if session.scalar(select(JobRow.cancel).where(_held(claim)).with_for_update()):
+            move(session, claim, State.CANCELLED, "cancelled")  # in the queue nobody would claim it any more
+        else:
+            move(session, claim, State.QUEUED, "released", attempts=JobRow.attempts - 1)
 
 
 def expire(session: Session, row: JobRow, max_attempts: int) -> None:
