@@ -151,7 +151,7 @@ def open_backend(settings: ServiceSettings) -> Backend:
     if url:
         from .remote import RemoteBackend
 
-        return RemoteBackend(url, os.environ.get("GARMENTQ_API_KEY", ""), settings)
+        return RemoteBackend(url, os.environ.get("GARMENTQ_API_KEY", ""))
     from .local import LocalBackend
 
     return LocalBackend(settings)

@@ -47,7 +47,6 @@ from .records import (
     read_fabric,
 )
 from .results import choose_files
-from .settings import ServiceSettings
 from .states import State
 from .store import ArtifactDamaged
 from .submission import BodyUnreadable, Order, Submitted
@@ -70,18 +69,16 @@ class RemoteBackend:
     is_remote = True
     poll_seconds = POLL_SECONDS
 
-    def __init__(self, url: str, key: str = "", settings: ServiceSettings | None = None) -> None:
+    def __init__(self, url: str, key: str = "") -> None:
         """Prepare a client; nothing is sent before the first question.
 
         Args:
             url: Address of the service, `http://host:port`.
             key: Token of an API key, or empty.
-            settings: What names the checker of files before they are sent.
 
         Raises:
             ServiceUnreachable: where the address is none.
         """
-        self._settings = settings or ServiceSettings()
         self._connection = Connection(url, key)
         self._ask, self._send = self._connection.ask, self._connection.send
 

@@ -27,6 +27,7 @@ from ..service.database import Database, DatabaseUnreachable
 from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, note_checked, release, report
 from ..service.kinds import FileRef, Work, find_kind, read_request
 from ..service.results import CHECKPOINT, PREVIOUS, export_files, load_checkpoint, save_checkpoint, store_result
+from ..service.services import Services
 from ..service.settings import ServiceSettings
 from ..service.states import State
 from ..service.store import ArtifactDamaged, ArtifactMissing, Store
@@ -85,7 +86,7 @@ def run_job(
     watch = Watch(database, held, *times, is_draining, settings.grace_seconds, force)
     try:
         with watch:
-            outcome = _work(settings, database, held, watch)
+            outcome = _work(Services(settings, database, open_store(settings)), held, watch)
     except FenceLost:
         outcome = "lost"
     except DatabaseUnreachable as error:
@@ -116,13 +117,13 @@ def persist(write: Callable[[], None], watch: Watch) -> None:
             time.sleep(AWAY_SECONDS)
 
 
-def _work(settings: ServiceSettings, database: Database, held: Claim, watch: Watch) -> str:
-    store = open_store(settings)
+def _work(services: Services, held: Claim, watch: Watch) -> str:
+    settings, database, store = services.settings, services.database, services.store
     try:
         with work_folder(settings.home / "work", held.job) as folder:
             kind = find_kind(settings, held.kind)
             request = read_request(kind.request, held.request)
-            work = unpack(settings, database, store, held, folder)
+            work = unpack(services, held, folder)
             limit_threads(settings.threads)
             hooks = make_hooks(database, store, held, watch)
             if checker := kind.checker(settings):
@@ -181,21 +182,21 @@ def work_folder(root: Path, job: str) -> Iterator[Path]:
         yield Path(folder)
 
 
-def unpack(settings: ServiceSettings, database: Database, store: Store, held: Claim, folder: Path) -> Work:
+def unpack(services: Services, held: Claim, folder: Path) -> Work:
     """Put a job's files into a folder, each alone in a folder of its own, and the results that it reads.
 
     Raises:
         ResultMissing: where a job that is read has no result.
     """
-    work = Work(settings, folder / "files", {}, folder / "result")
+    work = Work(services.settings, folder / "files", {}, folder / "result")
     work.out.mkdir(parents=True)
     for part, value in held.request.items():
         if isinstance(value, dict) and value.keys() == {"sha256", "name"}:
             file = FileRef(**value)
-            store.copy(file.sha256, work.files / part / file.name)
+            services.store.copy(file.sha256, work.files / part / file.name)
     inputs = {name: folder / "inputs" / str(number) for number, name in enumerate(held.inputs)}
     for name, place in inputs.items():
-        export_files(database, store, held.inputs[name], place)
+        export_files(services.database, services.store, held.inputs[name], place)
     return replace(work, inputs=inputs)
 
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 from garmentq.service.jobs import claim, find_job
 from garmentq.service.kinds import read_request
 from garmentq.service.kinds.recover_request import RecoverRequest
+from garmentq.service.services import Services
 from garmentq.workers.recovery import unpack
 from garmentq_home import put_file
 
 
 def unpack_request(settings, database, store, held, folder):
     """Return what the pipeline would get, with the files in a folder."""
-    work = unpack(settings, database, store, held, folder)
+    work = unpack(Services(settings, database, store), held, folder)
     return read_request(RecoverRequest, held.request).unpack(work.files)
 
 

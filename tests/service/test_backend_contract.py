@@ -48,7 +48,7 @@ def local(settings):
 @pytest.fixture
 def remote(settings):
     """Return the backend of a service that serves the same home."""
-    with serving(settings) as url, RemoteBackend(url, settings=settings) as opened:
+    with serving(settings) as url, RemoteBackend(url) as opened:
         yield opened
 
 
@@ -173,8 +173,6 @@ def test_a_template_and_a_key_come_and_go(local, remote, tmp_path):
 def test_the_same_refusals(backend, order, tmp_path):
     """Breaks where a mistake has another code, or another exit status, by way of asking."""
     job = backend.submit(backend.check_order(order)).job
-    broken = tmp_path / "broken.ply"
-    broken.write_text("no mesh")
     for code, kind, ask, *given in (
         ("job.unknown", NotFound, backend.find_job, "abcdefabcdef"),
         ("job.unknown", NotFound, backend.find_job, job[:3]),
@@ -193,7 +191,7 @@ def test_the_same_refusals(backend, order, tmp_path):
         ("fabric.unknown", NotFound, backend.read_material, "nosuch"),
         ("key.unknown", NotFound, backend.revoke_key, "nosuch"),
         ("body.missing", BadInput, backend.check_order, Order(order.scan, None)),
-        ("scan.truncated", BadInput, backend.check_order, Order(broken, order.body)),
+        ("scan.missing", BadInput, backend.check_order, Order(tmp_path / "none.ply", order.body)),
     ):
         assert code_of(ask, *given) == (code, kind), (ask, given)
 
