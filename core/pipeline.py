@@ -50,6 +50,8 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     case = make_case(request, clock)
     drape = drape_to_scan(case, clock)
     fit = METHODS[request.settings.method].fit(case, drape, clock)
+    if fit.wearer is not None:
+        case = replace(case, wearer=fit.wearer)  # from here on the body is where the cloth rests on it
     if fit.meshes.simulation is not None:
         fit = redrape_pattern(case, drape, fit, clock)
     with clock.stage("measure", "measuring the result"):

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+
+from ..mesh import vertex_normals
 
 JOINTS = (
     "pelvis", "left_hip", "right_hip", "spine1", "left_knee", "right_knee", "spine2", "left_ankle", "right_ankle",
@@ -56,3 +58,14 @@ class Body:
     def joint(self, name: str) -> np.ndarray:
         """Give the position [m] of a joint by its name, shape [3]."""
         return self.joints[JOINTS.index(name)]
+
+    def raised(self, heights: np.ndarray) -> Body:
+        """Return the body with its vertices moved out along their normals by heights [m], shape [vertex_count].
+
+        Where the mesh is the fitted model's own (a person estimated under cloth), the T-pose is raised alike.
+        """
+        out = self.vertices + heights[:, None] * vertex_normals(self.vertices, self.faces)
+        if len(self.rest_vertices) != len(self.vertices):
+            return replace(self, vertices=out)
+        rest = self.rest_vertices + heights[:, None] * vertex_normals(self.rest_vertices, self.rest_faces)
+        return replace(self, vertices=out, rest_vertices=rest)

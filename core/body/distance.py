@@ -113,13 +113,6 @@ class DistanceGrid:
         """Give the body shrunk by `depth` [m] along its normals; costs nothing, for a body that is inflated."""
         return replace(self, offset=self.offset + depth)
 
-    def inflated(self, heights: np.ndarray) -> DistanceGrid:
-        """Give the body moved out along its normals by heights [m] at the grid points, shape [nx, ny, nz]."""
-        from scipy.ndimage import spline_filter
-
-        coefficients = self.coefficients - spline_filter(np.asarray(heights, dtype=np.float64), order=3, mode="mirror")
-        return replace(self, coefficients=np.ascontiguousarray(coefficients))
-
     def moved(self, translation: np.ndarray) -> DistanceGrid:
         """Give the body moved by a translation [m], shape [3]."""
         return replace(self, origin=self.origin + np.asarray(translation, dtype=np.float64))

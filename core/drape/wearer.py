@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+
+import numpy as np
 
 from ..body import Body, DistanceGrid, ExposedSurface, rest_body
 from .carry import Way
@@ -11,15 +13,17 @@ from .carry import Way
 
 @dataclass(frozen=True)
 class WearerGeometry:
-    """The wearer's body with the distance grids that every drape on it needs.
+    """The wearer's body with every answer to where it is: distance grids, exposed skin, frames of its pose.
 
-    Each grid takes about a second and is filled when it is first asked for.
+    Each takes up to a second and is computed when it is first asked for.
 
     Attributes:
         body: The wearer.
+        offset: How far its skin was moved out from the registered body [m], shape [vertex_count]; None for not at all.
     """
 
     body: Body
+    offset: np.ndarray | None = None
 
     @cached_property
     def rest(self) -> Body:
@@ -45,3 +49,12 @@ class WearerGeometry:
     def way(self) -> Way:
         """Return the frames in which the wearer takes the pose."""
         return Way.of(self.body, self.exposed)
+
+    def raised(self, heights: np.ndarray) -> WearerGeometry:
+        """Return the geometry of a wearer whose skin lies further out by heights [m], shape [vertex_count].
+
+        Every field is that of the moved mesh: whoever asks it sees one body.
+        """
+        return replace(
+            self, body=self.body.raised(heights), offset=heights if self.offset is None else self.offset + heights
+        )

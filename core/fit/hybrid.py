@@ -63,26 +63,27 @@ def fit_pattern(
     graded = resample(garment, garment.nodes, refitted)
     hooks.progress("fit", 0.2, "registering again")
     again = DeformSettings.of_preset(case.settings.preset).going_on()
-    detail = deform(refitted, target, wearer.exposed, settings=again, hooks=hooks.quiet())
-    registered = detail.nodes
+    registered = deform(refitted, target, wearer.exposed, settings=again, hooks=hooks.quiet()).nodes
     refitted = refitted.at(registered)
     hooks.progress("fit", 0.3, "preparing the fit through the simulator")
-
-    grid = wearer.grid
 
     def problem_on(vertices: int, cloth: Fabric) -> ShapeProblem:
         """State the fit on the registered mesh, or on a coarser one."""
         mesh = refitted
         if vertices < len(registered):
             mesh = remesh_and_transfer(refitted.pattern, vertices, refitted, registered, wearer.body)
-        scene = Scene(Topology.from_garment(mesh), soften(cloth), grid, pin_waist(mesh), rotation)
+        scene = Scene(Topology.from_garment(mesh), soften(cloth), wearer.grid, pin_waist(mesh), rotation)
         return ShapeProblem.of(FitScene.of(mesh, like, scene, locked=held), settings)
 
     coarse = problem_on(material.vertices, fabric)
     if is_estimated(wearer.body):
         hooks.progress("fit", 0.3, "raising the body to where the cloth rests on it")
-        grid = estimate_body_offset(replace(coarse, scene=coarse.scene.with_folds_held()), hooks)
-        coarse = replace(coarse, scene=coarse.scene.with_body(grid))
+        wearer = wearer.raised(
+            estimate_body_offset(replace(coarse, scene=coarse.scene.with_folds_held()), wearer, hooks)
+        )
+        coarse = replace(coarse, scene=coarse.scene.with_body(wearer.grid))
+        registered = project_outside(registered, wearer.exposed, refitted.faces)
+        refitted = refitted.at(registered)
     bending: tuple[FabricEstimate, ...] = ()
     if "fabric" not in locks:
         found, estimate = fit_bending(coarse, material, hooks)
@@ -117,5 +118,6 @@ def fit_pattern(
         estimates=estimates,
         nearest=nearest_fabrics(fabric),
         point_std=point_std,
+        wearer=wearer,
         warnings=() if rest.converged else (f"the simulation mesh is {rest.outcome.advice}",),
     )

@@ -12,6 +12,7 @@ from ..pattern import Garment
 from ..simulate import Fabric, FabricEstimate
 
 if TYPE_CHECKING:
+    from ..drape import WearerGeometry
     from ..simulate import Drape
 
 
@@ -26,6 +27,7 @@ class Fit:
         estimates: What is known of each parameter of the fabric; empty where none was fitted.
         nearest: Fabrics of the library that bend most alike, by name; empty where no fabric was fitted.
         point_std: Posterior standard deviation of the control points [m], shape [point_count, 2], or None.
+        wearer: The wearer with the body raised to where the cloth rests on it, if it was; None means the case's.
         redrape: The equilibrium behind `meshes.redraped`, or None.
         warnings: What the user should know, one sentence each.
     """
@@ -36,5 +38,6 @@ class Fit:
     estimates: tuple[FabricEstimate, ...] = ()
     nearest: tuple[str, ...] = ()
     point_std: np.ndarray | None = None
+    wearer: WearerGeometry | None = None
     redrape: Drape | None = None
     warnings: tuple[str, ...] = ()

@@ -18,18 +18,32 @@ def test_cloth_on_a_body_guessed_too_thin_hangs_where_it_was_scanned() -> None:
     pattern, fabric = load_template("tank"), soften(get_fabric("cotton_poplin"))
     worn = drape_template(pattern, wearer, settings=DrapeSettings(template_vertices=400))
     scanned = worn.at(equilibrium(Scene(Topology.from_garment(worn), fabric, wearer.grid), worn.nodes).nodes)
-    problem = ShapeProblem.of(
-        FitScene.of(scanned, pattern, Scene(Topology.from_garment(scanned), fabric, wearer.grid.shrunk(0.012))),
-        ShapeSettings(),
-    )
+    thin = wearer.raised(np.full(len(wearer.body.vertices), -0.012))
+    scene = Scene(Topology.from_garment(scanned), fabric, thin.grid)
+    problem = ShapeProblem.of(FitScene.of(scanned, pattern, scene), ShapeSettings())
 
     def fall(drape: np.ndarray) -> float:
         return float((scanned.nodes - drape)[:, 1].mean())
 
     sunk = fall(problem.drape(pattern, scanned.nodes).nodes)
-    raised = estimate_body_offset(problem)
-    hung = equilibrium(Scene(Topology.from_garment(scanned), fabric, raised), scanned.nodes).nodes
+    heights = estimate_body_offset(problem, thin)
+    raised = thin.raised(heights)
+    hung = equilibrium(Scene(Topology.from_garment(scanned), fabric, raised.grid), scanned.nodes).nodes
     assert sunk > 5e-3 and abs(fall(hung)) < 0.3 * sunk
-    # far from the cloth nothing is known, and nothing moves
-    head = wearer.body.vertices[wearer.body.vertices[:, 1].argmax()][None]
-    assert raised.distance(head) == pytest.approx(wearer.grid.shrunk(0.012).distance(head), abs=1e-4)
+    # far from the cloth nothing is known, and nothing moves; nowhere does the body stand out of the cloth
+    assert abs(heights[wearer.body.vertices[:, 1].argmax()]) < 1e-4
+    assert raised.exposed.measure(scanned.nodes)[0].min() > -1e-3
+
+
+def test_a_raised_body_is_one_body() -> None:
+    """Breaks where the grid, the exposed skin or the T-pose of a raised wearer is that of the body below."""
+    wearer = WearerGeometry(builtin_body("builtin:female,height=1.70"))
+    raised = wearer.raised(np.full(len(wearer.body.vertices), 0.004)).raised(np.full(len(wearer.body.vertices), 0.006))
+    vertices, faces = raised.body.vertices, raised.body.faces
+    waist = np.abs(vertices[faces].mean(axis=1)[:, 1] - 1.05) < 0.1  # no limb is near
+    middles = vertices[faces[waist]].mean(axis=1)
+    assert np.abs(raised.grid.measure(middles)[0]).max() < 2e-3
+    assert np.abs(raised.exposed.measure(middles)[0]).max() < 1e-9
+    assert wearer.exposed.measure(middles)[0].mean() == pytest.approx(0.01, rel=0.05)
+    assert np.array_equal(raised.offset, np.full(len(vertices), 0.01))
+    assert np.allclose(raised.rest.vertices, vertices)  # this body is in its T-pose
