@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import ExposedSurface, project_outside
+from garmentq.core.body import ExposedSurface, penetration_depth, project_outside
+from garmentq.core.mesh import self_intersections
 from nearest_skin import signed_distance
 
 
@@ -64,3 +65,38 @@ def test_points_in_a_crease_leave_both_parts() -> None:
     moved = project_outside(points, skin)
     assert skin.measure(points)[0].max() < -0.01
     assert skin.measure(moved)[0].min() > 0.0
+
+
+@pytest.fixture(scope="module")
+def thighs():
+    """Two limbs of 8 cm along y, their axes 15.6 cm apart: they run into each other and leave a crease."""
+    limbs = [trimesh.creation.capsule(height=0.3, radius=0.08, count=[48, 48]) for _ in range(2)]
+    for limb, x in zip(limbs, (-0.078, 0.078), strict=True):
+        limb.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 2, [1, 0, 0]))
+        limb.apply_translation([x, 0.0, 0.0])
+    both = trimesh.util.concatenate(limbs)
+    return ExposedSurface(np.array(both.vertices), np.array(both.faces))
+
+
+def test_layers_leave_a_crease_without_crossing(thighs):
+    """Breaks where nodes of two layers are pushed to one rim on their own: of cloth 11 mm deep 225 faces then cross."""
+    flat, faces = sheet(15, 0.2)
+    dent = np.exp(-((flat[:, 0] / 0.02) ** 2))
+    upper = flat * [0.9, 1.0, 1.0] + [0.0, 0.0, 0.085]
+    upper[:, 2] -= 0.075 * dent
+    layers, both = np.concatenate([upper - [0.0, 0.0, 3e-3], upper]), np.concatenate([faces, faces + len(flat)])
+    assert len(self_intersections(layers, both)) == 0
+    assert penetration_depth(layers, both, thighs) > 5e-3
+    moved = project_outside(layers, thighs, both)
+    assert penetration_depth(moved, both, thighs) < 1e-3
+    assert len(self_intersections(moved, both)) == 0
+
+
+def test_far_cloth_stays_where_a_crease_is_left(thighs):
+    """Breaks where the current that carries layers out of a crease moves cloth that it does not reach."""
+    flat, faces = sheet(15, 0.2)
+    layers = flat + [0.0, 0.0, 0.085]
+    layers[:, 2] -= 0.075 * np.exp(-((flat[:, 0] / 0.02) ** 2))
+    away = flat + [0.0, 0.0, 0.4]
+    moved = project_outside(np.concatenate([layers, away]), thighs, np.concatenate([faces, faces + len(flat)]))
+    assert np.array_equal(moved[len(flat) :], away)
