@@ -108,7 +108,7 @@ def fit_pattern(
         hooks.progress("fit", 0.9, "draping the recovered pattern")
         topology = Topology.from_garment(recovered)
         folds = BendingFriction.at(topology, registered)
-        scene = Scene(topology, soften(fabric), grid, pin_waist(recovered), rotation, folds)
+        scene = Scene(topology, soften(fabric), wearer.grid, pin_waist(recovered), rotation, folds)
         rest = equilibrium(scene, registered, hooks=hooks)
     simulation = project_outside(rest.nodes, wearer.exposed, recovered.faces)
     return Fit(
