@@ -16,10 +16,11 @@ from sqlalchemy.orm import Session, aliased
 
 from ..core.errors import BadInput, GarmentqError
 from .database import Database
-from .jobs import IDS_AT_ONCE, JobUnknown, NewJob, create, move, record
+from .jobs import IDS_AT_ONCE, JobUnknown, create, move, record
 from .keys import check_quota, own
 from .kinds.kind import PARENT, ChildRequest
 from .models import IdempotencyRow, JobInputRow, JobRow, JobTagRow, JobWaitRow, OwnerRow
+from .new_job import NewJob
 from .states import OPEN, UNSUCCESSFUL, State
 
 AWAITED = "job.awaited_failed"

@@ -18,7 +18,8 @@ from .. import __version__
 from ..core.errors import GarmentqError, NotFound
 from .database import Database, change_rows, clock
 from .models import EventRow, JobInputRow, JobRow, JobTagRow, JobWaitRow, OutboxRow
-from .states import ENDED, QUEUES, TRANSITIONS, State
+from .new_job import NewJob
+from .states import ENDED, TRANSITIONS, State
 
 T = TypeVar("T")
 
@@ -97,39 +98,6 @@ class Pulse:
 def record(session: Session, job: str, kind: str, **data: Any) -> None:
     """Add one event."""
     session.add(EventRow(job=job, at=clock(), kind=kind, data=data))
-
-
-@dataclass(frozen=True)
-class NewJob:
-    """Describe a job that is to be made.
-
-    Attributes:
-        dedup: Hash of what makes it the same job as another.
-        kind: Name of its kind.
-        request: What to do, as JSON values.
-        scan: Key of the file that the family's work goes back to.
-        name: What it is called.
-        priority: Larger goes first.
-        queue: One of `QUEUES`.
-        payer: Id of the API key whose quota it counts for; empty: none.
-        tags: Words that it can be found by.
-        inputs: Ids of the ended jobs whose results it reads, by the name of the folder in which it finds them.
-        parent: Id of the job that makes it, and of that one's family; None for a root.
-        waits: Ids of the siblings that must have succeeded before it begins.
-    """
-
-    dedup: str
-    kind: str
-    request: dict[str, Any]
-    scan: str
-    name: str
-    priority: int = 0
-    queue: str = QUEUES[0]
-    payer: str = ""
-    tags: tuple[str, ...] = ()
-    inputs: Mapping[str, str] = field(default_factory=dict)
-    parent: tuple[str, str] | None = None
-    waits: tuple[str, ...] = ()
 
 
 def create(session: Session, new: NewJob) -> JobRow:

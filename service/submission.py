@@ -21,11 +21,12 @@ from ..core.errors import BadInput
 from ..core.settings import RecoverySettings
 from .database import Database, clock, serialise
 from .families import share, try_again
-from .jobs import JobUnknown, NewJob, create
+from .jobs import JobUnknown, create
 from .keys import check_quota, own
 from .kinds import FileRef, pack_request
 from .kinds.recover import Recover, RecoverRequest
 from .models import JobRow, OwnerRow, ScanRow
+from .new_job import NewJob
 from .states import QUEUES, UNSUCCESSFUL, State
 from .store import Store, Stored
 
