@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..body import Body
-from ..mesh import ClosedCurve, TriangleSurface, gradient_operator, lump
+from ..mesh import ClosedCurve, HalfEdges, TriangleSurface, gradient_operator, lump
 from ..pattern import Garment, Pattern, find_symmetry, map_controls
 from ..segment import Target, name_contours
 from .flattening import narrow_panels, seam_rows, solve_sewn
@@ -84,7 +84,7 @@ class Isometry:
         proportions: Rules to keep.
         start: Control points at the start [m], shape [point_count, 2].
         anchor: Matrix of the last sum, shape [effective_count, effective_count].
-        coupled: Which nodes share a face.
+        coupled: Which nodes share a face or a hinge.
         solver: Analysed for it.
         settings: How.
     """
@@ -131,7 +131,9 @@ class Isometry:
                 loop = target.vertices[other.vertices]
             borders.append((contour.vertices, ClosedCurve(loop)))
         free = find_symmetry(like).matrix.toarray()
-        coupled, _ = BlockPattern.of(len(garment.nodes), garment.faces)
+        # faces alone couple nodes; with the hinges, whose blocks stay zero, elimination keeps its order and round-off
+        hinges = HalfEdges.of(garment.faces, len(garment.nodes)).hinge_vertices
+        coupled, _ = BlockPattern.of(len(garment.nodes), garment.faces, hinges)
         return cls(
             goal=TriangleSurface(target.vertices, target.faces),
             borders=tuple(borders),
