@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from . import families, jobs, keys, ordering, query, reaper, results, submission, templates
 from .database import Database
-from .records import Artifact, Event, ImportedTemplate, Job, JobReport, Key, News, Queue, Template, Worker
+from .library import ImportedTemplate, Template
+from .records import Artifact, Event, Job, JobReport, Key, News, Queue, Worker
 from .services import Services, open_services
 from .settings import ServiceSettings
 from .states import State

@@ -29,22 +29,20 @@ from ..core.body import is_builtin
 from ..core.errors import NotFound
 from .connection import TRIES, Connection, ServiceUnreachable
 from .jobs import pick_known
+from .library import ImportedTemplate, Template, read_fabric
 from .ordering import check_typed
 from .query import JobQuery
 from .records import (
     Artifact,
     Event,
-    ImportedTemplate,
     Job,
     JobReport,
     Json,
     Key,
     News,
     Queue,
-    Template,
     Worker,
     check_id,
-    read_fabric,
 )
 from .results import choose_files
 from .states import State

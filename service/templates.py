@@ -11,8 +11,8 @@ from sqlalchemy import select
 from ..core.errors import BadInput
 from ..core.limited import Bounds, call_limited
 from .database import Database, clock
+from .library import ImportedTemplate, Template
 from .models import TemplateRow
-from .records import ImportedTemplate, Template
 from .services import Services
 from .store import Store
 

@@ -8,7 +8,8 @@ from typing import Any, Literal, get_type_hints
 from pydantic import BaseModel, ConfigDict, create_model
 
 from .. import records
-from ..records import Artifact, Template
+from ..library import Template
+from ..records import Artifact
 from ..states import State
 from .schemas import Sha256
 

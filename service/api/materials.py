@@ -6,7 +6,7 @@ from typing import Any
 
 from fastapi import APIRouter
 
-from ..records import show_fabric
+from ..library import show_fabric
 from .access import Reader
 from .answers import Material, Materials
 from .problems import show_answer

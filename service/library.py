@@ -1,0 +1,56 @@
+"""Base patterns and fabrics as they leave the service, the same from a home and from a service's JSON answer."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+from .records import CLOSED, Json
+
+if TYPE_CHECKING:
+    from ..core.simulate import Fabric
+
+
+@dataclass(frozen=True)
+class Template:
+    """Name a base pattern: `source` is `shipped` or `imported`."""
+
+    __pydantic_config__: ClassVar = CLOSED
+    name: str
+    category: str
+    source: str
+    title: str
+
+    @classmethod
+    def from_json(cls, found: Json) -> Self:
+        """Read a service's answer."""
+        return cls(*(str(found[item.name]) for item in fields(cls)))
+
+
+@dataclass(frozen=True)
+class ImportedTemplate:
+    """Report what was understood of an imported pattern."""
+
+    __pydantic_config__: ClassVar = CLOSED
+    name: str
+    panels: int
+    seams: int
+    category: str
+
+    @classmethod
+    def from_json(cls, found: Json) -> Self:
+        """Read a service's answer."""
+        return cls(str(found["name"]), int(found["panels"]), int(found["seams"]), str(found["category"]))
+
+
+def show_fabric(fabric: Fabric) -> dict[str, Any]:
+    """Return a fabric as JSON values: every parameter in SI units, and where each comes from."""
+    return {**asdict(fabric), "sources": dict(fabric.sources)}
+
+
+def read_fabric(found: Json) -> Fabric:
+    """Read a service's answer."""
+    from ..core.simulate import Fabric
+
+    known = {item.name: found[item.name] for item in fields(Fabric)}
+    return Fabric(**{**known, "sources": tuple((str(n), str(v)) for n, v in found["sources"].items())})
