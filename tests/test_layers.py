@@ -16,9 +16,9 @@ ROOT = Path(__file__).parents[1]
 LAYERS = ("core", "service", "workers", "cli")
 """From the lowest to the highest."""
 ROOMS = (
-    "errors", "hooks", "clock", "checkpoints", "settings", "limited", "npy", "mesh", "body", "scan", "segment",
-    "pattern", "simulate", "drape", "grade", "deform", "meshes", "reading", "recovery", "inputs", "case", "fit",
-    "measure", "export", "pipeline",
+    "lazy", "errors", "hooks", "clock", "checkpoints", "settings", "limited", "npy", "mesh", "body", "scan",
+    "segment", "pattern", "simulate", "drape", "grade", "deform", "meshes", "reading", "recovery", "inputs", "case",
+    "fit", "measure", "export", "pipeline",
 )  # fmt: skip
 """The rooms of core, from the lowest to the highest; a new one takes its place here."""
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from ..lazy import import_lazily
 from .connectivity import HalfEdges, adjacency_matrix, find_components
 from .curves import ClosedCurve, CurvePoints, polyline_length, resample_polyline
 from .geometry import (
@@ -98,9 +98,4 @@ __all__ = [
     "vertex_normals",
 ]
 
-
-def __getattr__(name: str) -> Any:
-    """Import a name's module when the name is first asked for."""
-    if name in _LAZY:
-        return getattr(importlib.import_module(f".{_LAZY[name]}", __name__), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+__getattr__ = import_lazily(__name__, _LAZY)

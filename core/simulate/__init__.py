@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from ..lazy import import_lazily
 from .fabric import Fabric, FabricEstimate
 from .fabrics import FabricUnknown, get_fabric, load_fabrics
 from .locking import soften
@@ -129,9 +129,4 @@ __all__ = [
     "stretch_edge",
 ]
 
-
-def __getattr__(name: str) -> Any:
-    """Import a name's module when the name is first asked for."""
-    if name in _LAZY:
-        return getattr(importlib.import_module(f".{_LAZY[name]}", __name__), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+__getattr__ = import_lazily(__name__, _LAZY)
