@@ -15,13 +15,14 @@ from garmentq.core import settings
 from garmentq.core.body import Body, BodyMissing, builtin_body
 from garmentq.core.checkpoints import load, save
 from garmentq.core.clock import Clock
-from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template
+from garmentq.core.drape import DrapeSettings, drape_template
 from garmentq.core.fit import METHODS, Graded, Hybrid, Inverse, InverseSettings, ShapeSettings
 from garmentq.core.hooks import Arrays, Hooks
 from garmentq.core.pattern import load_template
 from garmentq.core.pipeline import drape_to_scan, make_case, recover
 from garmentq.core.recovery import STAGES, Recovery, Request
 from garmentq.core.settings import RecoverySettings
+from wearers import find_wearer
 
 WEARER = "builtin:female,height=1.68,pose=A"
 
@@ -31,7 +32,7 @@ def request_of_a_skirt(tmp_path_factory: pytest.TempPathFactory) -> Request:
     """Write a skirt 12 % longer and 6 % wider than the template, worn by the built-in body."""
     base = load_template("skirt")
     longer = base.with_points(base.points * np.array([1.06, 1.12]))
-    wearer = WearerGeometry(builtin_body(WEARER))
+    wearer = find_wearer(WEARER)
     garment = drape_template(longer, wearer, settings=DrapeSettings(template_vertices=900))
     path = tmp_path_factory.mktemp("scan") / "skirt.ply"
     trimesh.Trimesh(garment.nodes, garment.faces, process=False).export(path)

@@ -6,9 +6,9 @@ from functools import cache
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
 from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template, place, waist_loop
 from garmentq.core.pattern import list_templates, load_template, mesh_pattern
+from wearers import find_wearer
 
 CONTOURS = {
     "tshirt": {"neck", "cuff.left", "cuff.right", "hem"},
@@ -29,7 +29,7 @@ CONTOURS = {
 @cache
 def wearer_in(pose: str) -> WearerGeometry:
     """Give the built-in body in a pose with its distance grids."""
-    return WearerGeometry(builtin_body(f"builtin:female,height=1.70,pose={pose}"))
+    return find_wearer("builtin:female,height=1.70" + (f",pose={pose}" if pose != "T" else ""))
 
 
 FINER = ("trousers", "sleeved_dress")

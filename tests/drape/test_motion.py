@@ -6,10 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
 from garmentq.core.drape import (
     DrapeSettings,
-    WearerGeometry,
     drape_as_scanned,
     drape_graded,
     drape_template,
@@ -20,6 +18,7 @@ from garmentq.core.mesh import vertex_normals
 from garmentq.core.pattern import equalise_seams, load_template
 from garmentq.core.segment import Target
 from garmentq.core.simulate import Energy, Scene, SteadyRotation, Topology, get_fabric
+from wearers import find_wearer
 
 COUNT = 250
 
@@ -27,7 +26,7 @@ COUNT = 250
 @pytest.fixture(scope="module")
 def worn():
     """A skirt flared to nearly a circle on a woman: wearer, mesh and fabric."""
-    wearer = WearerGeometry(builtin_body("builtin:female,height=1.70"))
+    wearer = find_wearer()
     straight = load_template("skirt")
     down = (straight.points[:, 1].max() - straight.points[:, 1]) / np.ptp(straight.points[:, 1])
     wide = straight.points * np.stack([1.0 + 1.2 * down, np.full(len(down), 0.7)], axis=1)

@@ -1,16 +1,13 @@
 """Sleeves drafted for hanging arms are laid along the arms before a T-pose is dressed."""
 
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template
+from garmentq.core.drape import DrapeSettings, drape_template
 from garmentq.core.drape.sleeves import turn_sleeves
 from garmentq.core.pattern import Pattern, list_templates, load_template, mesh_pattern
-
-WEARER = cache(lambda: WearerGeometry(builtin_body("builtin:female,height=1.70")))
+from wearers import find_wearer
 
 
 def hang_sleeves(pattern: Pattern, angle: float) -> Pattern:
@@ -31,7 +28,7 @@ def hang_sleeves(pattern: Pattern, angle: float) -> Pattern:
 def test_hanging_sleeves_are_put_over_the_arms() -> None:
     """Breaks if sleeves that are placed for an A-pose start beside the stretched arms: the arms miss the cuffs."""
     pattern = hang_sleeves(load_template("long_sleeve_tshirt"), np.radians(50.0))
-    worn = drape_template(pattern, WEARER(), settings=DrapeSettings(template_vertices=500))
+    worn = drape_template(pattern, find_wearer(), settings=DrapeSettings(template_vertices=500))
     assert [contour.name for contour in worn.contours] == ["cuff.left", "cuff.right", "hem", "neck"]
 
 
@@ -39,6 +36,6 @@ def test_hanging_sleeves_are_put_over_the_arms() -> None:
 def test_what_is_no_hanging_sleeve_stays(name: str) -> None:
     """Breaks if legs, skirts or sleeves that already lie along the arms are turned."""
     garment = mesh_pattern(load_template(name), 350)
-    rotation, origin = turn_sleeves(garment, WEARER().body)
+    rotation, origin = turn_sleeves(garment, find_wearer().body)
     assert np.array_equal(rotation, [panel.rotation[:2, :2] for panel in garment.pattern.panels])
     assert np.array_equal(origin, [panel.translation[:2] for panel in garment.pattern.panels])

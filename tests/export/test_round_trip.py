@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
 from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_graded, drape_template, redrape, remesh
 from garmentq.core.export import save_pattern
 from garmentq.core.measure import measure_distance
 from garmentq.core.pattern import Garment, equalise_seams, load_pattern, load_template
 from garmentq.core.segment import Target
 from garmentq.core.simulate import SolveSettings, get_fabric
+from wearers import find_wearer
 
 COARSE = DrapeSettings(template_vertices=500, solve=SolveSettings(max_iterations=150))
 FABRIC = get_fabric("cotton_poplin")
@@ -21,7 +21,7 @@ FABRIC = get_fabric("cotton_poplin")
 
 @pytest.fixture(scope="module")
 def wearer() -> WearerGeometry:
-    return WearerGeometry(builtin_body("builtin:female,height=1.70"))
+    return find_wearer()
 
 
 @pytest.fixture(scope="module")

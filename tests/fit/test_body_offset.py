@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
-from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template
+from garmentq.core.drape import DrapeSettings, drape_template
 from garmentq.core.fit import FitScene, ShapeProblem, ShapeSettings, estimate_body_offset, is_estimated
 from garmentq.core.pattern import load_template
 from garmentq.core.simulate import Scene, Topology, equilibrium, get_fabric, soften
+from wearers import find_wearer
 
 
 def test_cloth_on_a_body_guessed_too_thin_hangs_where_it_was_scanned() -> None:
     """Breaks if the body moves the wrong way, by nodes that do not touch, or not far enough: the top then hangs low."""
-    wearer = WearerGeometry(builtin_body("builtin:female,height=1.70"))
+    wearer = find_wearer()
     assert not is_estimated(wearer.body)
     pattern, fabric = load_template("tank"), soften(get_fabric("cotton_poplin"))
     worn = drape_template(pattern, wearer, settings=DrapeSettings(template_vertices=400))
@@ -37,7 +37,7 @@ def test_cloth_on_a_body_guessed_too_thin_hangs_where_it_was_scanned() -> None:
 
 def test_a_raised_body_is_one_body() -> None:
     """Breaks where the grid, the exposed skin or the T-pose of a raised wearer is that of the body below."""
-    wearer = WearerGeometry(builtin_body("builtin:female,height=1.70"))
+    wearer = find_wearer()
     raised = wearer.raised(np.full(len(wearer.body.vertices), 0.004)).raised(np.full(len(wearer.body.vertices), 0.006))
     vertices, faces = raised.body.vertices, raised.body.faces
     waist = np.abs(vertices[faces].mean(axis=1)[:, 1] - 1.05) < 0.1  # no limb is near

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.body import Body, DistanceGrid, builtin_body
+from garmentq.core.body import Body, DistanceGrid
 from garmentq.core.case import Case, GradedDrape
 from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template, waist_loop
 from garmentq.core.errors import Cancelled
@@ -60,6 +60,7 @@ from garmentq.core.simulate import (
     get_fabric,
     lag_friction,
 )
+from wearers import find_wearer
 
 FINE = SolveSettings(max_iterations=150)
 
@@ -88,7 +89,7 @@ def bring_to_rest(garment: Garment, fabric: Fabric, grid: DistanceGrid, pins: Pi
 @pytest.fixture(scope="module")
 def scene() -> Worn:
     template = load_template("skirt")
-    wearer = WearerGeometry(builtin_body("builtin:female,height=1.70"))
+    wearer = find_wearer()
     fabric = get_fabric("cotton_poplin")
     worn = drape_template(template, wearer, settings=DrapeSettings(template_vertices=600))
     waist = waist_loop(worn)

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
 from garmentq.core.case import Case, GradedDrape
 from garmentq.core.checkpoints import save
-from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template, waist_loop
+from garmentq.core.drape import DrapeSettings, drape_template, waist_loop
 from garmentq.core.errors import Cancelled
 from garmentq.core.fit import (
     Descent,
@@ -34,6 +33,7 @@ from garmentq.core.segment.loop import find_loops
 from garmentq.core.segment.target import Contour
 from garmentq.core.settings import RecoverySettings
 from garmentq.core.simulate import Fabric, Implicit, Pins, Scene, SolveSettings, Topology, equilibrium, get_fabric
+from wearers import find_wearer
 
 SHORT = InverseSettings(iterations=4, fabric_iterations=3, patience=100, keep_every=3)
 
@@ -207,7 +207,7 @@ def test_locks_are_honoured(scene: Worn) -> None:
 def test_the_whole_method_on_a_body() -> None:
     """Breaks where the recovered pattern is not draped, meshed or held, or its drape comes no nearer."""
     template = load_template("skirt")
-    wearer = WearerGeometry(builtin_body("builtin:female,height=1.70"))
+    wearer = find_wearer()
     fabric = replace(get_fabric("cotton_poplin"), friction=0.3)  # with more, 15 steps end in either of two folds
     worn = drape_template(template, wearer, settings=DrapeSettings(template_vertices=400))
     waist = waist_loop(worn)
