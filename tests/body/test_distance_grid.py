@@ -83,18 +83,6 @@ def test_shrunk_and_moved(grid):
     assert grid.moved(shift).distance(points + shift) == pytest.approx(grid.distance(points))
 
 
-def test_inflated_by_as_much_as_was_asked_for(grid):
-    """Heights that are taken for coefficients, without the prefilter, or a body that shrinks instead break this."""
-    heights = np.zeros(grid.coefficients.shape)
-    middle = tuple(n // 2 for n in heights.shape)
-    heights[middle] = 0.01
-    centre = grid.origin + grid.spacing * np.array(middle)
-    raised = grid.inflated(heights)
-    assert grid.distance(centre[None]) - raised.distance(centre[None]) == pytest.approx(0.01)
-    along = centre + grid.spacing * np.array([[1.0, 0.0, 0.0], [0.0, -2.0, 0.0]])
-    assert raised.distance(along) == pytest.approx(grid.distance(along), abs=1e-9)
-
-
 def test_empty_mesh_is_refused():
     """No faces, or NaN, end in one clear error."""
     with pytest.raises(DistanceBad):
