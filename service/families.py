@@ -112,6 +112,9 @@ def retry(database: Database, job: str, key: str = "", quota: int = 0) -> State:
         QueueFull: where the API key that asks has as many open jobs as it may.
     """
     with database.write() as session:
+        parent = session.scalar(select(JobRow.parent).where(JobRow.id == job))
+        if parent is not None:
+            _lock(session, parent)  # siblings may go along, and only their parent's holder locks several of them
         row = _lock(session, job)
         tree = find_tree(session, row, is_locked=True)
         stuck = [one for one in tree if one.state in UNSUCCESSFUL]
@@ -120,21 +123,27 @@ def retry(database: Database, job: str, key: str = "", quota: int = 0) -> State:
             raise JobNotEnded(f"job {still.id} is {still.state}; cancel it first, or wait.")
         if not stuck:
             raise JobSucceeded()
-        check_quota(session, key, quota)
-        try_again(session, stuck, "retried", key)
+        try_again(session, stuck, "retried", key, quota)
         return row.state
 
 
-def try_again(session: Session, rows: Sequence[JobRow], event: str, payer: str) -> None:
-    """Queue locked jobs that ended without success, with what they wait for; `advance` lets go who waits."""
-    left = {row.id: row for row in rows}
+def try_again(session: Session, rows: Sequence[JobRow], event: str, payer: str, quota: int) -> None:
+    """Queue locked jobs that ended without success, with what they wait for; `advance` lets go who waits.
+
+    Raises:
+        QueueFull: where the payer has as many open jobs as it may.
+    """
+    left, chosen = {row.id: row for row in rows}, dict[str, tuple[JobRow, State]]()
     while left:
         _, row = left.popitem()
         waits = select(JobWaitRow.awaited).where(JobWaitRow.job == row.id)
         siblings = select(JobRow).where(JobRow.id.in_(waits)).order_by(JobRow.id)
         awaited = session.scalars(siblings.with_for_update()).all()
-        move(session, row, State.WAITING if awaited else State.QUEUED, event, payer=payer)
-        left |= {one.id: one for one in awaited if one.state in UNSUCCESSFUL}
+        chosen[row.id] = row, State.WAITING if awaited else State.QUEUED
+        left |= {one.id: one for one in awaited if one.state in UNSUCCESSFUL and one.id not in chosen}
+    check_quota(session, payer, quota)  # it locks the key, which a worker that holds a job's row waits for
+    for row, state in chosen.values():
+        move(session, row, state, event, payer=payer)
 
 
 def delete(database: Database, job: str) -> tuple[str, ...]:
@@ -214,8 +223,8 @@ def make_children(session: Session, parent: str, children: Sequence[ChildRequest
 
 
 def share(session: Session, key: str, row: JobRow) -> None:
-    """Give a key sight of a job and all below it."""
-    for one in find_tree(session, row):
+    """Make a key an owner of a locked job and of all below it; who adds a child meanwhile sees the owner then."""
+    for one in find_tree(session, row, is_locked=True):
         own(session, key, one.id)
 
 
@@ -243,9 +252,12 @@ def _is_ready() -> ColumnElement[bool]:
 
 def _go_on(session: Session, row: JobRow) -> None:
     awaited = select(JobRow.id, JobRow.state).join(JobWaitRow, JobWaitRow.awaited == JobRow.id)
-    failed = session.execute(
-        awaited.where(JobWaitRow.job == row.id, JobRow.state.in_(UNSUCCESSFUL)).order_by(JobRow.id).limit(1)
-    ).one_or_none()
+    left = session.execute(
+        awaited.where(JobWaitRow.job == row.id, JobRow.state != State.SUCCEEDED).order_by(JobRow.id)
+    ).all()
+    if any(one.state in OPEN for one in left):
+        return  # tried again since it was found ready
+    failed = next(iter(left), None)
     if failed is None:
         move(session, row, State.QUEUED, "queued")
         return

@@ -58,7 +58,7 @@ SIGNS = "._-()+,"
 
 @dataclass(frozen=True)
 class Order:
-    """Say what is to be recovered.
+    """Describe what is to be recovered.
 
     Attributes:
         scan: The garment's file.
@@ -177,21 +177,21 @@ def add_job(session: Session, wanted: JobRequest) -> Submitted:
     """Add a job, its first event and its outbox row; an equal job is that job, tried again if it did not succeed.
 
     Raises:
+        JobUnknown: where a job to be read is none that the key may see.
         InputNotEnded: where a job to be read has no result.
         QueueFull: where the key has as many open jobs as it may.
     """
+    for job in wanted.inputs.values():  # first, or an equal job would show what its inputs hold to whoever names them
+        _check_input(session, job, wanted.key)
     dedup = _hash(wanted)
     serialise(session, dedup)  # equal orders at the same time are one job
     row = session.scalars(select(JobRow).where(JobRow.dedup == dedup).with_for_update()).one_or_none()
     if row is not None:
-        share(session, wanted.key, row)
         if row.state in UNSUCCESSFUL:
-            check_quota(session, wanted.key, wanted.quota)
-            try_again(session, [row], "resubmitted", wanted.key)
+            try_again(session, [row], "resubmitted", wanted.key, wanted.quota)
+        share(session, wanted.key, row)  # after the quota: a new owner's row holds the key's, which the quota locks
         return Submitted(row.id, False, row.state)
     check_quota(session, wanted.key, wanted.quota)
-    for job in wanted.inputs.values():
-        _check_input(session, job, wanted.key)
     columns = ("kind", "request", "scan", "name", "priority", "queue", "tags", "inputs")
     new = NewJob(dedup, payer=wanted.key, **{name: getattr(wanted, name) for name in columns})
     made = create(session, new)

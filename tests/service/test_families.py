@@ -36,42 +36,12 @@ from garmentq.service.query import JobQuery, find_jobs, parse_conditions
 from garmentq.service.reaper import is_idle, reap
 from garmentq.service.results import export_files, report_jobs
 from garmentq.service.states import ENDED, OPEN, TRANSITIONS, UNSUCCESSFUL, State
-from garmentq.service.submission import InputNotEnded, JobRequest, LabelBad, Order, add_job, submit
+from garmentq.service.submission import InputNotEnded, LabelBad, Order, submit
 from garmentq.workers.recovery import run_job
 from garmentq_family import KINDS, PIECES, Root
+from garmentq_family_home import pieces, work_off
 from garmentq_home import put_file
 from sqlalchemy import select, update
-
-
-@pytest.fixture
-def family(settings, database, queue_job, monkeypatch, tmp_path):
-    """Give a function that queues a root, and settings under which it runs."""
-    monkeypatch.setenv("STANDIN_MARKS", str(tmp_path / "marks"))
-    chosen = replace(settings, kinds=KINDS)
-    source = find_job(database, queue_job("source"))
-
-    def queue(text: str = "one", **changes) -> str:
-        with database.write() as session:
-            return add_job(session, JobRequest(Root.name, {"text": text}, source.scan, "Kleid", **changes)).job
-
-    cancel(database, source.id)
-    return chosen, queue
-
-
-def work_off(settings, database) -> None:
-    """Run whatever can be run."""
-    for _ in range(50):
-        advance(database)
-        queued = find_jobs(database, JobQuery({"state": "queued"}).conditions)
-        if not queued:
-            return
-        run_job(settings, database, queued[0].id, lambda: False)
-    raise AssertionError(f"never ends: {[(row.id, row.state, row.cancel) for row in queued]}")
-
-
-def pieces(database, root) -> dict[str, JobRow]:
-    """Give a root's children by name."""
-    return {row.name: row for row in find_jobs(database, JobQuery({"parent": root}).conditions)}
 
 
 def attempts(database, job) -> int:

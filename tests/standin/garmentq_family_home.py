@@ -1,0 +1,45 @@
+"""A family of jobs in the stand-in home: the fixture that queues its root, and what works it off."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from garmentq.service.families import advance, cancel
+from garmentq.service.jobs import find_job
+from garmentq.service.models import JobRow
+from garmentq.service.query import JobQuery, find_jobs
+from garmentq.service.submission import JobRequest, add_job
+from garmentq.workers.recovery import run_job
+from garmentq_family import KINDS, Root
+
+
+@pytest.fixture
+def family(settings, database, queue_job, monkeypatch, tmp_path):
+    """Give a function that queues a root, and settings under which it runs."""
+    monkeypatch.setenv("STANDIN_MARKS", str(tmp_path / "marks"))
+    chosen = replace(settings, kinds=KINDS)
+    source = find_job(database, queue_job("source"))
+
+    def queue(text: str = "one", **changes) -> str:
+        with database.write() as session:
+            return add_job(session, JobRequest(Root.name, {"text": text}, source.scan, "Kleid", **changes)).job
+
+    cancel(database, source.id)
+    return chosen, queue
+
+
+def work_off(settings, database) -> None:
+    """Run whatever can be run."""
+    for _ in range(50):
+        advance(database)
+        queued = find_jobs(database, JobQuery({"state": "queued"}).conditions)
+        if not queued:
+            return
+        run_job(settings, database, queued[0].id, lambda: False)
+    raise AssertionError(f"never ends: {[(row.id, row.state, row.cancel) for row in queued]}")
+
+
+def pieces(database, root) -> dict[str, JobRow]:
+    """Give a root's children by name."""
+    return {row.name: row for row in find_jobs(database, JobQuery({"parent": root}).conditions)}
