@@ -9,11 +9,12 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
+from ..core.errors import keep_printable
 from ..core.recovery import STAGES
 from ..service.backend import Backend
 from ..service.records import Event, JobReport
 from .family import FamilyEvents
-from .terminal import note, plain
+from .terminal import note
 
 if TYPE_CHECKING:
     from rich.progress import TaskID
@@ -134,13 +135,14 @@ class Bars:
         progress = event.progress
         if progress is None:
             if event.kind not in ("queued", "started", "succeeded"):
-                self.progress.console.print(plain(_label(name, event.kind)), markup=False)
+                self.progress.console.print(keep_printable(_label(name, event.kind)), markup=False)
             return
         task = (event.job, progress.stage)
         if task not in self.tasks:
             self._finish_before(*task)
-            self.tasks[task] = self.progress.add_task(plain(_label(name, progress.stage)), total=1.0, message="")
-        self.progress.update(self.tasks[task], completed=progress.fraction, message=plain(progress.message))
+            shown = keep_printable(_label(name, progress.stage))
+            self.tasks[task] = self.progress.add_task(shown, total=1.0, message="")
+        self.progress.update(self.tasks[task], completed=progress.fraction, message=keep_printable(progress.message))
 
     def _finish_before(self, job: str, stage: str) -> None:
         order = STAGES.index(stage) if stage in STAGES else len(STAGES)

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import click
 
+from ..core.errors import keep_printable
 from ..service.records import Gate, JobReport
-from .terminal import plain, print_table, show, show_time
+from .terminal import print_table, show, show_time
 
 FIRST = (
     "surface_rms_mm.s2t", "surface_rms_mm.t2s", "graded.surface_rms_mm.s2t", "graded.surface_rms_mm.t2s",
@@ -30,9 +31,9 @@ def print_result(job: JobReport, files: Sequence[Path], verbose: bool = False) -
     if verbose:
         print_tables(job, files)
         return
-    click.echo(plain(f"{job.garment or job.kind} (job {job.id})"))
+    click.echo(keep_printable(f"{job.garment or job.kind} (job {job.id})"))
     for title, text in summarise(job, files):
-        click.echo(f"  {title:<10} {plain(text)}")
+        click.echo(f"  {title:<10} {keep_printable(text)}")
 
 
 def summarise(job: JobReport, files: Sequence[Path]) -> Iterator[tuple[str, str]]:

@@ -11,6 +11,8 @@ from typing import Any
 
 import click
 
+from ..core.errors import keep_printable
+
 
 def print_json(value: Any) -> None:
     """Print one object on one line."""
@@ -19,12 +21,12 @@ def print_json(value: Any) -> None:
 
 def note(text: str) -> None:
     """Print a note to the user on standard error; names in it bring no control characters along."""
-    click.echo(plain(text), err=True)
+    click.echo(keep_printable(text), err=True)
 
 
 def print_error(code: str, message: str) -> None:
     """Print an error's one line, whatever a name in it holds."""
-    click.echo(plain(f"error {code}: {message}"), err=True)
+    click.echo(keep_printable(f"error {code}: {message}"), err=True)
 
 
 def print_table(columns: Sequence[str], rows: Iterable[Sequence[object]], title: str | None = None) -> None:
@@ -35,11 +37,11 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[object]], title:
     from rich.text import Text
 
     rows = [list(row) for row in rows]
-    shown = None if title is None else Text(plain(title))
+    shown = None if title is None else Text(keep_printable(title))
     table = Table(title=shown, box=box.SIMPLE_HEAD, title_justify="left", title_style="bold")
     for index, name in enumerate(columns):
         is_number = bool(rows) and all(isinstance(row[index], int | float) or row[index] is None for row in rows)
-        table.add_column(Text(plain(name)), justify="right" if is_number else "left", overflow="fold")
+        table.add_column(Text(keep_printable(name)), justify="right" if is_number else "left", overflow="fold")
     for row in rows:
         table.add_row(*(Text(show(cell)) for cell in row))
     Console(width=None if Console().is_terminal else 160).print(table)
@@ -62,7 +64,7 @@ def _escape_formula(cell: object) -> object:
     """Return a cell that no spreadsheet takes for a formula; numbers stay as they are."""
     if not isinstance(cell, str):
         return cell
-    text = plain(cell)
+    text = keep_printable(cell)
     return f"'{text}" if text.lstrip().startswith(FORMULA) else text
 
 
@@ -72,12 +74,7 @@ def show(cell: object) -> str:
         return "-"
     if isinstance(cell, float):
         return f"{cell:.4g}"
-    return plain(str(cell))
-
-
-def plain(text: str) -> str:
-    """Return a text on one line without terminal escapes or reversed writing: what cannot be printed becomes `?`."""
-    return "".join(letter if letter.isprintable() else "?" for letter in text)
+    return keep_printable(str(cell))
 
 
 def show_time(seconds: float | None) -> str:

@@ -37,3 +37,11 @@ class Cancelled(GarmentqError):
     """The job was cancelled."""
 
     code = "job.cancelled"
+
+
+def keep_printable(text: str) -> str:
+    """Return a text on one line without escapes, reversed writing or broken letters: each becomes `?`.
+
+    Names out of a user's file stand in messages; a database refuses some of these letters, and a terminal obeys others.
+    """
+    return "".join(letter if letter.isprintable() else "?" for letter in text)

@@ -23,9 +23,10 @@ import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, fields
+from pathlib import Path
 from typing import Any, TypeVar
 
-from .errors import BadInput, Cancelled, GarmentqError, NotFound
+from .errors import BadInput, Cancelled, GarmentqError, NotFound, keep_printable
 
 log = logging.getLogger(__name__)
 
@@ -37,6 +38,9 @@ OVER = 70
 
 ORPHAN_SECONDS = 5
 """How long a child outlives a deadline at which nobody killed it, since its parent was killed [s]."""
+
+LONGEST_MESSAGE = 2000
+"""Letters of an error that are kept."""
 
 _BOOT = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from {} import answer; answer()"
 _NETWORK, _USER = 0x40000000, 0x10000000
@@ -104,6 +108,7 @@ def call_limited(
     arguments: Mapping[str, Any],
     bounds: Bounds | None = None,
     is_stopped: Callable[[], bool] = lambda: False,
+    folder: Path | None = None,
 ) -> Answer:
     """Call a function of JSON values in a fresh limited process.
 
@@ -112,6 +117,7 @@ def call_limited(
         arguments: Keyword arguments, JSON values.
         bounds: What the process may use.
         is_stopped: Asked now and then; True kills the process.
+        folder: Holds the folder that the process may write to, which is removed afterwards; None: the system's.
 
     Raises:
         GarmentqError: that the function raised, with its code and message; `BadInput` stays what it is.
@@ -122,7 +128,8 @@ def call_limited(
     own = {field.name: getattr(bounds, field.name) for field in fields(Bounds)}
     paths = json.dumps([path for path in sys.path if os.path.isabs(path)])
     command = [sys.executable, "-I", "-c", _BOOT.format(__name__), paths]
-    with tempfile.TemporaryDirectory(prefix="garmentq-limited-") as home, tempfile.TemporaryFile() as question:
+    own_folder = tempfile.TemporaryDirectory(prefix="garmentq-limited-", dir=folder, ignore_cleanup_errors=True)
+    with own_folder as home, tempfile.TemporaryFile() as question:
         question.write(json.dumps({"function": function, "arguments": arguments, "bounds": own}).encode())
         question.seek(0)
         with tempfile.TemporaryFile() as answers, tempfile.TemporaryFile() as said:
@@ -133,10 +140,9 @@ def call_limited(
             try:
                 status = _wait(process, bounds.wall_seconds, is_stopped)
             finally:
-                if process.poll() is None:
-                    with suppress(ProcessLookupError):
-                        os.killpg(process.pid, signal.SIGKILL)
-                    process.wait()
+                with suppress(ProcessLookupError, PermissionError):  # macOS: not permitted where only zombies are left
+                    os.killpg(process.pid, signal.SIGKILL)  # also what it started, where it ended by itself
+                process.wait()
             answers.seek(0)
             content = answers.read(bounds.answer_bytes + 1)
             said.seek(max(0, said.seek(0, os.SEEK_END) - 4000))
@@ -179,13 +185,14 @@ def _understand(status: int, content: bytes, said: str, bounds: Bounds) -> Answe
             result = found["result"]
             if not isinstance(result, dict):
                 raise ValueError("no object")
+            json.dumps(found, allow_nan=False)  # no database keeps, and no answer shows, what is no number
             return Answer(result, float(found["cpu_seconds"]), float(found["peak_mb"]))
     except (ValueError, TypeError, KeyError, RecursionError):
         log.error("a limited process ended with status %d:\n%s", status, said)
         raise ReaderCrashed() from None
     if code == ReaderCrashed.code:
         log.error("a limited process failed:\n%s", said)
-    raise _make_error(kind, code, message)
+    raise _make_error(kind, code, keep_printable(message)[:LONGEST_MESSAGE])
 
 
 _KINDS: dict[str, type[GarmentqError]] = {"bad_input": BadInput, "not_found": NotFound, "fault": GarmentqError}
@@ -259,7 +266,9 @@ def _withdraw(bounds: Bounds) -> None:
     }
     for name, value in limits.items():
         _set_limit(name, value)
-    resource.setrlimit(resource.RLIMIT_CPU, (bounds.cpu_seconds, bounds.cpu_seconds + 1))  # the first is told apart
+    hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
+    if hard == resource.RLIM_INFINITY or hard > bounds.cpu_seconds:
+        resource.setrlimit(resource.RLIMIT_CPU, (bounds.cpu_seconds, bounds.cpu_seconds + 1))  # the first is told apart
     limit_memory(bounds.memory_bytes)
 
 

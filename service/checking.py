@@ -14,6 +14,7 @@ from ..core.limited import Bounds, call_limited
 STAGE = "check"
 """The stage's name in progress and events."""
 
+
 def check_files(checker: str, request: dict[str, Any], files: Path, is_stopped: Callable[[], bool]) -> dict[str, Any]:
     """Check the files of a job in a limited process.
 
@@ -30,7 +31,8 @@ def check_files(checker: str, request: dict[str, Any], files: Path, is_stopped: 
         BadInput: where a file cannot be used; the code says why.
         Cancelled: where `is_stopped` said so.
     """
-    answer = call_limited(checker, {"request": request, "files": str(files.absolute())}, Bounds(), is_stopped)
+    given = {"request": request, "files": str(files.absolute())}
+    answer = call_limited(checker, given, Bounds(), is_stopped, files.parent)
     return answer.result | {"cpu_seconds": round(answer.cpu_seconds, 3), "peak_mb": round(answer.peak_mb, 1)}
 
 

@@ -7,6 +7,8 @@ import logging
 import sys
 import time
 
+from ..core.errors import keep_printable
+
 FIELDS = ("job", "attempt", "stage")
 """What a record may carry beside its message; null where a line is about no job."""
 
@@ -37,8 +39,7 @@ class PlainLines(logging.Formatter):
     def format(self, record: logging.LogRecord) -> str:
         """Return the line, those that follow it (a traceback, say) indented, control characters as `?`."""
         lines = super().format(record).split("\n")
-        shown = ("".join(c if c.isprintable() else "?" for c in line.expandtabs()) for line in lines)
-        return "\n    ".join(shown)
+        return "\n    ".join(keep_printable(line.expandtabs()) for line in lines)
 
 
 def set_up_logs(as_json: bool) -> None:

@@ -27,6 +27,19 @@ def call(name: str, bounds: Bounds | None = None, **arguments):
     return call_limited(f"limited_calls:{name}", arguments, bounds)
 
 
+def wait_gone(mark: Path) -> None:
+    """Wait until the process whose id is in a file is gone; the suite's own limit ends a test that hangs."""
+    while True:
+        try:
+            os.kill(int(mark.read_text()), 0)
+        except ProcessLookupError:
+            return
+        stat = Path(f"/proc/{mark.read_text()}/stat")
+        if stat.exists() and stat.read_text().rsplit(")", 1)[1].split()[0] == "Z":
+            return
+        time.sleep(0.02)
+
+
 def test_it_sees_nothing_of_ours(monkeypatch):
     """Broken where a reader that a file took over finds a key, or our folder; or where print garbles the answer."""
     monkeypatch.setenv("GARMENTQ_DATABASE_URL", "postgresql://secret")
@@ -53,7 +66,9 @@ def test_it_sees_nothing_of_ours(monkeypatch):
         ("die", {"number": signal.SIGKILL}, Bounds(), InputTooLarge.code),
         ("divide", {}, Bounds(), ReaderCrashed.code),
         ("nosuch", {}, Bounds(), ReaderCrashed.code),
+        ("odd", {}, Bounds(), ReaderCrashed.code),
         ("refuse", {}, Bounds(), "scan.truncated"),
+        ("refuse_oddly", {}, Bounds(), "scan.truncated"),
     ],
 )
 def test_every_end_has_a_code(tmp_path, name, arguments, bounds, code):
@@ -63,6 +78,7 @@ def test_every_end_has_a_code(tmp_path, name, arguments, bounds, code):
         call(name, bounds, **arguments, **more)
     assert refused.value.code == code
     assert refused.value.message.endswith((".", "help.")) and ";" in refused.value.message
+    assert refused.value.message.isprintable()
 
 
 def test_what_is_no_longer_wanted_is_killed(tmp_path):
@@ -87,11 +103,25 @@ def test_it_dies_with_its_parent(tmp_path):
     finally:
         parent.kill()
         parent.wait()
-    while True:  # until it is gone; the suite's own limit ends a test that hangs
-        try:
-            os.kill(int(mark.read_text()), 0)
-        except ProcessLookupError:
-            return
-        if Path(f"/proc/{mark.read_text()}/stat").read_text().rsplit(")", 1)[1].split()[0] == "Z":
-            return
-        time.sleep(0.02)
+    wait_gone(mark)
+
+
+def test_what_it_started_ends_with_it(tmp_path):
+    """Broken where a reader that ends well leaves a process behind that goes on without any deadline."""
+    mark = tmp_path / "pid"
+    call("leave", mark=str(mark))
+    wait_gone(mark)
+
+
+def test_its_folder_is_where_it_is_wanted(tmp_path):
+    """Broken where what a killed worker's reader wrote is left in the system's folder, where nobody removes it."""
+    found = call_limited("limited_calls:echo", {}, folder=tmp_path).result
+    assert Path(found["folder"]).parent == tmp_path and not list(tmp_path.iterdir())
+
+
+def test_a_lower_limit_of_ours_is_no_crash():
+    """Broken where a worker whose own CPU time is limited cannot read any file."""
+    limit = "import resource; resource.setrlimit(resource.RLIMIT_CPU, (60, 60))"
+    code = f"{limit}; from test_limited import call; call('echo')"
+    path = os.pathsep.join([str(Path(__file__).parent), *sys.path])
+    subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": path}, check=True)

@@ -20,8 +20,9 @@ from typing import Any
 
 import numpy as np
 
-from ..core.errors import BadInput, GarmentqError
+from ..core.errors import BadInput, GarmentqError, keep_printable
 from ..core.hooks import Arrays, Hooks
+from ..core.limited import LONGEST_MESSAGE
 from ..service.checking import STAGE, check_files
 from ..service.database import Database, DatabaseUnreachable
 from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, note_checked, release, report
@@ -97,7 +98,7 @@ def run_job(
 
 
 def make_note(held: Claim, stage: str = "") -> dict[str, Any]:
-    """Give the fields of a structured log line."""
+    """Return the fields of a structured log line."""
     return {"job": held.job, "attempt": held.attempt, "stage": stage}
 
 
@@ -169,12 +170,13 @@ def _fail(database: Database, held: Claim, error: BaseException) -> None:
         )
     if not isinstance(error, BadInput):
         log.error("job %s failed:\n%s", held.job, "".join(traceback.format_exception(error)), extra=make_note(held))
-    fail(database, held, code, message.replace("\n", " ")[:2000], isinstance(error, BadInput))
+    message = keep_printable(message.replace("\n", " "))[:LONGEST_MESSAGE]
+    fail(database, held, code, message, isinstance(error, BadInput))
 
 
 @contextmanager
 def work_folder(root: Path, job: str) -> Iterator[Path]:
-    """Give a job an empty folder for the block; what an attempt that was killed left behind is removed first."""
+    """Make an empty folder for a job for the block; what an attempt that was killed left behind is removed first."""
     root.mkdir(parents=True, exist_ok=True, mode=0o700)
     for left in root.glob(f"{job}-*"):
         shutil.rmtree(left, ignore_errors=True)

@@ -43,6 +43,8 @@ MAX_PANELS = 200
 """The most panels of a pattern; the richest published garments have about 60."""
 MAX_EDGES = 2000
 """The most edges of a pattern."""
+LONGEST_CATEGORY = 32
+"""The most letters of a category; ours have at most 8."""
 MAX_SIZE = 50.0
 """Coordinates and translations beyond this [m] are refused: the file's unit is then wrong."""
 GATHER_TOLERANCE = 0.03
@@ -97,6 +99,7 @@ def read_pattern(source: dict[str, Any] | str | bytes, name: str = "pattern") ->
     own = properties.get(OWN, {}) if isinstance(properties.get(OWN, {}), dict) else {}
     panels, numbers, unknown = [], {}, {}
     for panel_name, file in files.items():
+        get_text(panel_name, "a panel's name")
         panel, order, rest = _read_panel(panel_name, get_object(file, f"panel '{panel_name}'"), scale, relative)
         check_outline(panel)
         panels.append(panel)
@@ -111,7 +114,8 @@ def read_pattern(source: dict[str, Any] | str | bytes, name: str = "pattern") ->
         "panels": unknown,
     }
     category = own.get("category", "")
-    pattern = Pattern(name, tuple(panels), seams, category if isinstance(category, str) else "", extra)
+    category = get_text(category, "the category", LONGEST_CATEGORY) if isinstance(category, str) else ""
+    pattern = Pattern(name, tuple(panels), seams, category, extra)
     return _mark_gathers(agree_orientation(_restore_own(pattern, own)), own)
 
 

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 from .errors import PatternValueBad
+
+UNKEPT = re.compile("[\x00-\x1f\x7f\ud800-\udfff]")
+"""Control characters and lone surrogates: a database refuses some of them, and no name needs one."""
 
 
 def get_object(value: Any, where: str) -> dict[str, Any]:
@@ -22,10 +26,10 @@ def get_list(value: Any, where: str) -> list[Any]:
     return value
 
 
-def get_text(value: Any, where: str) -> str:
-    """Give a text of at most 200 characters or refuse it."""
-    if not isinstance(value, str) or len(value) > 200:
-        raise PatternValueBad(f"{where} must be a text of at most 200 characters.")
+def get_text(value: Any, where: str, most: int = 200) -> str:
+    """Return a text of at most so many characters, none of them a control character, or refuse it."""
+    if not isinstance(value, str) or len(value) > most or UNKEPT.search(value):
+        raise PatternValueBad(f"{where} must be a text of at most {most} characters, none a control character.")
     return value
 
 

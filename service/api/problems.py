@@ -11,7 +11,8 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
 
-from ...core.errors import BadInput, GarmentqError, NotFound
+from ...core.errors import BadInput, GarmentqError, NotFound, keep_printable
+from ...core.limited import LONGEST_MESSAGE
 
 log = logging.getLogger(__name__)
 
@@ -60,7 +61,7 @@ def make_problem(status: int, code: str, detail: str, retry_seconds: float = RET
     headers = {"retry-after": str(max(1, math.ceil(retry_seconds)))} if status in (429, 503) else {}
     if status == 401:
         headers["www-authenticate"] = "Bearer"
-    clean = "".join(letter if letter.isprintable() else "?" for letter in detail)[:2000]
+    clean = keep_printable(detail)[:LONGEST_MESSAGE]
     body = {"type": f"urn:garmentq:{code}", "title": code, "status": status, "code": code, "detail": clean}
     return JSONResponse(body, status, headers, media_type=MEDIA)
 

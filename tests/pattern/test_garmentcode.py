@@ -206,6 +206,10 @@ STITCHES = ("pattern", "stitches")
         ("pattern.seam_unknown", _change((*STITCHES, 0, 0, "edge"), 7)),
         ("pattern.edge_sewn_twice", _change((*STITCHES, 0, 0, "edge"), 3)),
         ("pattern.value_bad", _change(STITCHES, {"a": 1})),
+        ("pattern.value_bad", _change(("pattern", "panels", "a\x00"), {})),
+        ("pattern.value_bad", _change(("pattern", "panels", "a" * 201), {})),
+        ("pattern.value_bad", _change((*FRONT, "label"), "\ud800")),
+        ("pattern.value_bad", _change(("properties", "garmentq"), {"category": "a" * 33})),
         ("pattern.incomplete", _change((*STITCHES, 0), [])),
     ],
 )

@@ -113,13 +113,15 @@ def test_what_was_handed_over_is_not_believed(tmp_path, request_of):
 
 def test_the_job_shows_what_was_read_or_why_not(settings, database, queue_job):
     """Broken where the first stage's findings or its refusal do not reach the job's row."""
-    good, greedy = queue_job("good"), queue_job("greedy")
+    good, greedy, odd = queue_job("good"), queue_job("greedy"), queue_job("odd")
     assert run_job(settings, database, good, never) == "succeeded"
     assert run_job(settings, database, greedy, never) == "failed"
+    assert run_job(settings, database, odd, never) == "failed"
     report = report_jobs(database, [find_job(database, good)], settings)[0]
     assert report.details["checked"]["scan"] == {"name": "good", "units": "m"}
     row = find_job(database, greedy)
     assert (row.error_code, row.bad_input, row.stage) == ("input.too_large", True, "check")
+    assert find_job(database, odd).error_message == "the panel 'a??' is cut off; export it again."
 
 
 def test_a_cancelled_job_does_not_wait_for_its_reader(settings, database, queue_job):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -78,4 +79,21 @@ def talk(size: int) -> dict[str, Any]:
 def die(number: int) -> dict[str, Any]:
     """Die of a signal."""
     os.kill(os.getpid(), number)
+    return {}
+
+
+def odd() -> dict[str, Any]:
+    """Answer with what is no number."""
+    return {"size": float("nan")}
+
+
+def refuse_oddly() -> dict[str, Any]:
+    """Name what no database keeps and no terminal should see."""
+    raise Refused("the panel 'a\x00\x1b[2J\ud800' is cut off; export it again.")
+
+
+def leave(mark: str) -> dict[str, Any]:
+    """End well, and leave a process behind."""
+    left = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])
+    Path(mark).write_text(str(left.pid))
     return {}
