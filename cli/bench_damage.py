@@ -69,7 +69,7 @@ def study_pack(order: DamageOrder, write: Callable[[Line], None]) -> None:
 
 
 def empty_line(target: str, damage: str, preset: str) -> Line:
-    """Give the line of a run of which nothing is known yet."""
+    """Return the line of a run of which nothing is known yet."""
     return {
         "target": target,
         "damage": damage,
@@ -154,7 +154,7 @@ def _damaged_files(pack: Pack, damage: Damage, seed: int, folder: Path) -> tuple
 
 
 def _same(scan: Scan, clean: Scan) -> bool:
-    """Tell whether two scans are one: the same faces on the same places."""
+    """Return whether two scans are one: the same faces on the same places."""
     return (
         scan.vertices.shape == clean.vertices.shape
         and np.array_equal(scan.faces, clean.faces)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from ..service.states import State
 from .options import home_option, json_option
 
 
@@ -23,22 +24,9 @@ def command(jobs: tuple[str, ...], home: Path | None, as_json: bool) -> None:
     Example:
       garmentq cancel 3685ecfd4f81
     """
-    from dataclasses import replace
-
     from ..service.backend import open_backend
     from ..service.settings import read_settings
-    from ..service.states import State
-    from .terminal import note, print_json
+    from .family import change_families
 
     backend = open_backend(read_settings(home=home))
-    for job in jobs:
-        key = backend.find_job(job).id
-        state = backend.cancel(key)
-        found = backend.find_jobs_by_id([key], below=True)
-        for one in [replace(found[0], state=state), *found[1:]]:
-            if as_json:
-                print_json({"job": one.id, "state": one.state})
-            elif one.state == State.RUNNING:
-                note(f"job {one.id} stops")
-            else:
-                note(f"job {one.id} is {one.state}")
+    change_families(backend, jobs, backend.cancel, {State.RUNNING: "stops"}, as_json)

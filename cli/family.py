@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TypeVar
 
 from ..service.backend import Backend
 from ..service.query import MOST, JobQuery
 from ..service.records import Event, Job, JobReport
 from ..service.states import ENDED, State
+from .terminal import note, print_json
 
 J = TypeVar("J", bound=Job)
 
@@ -52,6 +54,29 @@ def find_family(backend: Backend, job: JobReport) -> list[JobReport]:
     while end < len(found) and found[end][0] > found[place][0]:
         end += 1
     return [one for _, one in found[place:end]]
+
+
+def change_families(
+    backend: Backend, jobs: Sequence[str], change: Callable[[str], State], words: Mapping[State, str], as_json: bool
+) -> None:
+    """Change jobs by their ids or beginnings of them, and show each with all below it.
+
+    Args:
+        backend: Where the jobs are.
+        jobs: What was typed.
+        change: What is done to each; returns its state after that.
+        words: What is said of a job in a state; by default that it is in it.
+        as_json: Print an object for each job instead of a line.
+    """
+    for job in jobs:
+        key = backend.find_job(job).id
+        state = change(key)
+        found = backend.find_jobs_by_id([key], below=True)
+        for one in [replace(found[0], state=state), *found[1:]]:
+            if as_json:
+                print_json({"job": one.id, "state": one.state})
+            else:
+                note(f"job {one.id} {words.get(one.state, f'is {one.state}')}")
 
 
 class FamilyEvents:

@@ -23,19 +23,9 @@ def command(jobs: tuple[str, ...], home: Path | None, as_json: bool) -> None:
     Example:
       garmentq retry 3685ecfd4f81
     """
-    from dataclasses import replace
-
     from ..service.backend import open_backend
     from ..service.settings import read_settings
-    from .terminal import note, print_json
+    from .family import change_families
 
     backend = open_backend(read_settings(home=home))
-    for job in jobs:
-        key = backend.find_job(job).id
-        state = backend.retry(key)
-        found = backend.find_jobs_by_id([key], below=True)
-        for one in [replace(found[0], state=state), *found[1:]]:
-            if as_json:
-                print_json({"job": one.id, "state": one.state})
-            else:
-                note(f"job {one.id} is {one.state}")
+    change_families(backend, jobs, backend.retry, {}, as_json)

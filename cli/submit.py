@@ -15,6 +15,7 @@ from .options import OrderOptions, home_option, json_option, order_options, time
 
 if TYPE_CHECKING:
     from ..service.backend import Backend
+    from ..service.records import Job
 
 
 @click.command("submit")
@@ -53,7 +54,6 @@ def command(
     from ..core.errors import GarmentqError
     from ..service.backend import open_backend
     from ..service.settings import read_settings
-    from .checked import wait_checked
     from .order import make_order, split_garments
     from .terminal import print_error, print_json
 
@@ -73,20 +73,39 @@ def command(
         if not as_json:
             click.echo(submitted.job)
     jobs = list(dict.fromkeys(submitted.job for _, submitted in made))
-    found = [] if wait or not jobs else wait_checked(backend, jobs, queue)
-    refused = {job.id: job for job in found if job.state is State.FAILED and job.bad_input}
-    for job in refused.values():
-        if job.error:
-            print_error(job.error.code, job.error.message)
-        status = max(status, exits.BAD_INPUT)
+    refused: dict[str, Job] = {}
+    if jobs and not wait:
+        refused, ended = _find_refused(backend, jobs, queue)
+        status = max(status, ended)
     for file, submitted in made if as_json else ():
-        ended = refused.get(submitted.job)
-        state, failure = (ended.state, ended.error) if ended else (submitted.state, None)
+        job = refused.get(submitted.job)
+        state, failure = (job.state, job.error) if job else (submitted.state, None)
         shown = {"job": submitted.job, "state": state, "is_new": submitted.is_new}
         print_json({"file": str(file), **shown, "error": asdict(failure) if failure else None})
     if wait:
         status = max(status, _wait(backend, jobs, timeout))
     context.exit(status)
+
+
+def _find_refused(backend: Backend, jobs: list[str], queue: str) -> tuple[dict[str, Job], int]:
+    """Return the jobs whose files are refused within a moment, and the exit status; the jobs are queued in any case."""
+    from ..core.errors import GarmentqError
+    from .checked import wait_checked
+    from .terminal import note, print_error
+
+    try:
+        found = wait_checked(backend, jobs, queue)
+    except GarmentqError as error:
+        print_error(error.code, error.message)
+        return {}, exits.error_status(error)
+    except KeyboardInterrupt:
+        note("the jobs go on; `garmentq status` tells how far they are.")
+        return {}, exits.DETACHED
+    refused = {job.id: job for job in found if job.state is State.FAILED and job.bad_input}
+    for job in refused.values():
+        if job.error:
+            print_error(job.error.code, job.error.message)
+    return refused, exits.BAD_INPUT if refused else exits.OK
 
 
 def _wait(backend: Backend, jobs: list[str], timeout: float | None) -> int:

@@ -11,6 +11,7 @@ import click
 import pytest
 from click.testing import CliRunner
 from garmentq.cli.main import COMMANDS, group
+from garmentq.service.database import DatabaseUnreachable
 from garmentq.service.families import cancel
 from garmentq.service.jobs import claim, fail, find_job
 from garmentq_home import put_file
@@ -239,3 +240,16 @@ def test_the_options_of_run():
     answer = CliRunner().invoke(group, ["run", "--help"]).output
     for option in "body template garment fabric method preset units up vertices home out json".split():
         assert f"--{option}" in answer
+
+
+@pytest.mark.parametrize(("error", "status"), [(KeyboardInterrupt, 130), (DatabaseUnreachable, 9)])
+def test_whatever_stops_the_wait_the_jobs_are_named(cli, tmp_path, monkeypatch, error, status):
+    """Broken where Ctrl-C, or a service that goes away, while files are checked keeps the ids of queued jobs back."""
+
+    def stop(*_):
+        raise error()
+
+    monkeypatch.setattr("garmentq.cli.checked.wait_checked", stop)
+    done = cli("submit", put_file(tmp_path, "skirt.ply"), "--body", "builtin:female", "--json")
+    assert done.returncode == status and json.loads(done.stdout)["state"] == "queued"
+    assert len(done.stderr.splitlines()) == 1
