@@ -59,7 +59,7 @@ class MoveForbidden(GarmentqError):
 
 @dataclass(frozen=True)
 class Claim:
-    """Hold the right to work on one job.
+    """Describe the right to work on one job.
 
     Attributes:
         job: The job's id.
@@ -84,7 +84,7 @@ class Claim:
 
 @dataclass(frozen=True)
 class Pulse:
-    """Say what a heartbeat found.
+    """Describe what a heartbeat found.
 
     Attributes:
         is_owner: False where the job belongs to someone else by now.
@@ -265,7 +265,7 @@ def end_cancelled(database: Database, claim: Claim) -> None:
 
 
 def release(database: Database, claim: Claim) -> None:
-    """Give a running job back to the queue; the attempt does not count, since the worker was told to stop.
+    """Return a running job to the queue; the attempt does not count, since the worker was told to stop.
 
     Raises:
         FenceLost: where the job belongs to someone else.
@@ -294,7 +294,7 @@ def expire(session: Session, row: JobRow, max_attempts: int) -> None:
 
 
 def find_job(database: Database, job: str) -> JobRow:
-    """Give a job by its id, or by a beginning of it that fits no other.
+    """Return a job by its id, or by a beginning of it that fits no other.
 
     Raises:
         JobUnknown: where there is none, or more than one.
@@ -310,7 +310,7 @@ def find_job(database: Database, job: str) -> JobRow:
 
 
 def find_jobs_by_id(database: Database, jobs: Sequence[str]) -> list[JobRow]:
-    """Give the jobs of some ids, in the order of the ids."""
+    """Return the jobs of some ids, in the order of the ids."""
     found: dict[str, JobRow] = {}
     with database.read() as session:
         for start in range(0, len(jobs), IDS_AT_ONCE):
@@ -332,13 +332,13 @@ def pick_known(ids: Sequence[str], found: Mapping[str, T]) -> list[T]:
 
 
 def list_jobs(database: Database, limit: int = 50) -> list[JobRow]:
-    """Give the newest jobs, newest first."""
+    """Return the newest jobs, newest first."""
     with database.read() as session:
         return list(session.scalars(select(JobRow).order_by(JobRow.created.desc(), JobRow.id).limit(limit)))
 
 
 def read_events(database: Database, job: str, after: int = 0) -> list[EventRow]:
-    """Give a job's events with an id above `after`, in order."""
+    """Return a job's events with an id above `after`, in order."""
     with database.read() as session:
         return list(
             session.scalars(select(EventRow).where(EventRow.job == job, EventRow.id > after).order_by(EventRow.id))

@@ -169,7 +169,7 @@ def admit(database: Database, token: str | None, is_open: bool) -> Caller:
 
 
 def own(session: Session, key: str, job: str) -> None:
-    """Give a key sight of a job; an empty key is the local user, who sees all."""
+    """Make a key an owner of a job; an empty key is the local user, who sees all."""
     if key and session.get(OwnerRow, (key, job)) is None:
         session.flush()
         session.add(OwnerRow(key=key, job=job))

@@ -91,7 +91,7 @@ class JobRow(Base):
 
 
 class JobInputRow(Base):
-    """Let a job read the result of an ended one under a name; it is never run again or cancelled with its readers."""
+    """Name an ended job whose result a job reads; that one is never run again or cancelled with its readers."""
 
     __tablename__ = "job_inputs"
     job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
@@ -100,7 +100,7 @@ class JobInputRow(Base):
 
 
 class JobWaitRow(Base):
-    """Let a job wait until a sibling has succeeded."""
+    """Name a sibling that must have succeeded before a job begins."""
 
     __tablename__ = "job_waits"
     job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
@@ -116,7 +116,7 @@ class JobTagRow(Base):
 
 
 class EventRow(Base):
-    """Tell one thing that happened to a job; rows are only ever added."""
+    """Record one thing that happened to a job; rows are only ever added."""
 
     __tablename__ = "events"
     id: Mapped[int] = mapped_column(SERIAL, primary_key=True, autoincrement=True)
@@ -136,7 +136,7 @@ class OutboxRow(Base):
 
 
 class LockRow(Base):
-    """Give a duty to one process at a time, for as long as it renews it."""
+    """Assign a duty to one process at a time, for as long as it renews it."""
 
     __tablename__ = "locks"
     name: Mapped[str] = mapped_column(String(32), primary_key=True)
@@ -145,7 +145,7 @@ class LockRow(Base):
 
 
 class WorkerRow(Base):
-    """Tell of one living worker, by its parent process; `seen` is renewed in each of its rounds."""
+    """Describe one living worker, by its parent process; `seen` is renewed in each of its rounds."""
 
     __tablename__ = "workers"
     name: Mapped[str] = mapped_column(String(255), primary_key=True)
@@ -255,7 +255,7 @@ class ApiKeyRow(Base):
 
 
 class OwnerRow(Base):
-    """Let a key see a job that it submitted; a job that several keys submitted is one job, seen by each."""
+    """Name a key that may see a job, having submitted it; what several keys submitted is one job, seen by each."""
 
     __tablename__ = "owners"
     key: Mapped[str] = mapped_column(ForeignKey("api_keys.id", ondelete="CASCADE"), primary_key=True)
@@ -263,7 +263,7 @@ class OwnerRow(Base):
 
 
 class UploadRow(Base):
-    """Let a key (empty: no key) use a file that it uploaded, under the name that it gave."""
+    """Name a file that a key (empty: no key) uploaded and may use, with the name that it gave."""
 
     __tablename__ = "uploads"
     key: Mapped[str] = mapped_column(String(16), primary_key=True)

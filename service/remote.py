@@ -256,7 +256,7 @@ class RemoteBackend:
         return _read(lambda: Key.from_json(found))
 
     def read_health(self) -> dict[str, str]:
-        """Give the service's version, and `ok` or what is wrong of its database and store."""
+        """Return the service's version, and `ok` or what is wrong of its database and store."""
         version = str(self._ask("GET", "/healthz")["version"])
         return {"version": version, **self._ask("GET", "/readyz")}
 

@@ -89,14 +89,14 @@ def save_checkpoint(database: Database, store: Store, claim: Claim, name: str, c
 
 
 def load_checkpoint(database: Database, store: Store, job: str, name: str, kind: str = CHECKPOINT) -> bytes | None:
-    """Give a stage's state, or None where none was kept."""
+    """Return a stage's state, or None where none was kept."""
     with database.read() as session:
         key = session.scalars(select(ArtifactRow.sha256).where(_named(job, kind, name))).one_or_none()
     return None if key is None else store.get_bytes(key)
 
 
 def list_files(database: Database, job: str) -> list[ArtifactRow]:
-    """Give a job's result files by name."""
+    """Return a job's result files by name."""
     with database.read() as session:
         wanted = (ArtifactRow.job == job) & (ArtifactRow.kind == RESULT)
         return list(session.scalars(select(ArtifactRow).where(wanted).order_by(ArtifactRow.name)))

@@ -85,26 +85,26 @@ class ServiceSettings:
 
     @property
     def database(self) -> str:
-        """Give the database address that is really used."""
+        """Return the database address that is really used."""
         return self.database_url or f"sqlite:///{self.home / 'garmentq.db'}"
 
     @property
     def store_path(self) -> Path:
-        """Give the artifact folder that is really used; an S3 store has none."""
+        """Return the artifact folder that is really used; an S3 store has none."""
         return Path(self.store) if self.store and not self.is_store_remote else self.home / "store"
 
     @property
     def is_store_remote(self) -> bool:
-        """Tell whether the artifacts are in a bucket."""
+        """Return whether the artifacts are in a bucket."""
         return self.store.startswith("s3://")
 
     @property
     def is_embedded(self) -> bool:
-        """Tell whether the broker is our own."""
+        """Return whether the broker is our own."""
         return not self.broker_url
 
     def as_environment(self) -> dict[str, str]:
-        """Give the variables that make another process read these very settings."""
+        """Return the variables that make another process read these very settings."""
         values = {f.name: getattr(self, f.name) for f in fields(self)}
         return {f"GARMENTQ_{name.upper()}": "" if value is None else str(value) for name, value in values.items()}
 
@@ -160,7 +160,7 @@ SECRET_WORDS = ("password", "passwd", "pwd", "secret", "token", "key")
 
 
 def hide_password(url: str) -> str:
-    """Give an address that may be shown: its password, and what its parameters hold that sounds like one, as stars."""
+    """Return an address that may be shown: with stars for its password, and for parameters that sound like one."""
     parts = urlsplit(url)
     if parts.password is not None:
         host = parts.netloc.rsplit("@", 1)[1]
@@ -171,5 +171,5 @@ def hide_password(url: str) -> str:
 
 
 def show_settings(settings: ServiceSettings) -> dict[str, str]:
-    """Give every setting as text that may be shown: no password, no key."""
+    """Return every setting as text that may be shown: no password, no key."""
     return {name: hide_password(value) for name, value in settings.as_environment().items()}

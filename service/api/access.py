@@ -21,7 +21,7 @@ from .problems import RequestBad
 
 @dataclass(frozen=True)
 class Rooms(Services):
-    """Hold what the routes work with: an open home, and what its callers may do.
+    """Gather what the routes work with: an open home, and what its callers may do.
 
     Attributes:
         limits: What a request may cost.
@@ -38,7 +38,7 @@ bearer = HTTPBearer(auto_error=False, description="A token from `garmentq keys c
 
 
 def get_rooms(request: Request) -> Rooms:
-    """Give the rooms of the application."""
+    """Return the rooms of the application."""
     rooms: Rooms = request.app.state.rooms
     return rooms
 
@@ -47,7 +47,7 @@ def get_caller(
     rooms: Annotated[Rooms, Depends(get_rooms)],
     credentials: Annotated[HTTPAuthorizationCredentials | None, Security(bearer)],
 ) -> Caller:
-    """Tell who asks.
+    """Find who asks.
 
     Raises:
         KeyMissing, KeyBad: where nobody may.
@@ -101,7 +101,7 @@ Admin = Annotated[Caller, Depends(get_admin)]
 
 
 def find_own(rooms: Rooms, caller: Caller, job: str) -> JobRow:
-    """Give a job that the caller may see, by its id or its beginning; another key's job is as unknown as none.
+    """Return a job that the caller may see, by its id or its beginning; another key's job is as unknown as none.
 
     Raises:
         JobUnknown: where there is none.

@@ -96,7 +96,7 @@ def list_jobs(
 
 @router.get("/{job}", summary="Show a job and what it found.", responses=show_answer(EXAMPLE, model=Job))
 def show_one(job: str, rooms: RoomsOf, caller: Reader) -> Any:
-    """Give one job; a local user may name it by its first letters."""
+    """Return one job; a local user may name it by its first letters."""
     return show_job(rooms, find_own(rooms, caller, job))
 
 
@@ -115,7 +115,7 @@ def cancel_job(job: str, rooms: RoomsOf, caller: Submitter) -> Any:
     responses=show_answer({"job": "3685ecfd4f81", "state": "queued"}, 202, Changed, (409,)),
 )  # fmt: skip
 def retry_job(job: str, rooms: RoomsOf, caller: Submitter) -> Any:
-    """Give an ended job all its attempts once more."""
+    """Queue an ended job again, with all its attempts."""
     row = find_own(rooms, caller, job)
     return {"job": row.id, "state": retry(rooms.database, row.id, caller.key, caller.quota)}
 

@@ -135,5 +135,5 @@ def _summary(recovery: Recovery) -> dict[str, Any]:
 
 
 def _finite(value: float | None) -> float | None:
-    """Give a number that every database can keep, or None."""
+    """Return a number that every database can keep, or None."""
     return None if value is None or not math.isfinite(value) else float(value)
