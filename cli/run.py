@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from ..service.records import JobReport
     from .follow import Wait
 
+LONGEST_FOLDER = 60
+"""Letters of a folder's name: file systems take 255 bytes, and a letter has up to four."""
+
 
 @click.command("run")
 @click.argument("file", type=click.Path(path_type=Path))
@@ -91,7 +94,7 @@ def command(
 
 def folder_name(label: str) -> str:
     """Return the folder of a garment of several: its label, of which only letters, digits, - and _ are kept."""
-    return "".join(c if c.isalnum() or c in "-_" else "_" for c in label)
+    return "".join(c if c.isalnum() or c in "-_" else "_" for c in label[:LONGEST_FOLDER]) or "_"
 
 
 def wait_and_show(backend: Backend, job: str, folder: Path, wait: Wait, verbose: bool = False) -> int:

@@ -6,11 +6,13 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import click
 import pytest
 from click.testing import CliRunner
 from garmentq.cli.main import COMMANDS, group
+from garmentq.cli.run import name_folders
 from garmentq.service.database import DatabaseUnreachable
 from garmentq.service.families import cancel
 from garmentq.service.jobs import claim, fail, find_job
@@ -253,3 +255,14 @@ def test_whatever_stops_the_wait_the_jobs_are_named(cli, tmp_path, monkeypatch, 
     done = cli("submit", put_file(tmp_path, "skirt.ply"), "--body", "builtin:female", "--json")
     assert done.returncode == status and json.loads(done.stdout)["state"] == "queued"
     assert len(done.stderr.splitlines()) == 1
+
+
+def test_files_of_a_family_stay_in_its_folder(tmp_path):
+    """Broken where a child without a name, or with a name longer than a file's may be, has its files elsewhere."""
+    names = {"a": "", "b": "", "c": "é" * 255, "d": "../x", "e": "front"}
+    root = SimpleNamespace(id="root", parent=None, name="root")
+    family = [root, *(SimpleNamespace(id=job, parent="root", name=name) for job, name in names.items())]
+    folders = name_folders(family, tmp_path)
+    assert len(set(folders.values())) == 6 and all(folders[job].parent == tmp_path for job in names)
+    for folder in folders.values():
+        folder.mkdir(exist_ok=True)
