@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.drape import DrapeSettings, drape_template
-from garmentq.core.fit import FitScene, ShapeProblem, ShapeSettings, estimate_body_offset, is_estimated
+from garmentq.core.fit import FitScene, ShapeProblem, ShapeSettings, body_offset, estimate_body_offset, is_estimated
+from garmentq.core.fit.body_offset import _spread
 from garmentq.core.pattern import load_template
 from garmentq.core.simulate import Scene, Topology, equilibrium, get_fabric, soften
 from wearers import find_wearer
@@ -33,6 +34,28 @@ def test_cloth_on_a_body_guessed_too_thin_hangs_where_it_was_scanned() -> None:
     # far from the cloth nothing is known, and nothing moves; nowhere does the body stand out of the cloth
     assert abs(heights[wearer.body.vertices[:, 1].argmax()]) < 1e-4
     assert raised.exposed.measure(scanned.nodes)[0].min() > -1e-3
+
+
+def test_a_body_still_too_low_is_raised_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Breaks if rounds end before the cloth rests where it was scanned: one narrow round leaves 12 mm half done."""
+    wearer = find_wearer()
+    pattern, fabric = load_template("tank"), soften(get_fabric("cotton_poplin"))
+    worn = drape_template(pattern, wearer, settings=DrapeSettings(template_vertices=400))
+    scanned = worn.at(equilibrium(Scene(Topology.from_garment(worn), fabric, wearer.grid), worn.nodes).nodes)
+    thin = wearer.raised(np.full(len(wearer.body.vertices), -0.012))
+    scene = Scene(Topology.from_garment(scanned), fabric, thin.grid)
+    problem = ShapeProblem.of(FitScene.of(scanned, pattern, scene), ShapeSettings())
+    missing = []
+
+    def spread(vertices: np.ndarray, points: np.ndarray, out: np.ndarray, areas: np.ndarray, radius: float) -> object:
+        missing.append(float(np.sqrt((areas * out**2).sum() / areas.sum())))
+        return _spread(vertices, points, out, areas, radius)
+
+    monkeypatch.setattr(body_offset, "RADII", (0.03,))
+    monkeypatch.setattr(body_offset, "_spread", spread)
+    estimate_body_offset(problem, thin)
+    assert 2 < len(missing) < body_offset.ROUNDS
+    assert min(missing[:-1]) > body_offset.AT_REST >= missing[-1]
 
 
 def test_a_raised_body_is_one_body() -> None:
