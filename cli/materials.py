@@ -23,7 +23,7 @@ def command(name: str | None, as_json: bool) -> None:
       garmentq materials denim --json
     """
     from ..service.backend import open_backend
-    from ..service.library import show_fabric
+    from ..service.catalogue import show_fabric
     from ..service.settings import read_settings
     from .terminal import print_json, print_table
 

@@ -251,7 +251,7 @@ def is_memory_short(error: BaseException) -> bool:
 
 
 def _withdraw(bounds: Bounds) -> None:
-    """Give up what the process does not need, before it looks at any file."""
+    """Drop what the process does not need, before it looks at any file."""
     if sys.platform == "linux":
         import ctypes
 

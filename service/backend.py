@@ -16,7 +16,7 @@ from .states import State
 
 if TYPE_CHECKING:
     from ..core.simulate import Fabric
-    from .library import ImportedTemplate, Template
+    from .catalogue import ImportedTemplate, Template
     from .query import JobQuery
     from .records import Artifact, Job, JobReport, Key, News, Queue
     from .submission import Order, Submitted

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import families, jobs, keys, ordering, query, reaper, results, submission, templates
+from .catalogue import ImportedTemplate, Template
 from .database import Database
-from .library import ImportedTemplate, Template
 from .records import Artifact, Event, Job, JobReport, Key, News, Queue, Worker
 from .services import Services, open_services
 from .settings import ServiceSettings

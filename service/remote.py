@@ -27,9 +27,9 @@ import httpx
 
 from ..core.body import is_builtin
 from ..core.errors import NotFound
+from .catalogue import ImportedTemplate, Template, read_fabric
 from .connection import TRIES, Connection, ServiceUnreachable
 from .jobs import pick_known
-from .library import ImportedTemplate, Template, read_fabric
 from .ordering import check_typed
 from .query import JobQuery
 from .records import (

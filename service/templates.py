@@ -10,8 +10,8 @@ from sqlalchemy import select
 
 from ..core.errors import BadInput
 from ..core.limited import Bounds, call_limited
+from .catalogue import ImportedTemplate, Template
 from .database import Database, clock
-from .library import ImportedTemplate, Template
 from .models import TemplateRow
 from .services import Services
 from .store import Store

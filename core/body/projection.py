@@ -105,7 +105,7 @@ def _ways_out(points: np.ndarray, skin: ExposedSurface, clearance: float) -> tup
 
 
 def _keep_larger(push: np.ndarray, corners: np.ndarray, wanted: np.ndarray) -> None:
-    """Let each corner move as its face wants to where that is further than it moves already."""
+    """Move each corner, in place of its own move, as its face wants to where that is further."""
     for k in range(3):
         size = np.linalg.norm(wanted, axis=1)
         order = np.argsort(size, kind="stable")  # the largest wish of all faces around a node is written last

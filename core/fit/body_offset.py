@@ -44,7 +44,7 @@ FAINT = 0.05
 
 
 def is_estimated(body: Body) -> bool:
-    """Tell whether the body was found under the cloth of a dressed person, where nothing shows it."""
+    """Return whether the body was found under the cloth of a dressed person, where nothing shows it."""
     return body.source.startswith("scan:")
 
 

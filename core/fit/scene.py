@@ -110,7 +110,7 @@ class FitScene:
         return keep_held(pattern, self.garment.pattern, self.like, self.locked) if self.locked.any() else pattern
 
     def is_sound(self, pattern: Pattern, least: float = 0.0) -> bool:
-        """Tell whether no panel folds over, and every triangle of the mesh keeps more than a share of its area."""
+        """Check that no panel folds over, and that every triangle of the mesh keeps more than a share of its area."""
         try:
             for panel in pattern.panels:
                 check_outline(panel)

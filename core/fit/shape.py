@@ -180,7 +180,7 @@ def _joined(matrix: np.ndarray, last: float) -> np.ndarray:
 
 
 def keep_seams(pattern: Pattern, like: Pattern, locked: np.ndarray | None = None) -> np.ndarray:
-    """Give an orthonormal basis of the effective motions that keep seams equal and what is locked, [p, free_count]."""
+    """Compute an orthonormal basis of the effective motions that keep seams equal and locks, shape [p, free_count]."""
     rows = seam_constraints(pattern, like=like)[1] @ find_symmetry(like).matrix.toarray()
     if locked is not None:
         rows = np.concatenate([rows, np.eye(len(locked))[locked]])

@@ -1,4 +1,4 @@
-"""Give each job a kind and a family: a parent, results that it reads, siblings that it waits for, tags."""
+"""Add a kind and a family to each job: a parent, results that it reads, siblings that it waits for, tags."""
 
 from __future__ import annotations
 

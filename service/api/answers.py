@@ -8,7 +8,7 @@ from typing import Any, Literal, get_type_hints
 from pydantic import BaseModel, ConfigDict, create_model
 
 from .. import records
-from ..library import Template
+from ..catalogue import Template
 from ..records import Artifact
 from ..states import State
 from .schemas import Sha256

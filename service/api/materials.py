@@ -6,7 +6,7 @@ from typing import Any
 
 from fastapi import APIRouter
 
-from ..library import show_fabric
+from ..catalogue import show_fabric
 from .access import Reader
 from .answers import Material, Materials
 from .problems import show_answer

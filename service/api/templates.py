@@ -9,7 +9,7 @@ from typing import Any
 from fastapi import APIRouter, Request, Response
 from starlette.concurrency import run_in_threadpool
 
-from ..library import ImportedTemplate
+from ..catalogue import ImportedTemplate
 from ..templates import import_template, list_templates, read_template
 from .access import Admin, Reader, Rooms, RoomsOf
 from .answers import Templates

@@ -35,7 +35,7 @@ def find_writes(path: Path) -> list[int]:
 
 
 def _is_row(node: ast.Attribute) -> bool:
-    """Tell an attribute that is stored from one that is read on the way to another (`app.state.rooms = ...`)."""
+    """Distinguish an attribute that is stored from one that is read on the way to another (`app.state.rooms = ...`)."""
     return isinstance(node.ctx, ast.Store)
 
 

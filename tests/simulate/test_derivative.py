@@ -86,7 +86,7 @@ def small(sheet, grid_of, cloth):
 
 
 def differ(sheet: Sheet, derivative, scene: Scene, nodes: np.ndarray, steps: np.ndarray) -> np.ndarray:
-    """Give the central differences of upstream . x by every parameter."""
+    """Return the central differences of upstream . x by every parameter."""
     solver, found = make_solver(scene.topology.pattern), []
     for direction in np.diag(steps):
         moved = [sheet.parameters.move(scene, s * direction) for s in (1, -1)]
@@ -159,7 +159,7 @@ def test_push_and_pull_are_transposes(large):
 
 
 def pin_differences(sheet: Sheet, scene: Scene, derivative, nodes: np.ndarray) -> np.ndarray:
-    """Give the central differences of upstream . x by the pinned points."""
+    """Return the central differences of upstream . x by the pinned points."""
     pins, solver = scene.pins, make_solver(scene.topology.pattern)
     found = np.zeros_like(pins.points)
     for place in np.ndindex(found.shape):

@@ -16,7 +16,7 @@ from garmentq_family import KINDS, Root
 
 @pytest.fixture
 def family(settings, database, queue_job, monkeypatch, tmp_path):
-    """Give a function that queues a root, and settings under which it runs."""
+    """Return a function that queues a root, and settings under which it runs."""
     monkeypatch.setenv("STANDIN_MARKS", str(tmp_path / "marks"))
     chosen = replace(settings, kinds=KINDS)
     source = find_job(database, queue_job("source"))
@@ -41,5 +41,5 @@ def work_off(settings, database) -> None:
 
 
 def pieces(database, root) -> dict[str, JobRow]:
-    """Give a root's children by name."""
+    """Return a root's children by name."""
     return {row.name: row for row in find_jobs(database, JobQuery({"parent": root}).conditions)}
