@@ -84,6 +84,7 @@ def fit_pattern(
         coarse = replace(coarse, scene=coarse.scene.with_body(wearer.grid))
         registered = project_outside(registered, wearer.exposed, refitted.faces)
         refitted = refitted.at(registered)
+        graded = project_outside(graded, wearer.exposed, refitted.faces)  # it was draped on the body as guessed
     bending: tuple[FabricEstimate, ...] = ()
     if "fabric" not in locks:
         found, estimate = fit_bending(coarse, material, hooks)
