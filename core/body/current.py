@@ -10,12 +10,20 @@ from .signed_distance import SignedDistance
 STEP = 2e-3
 """Longest move in a round [m]: over the width of the current a strain of a few per cent, so nothing folds over."""
 
+ROUNDS = 40
+"""Rounds in which cloth is carried at most: 8 cm, a lap's crease."""
+
 REACH = 4.0
 """Widths beyond which the current is still: it has faded to less than 1e-3 there."""
 
 
 def carry_outside(
-    nodes: np.ndarray, faces: np.ndarray, body: SignedDistance, width: float, rounds: int, clearance: float = 1e-3
+    nodes: np.ndarray,
+    faces: np.ndarray,
+    body: SignedDistance,
+    width: float,
+    rounds: int = ROUNDS,
+    clearance: float = 1e-3,
 ) -> np.ndarray:
     """Carry cloth that is inside a body out of it, with the cloth around it, and return the nodes [m], [node_count, 3].
 

@@ -14,9 +14,6 @@ ROUNDS = 12
 NEAR = 0.02
 """Points further out than this [m] are not looked at again: no round moves anything so far."""
 
-CARRIED = 40
-"""Rounds in which cloth is carried at most: 8 cm, a lap's crease."""
-
 EASIER = (0.5, 0.1)
 """Shares of the clearance that are tried where the whole of it makes cloth cross: in a gap between two parts of the
 body that is narrower than two clearances, layers change places."""
@@ -60,7 +57,7 @@ def project_outside(
 def _carry(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface, clearance: float) -> np.ndarray:
     """Carry what is inside out by a current as wide as the cloth's mean edge."""
     edge = float(np.linalg.norm(nodes[faces] - nodes[faces[:, [1, 2, 0]]], axis=2).mean())
-    return carry_outside(nodes, faces, skin, edge, CARRIED, clearance)
+    return carry_outside(nodes, faces, skin, edge, clearance=clearance)
 
 
 def _push(nodes: np.ndarray, skin: ExposedSurface, faces: np.ndarray, clearance: float) -> np.ndarray:
