@@ -17,8 +17,8 @@ LAYERS = ("core", "service", "workers", "cli")
 """From the lowest to the highest."""
 ROOMS = (
     "lazy", "errors", "hooks", "clock", "checkpoints", "settings", "limited", "npy", "mesh", "body", "scan",
-    "segment", "pattern", "simulate", "drape", "grade", "deform", "meshes", "reading", "recovery", "inputs", "case",
-    "fit", "measure", "export", "pipeline",
+    "segment", "pattern", "simulate", "drape", "grade", "deform", "meshes", "reading", "recovery", "inputs", "person",
+    "case", "fit", "measure", "export", "pipeline",
 )  # fmt: skip
 """The rooms of core, from the lowest to the highest; a new one takes its place here."""
 

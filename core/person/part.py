@@ -1,0 +1,30 @@
+"""The parts of a dressed person."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+
+class Part(IntEnum):
+    """Name a part; the value is its number in a labels file."""
+
+    SKIN = 0
+    HAIR = 1
+    SHOES = 2
+    UPPER = 10
+    LOWER = 11
+    ONE_PIECE = 12
+    OUTER = 13
+    OTHER = 20
+
+    @property
+    def word(self) -> str:
+        """Return its name for people, options and folders: `one-piece`."""
+        return self.name.lower().replace("_", "-")
+
+
+GARMENTS = (Part.UPPER, Part.LOWER, Part.ONE_PIECE, Part.OUTER)
+"""The parts that are recovered, each as a job of its own."""
+
+CLOTH = (*GARMENTS, Part.OTHER)
+"""The parts that hide the body and say nothing of where its skin is."""
