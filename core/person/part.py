@@ -23,6 +23,9 @@ class Part(IntEnum):
         return self.name.lower().replace("_", "-")
 
 
+PARTS = tuple(Part)
+"""The columns of a posterior, in their order."""
+
 GARMENTS = (Part.UPPER, Part.LOWER, Part.ONE_PIECE, Part.OUTER)
 """The parts that are recovered, each as a job of its own."""
 
