@@ -1,0 +1,168 @@
+"""Describe every sample of a person by numbers that depend neither on place and heading nor on colour."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .limbs import FOLDED, BodyPlace, Limb, place_on_body
+from .neighbourhood import RADII, gather
+from .points import FittedPerson, PersonPoints
+
+VERSION = 1
+"""Layout of the features; weights that were trained on another one are refused."""
+
+OFFSET_RANGE = (-0.06, 0.30)
+"""Offsets from the body are clipped to this range [m]: within it lie the fit's errors and a wide skirt."""
+STATION_BIN = 0.01
+"""Height [m] of the slices of a limb whose offsets are summed up: three samples across."""
+SLICE_REACH = 2
+"""Slices on either side that a slice's quantiles take in: 5 cm in all, some hundred samples of an arm."""
+SLICE_SHARES = (0.2, 0.5, 0.8)
+"""Quantiles of a slice's offsets: its skin where it has some, its middle, its folds."""
+SLICE_STEP = 4
+"""Slices between the middles of a slice's two sides that a step is measured over: 4 cm."""
+
+NAMES: tuple[str, ...] = (
+    "offset", "distance", "normal_agreement",
+    "normal_along", "normal_front", "normal_side", "gap_along", "gap_front", "gap_side",
+    "rest_aside", "rest_up", "rest_forward", "station", "around_front", "around_side",
+    *(f"part_{name}" for name in FOLDED),
+    *(f"{value}_{1000 * radius:.0f}" for radius in RADII
+      for value in ("offset_mean", "offset_spread", "offset_step", "curvature", "normal_spread", "crowding")),
+    "border", "height_over_floor", "height_share",
+    *(f"slice_{100 * share:.0f}" for share in SLICE_SHARES), "slice_excess", "slice_step", "slice_both",
+    *(f"typical_{name}" for name in FOLDED),
+)  # fmt: skip
+"""What each column is; lengths in units of `LENGTH`, directions folded so that left and right are alike."""
+
+LENGTH = 0.02
+"""Length [m] that offsets and steps are counted in: the scale of ease."""
+
+
+@dataclass(frozen=True)
+class Features:
+    """Hold the description of a person's samples.
+
+    Attributes:
+        values: One row for each sample, float32, shape [n, F].
+        names: What each column is, `NAMES`.
+        place: Where on the body each sample lies.
+        version: `VERSION`.
+    """
+
+    values: np.ndarray
+    names: tuple[str, ...]
+    place: BodyPlace
+    version: int = VERSION
+
+    def column(self, name: str) -> np.ndarray:
+        """Return one feature of all samples by its name, shape [n]."""
+        return np.asarray(self.values[:, self.names.index(name)])
+
+
+def describe_points(points: PersonPoints, fit: FittedPerson) -> Features:
+    """Describe samples of a person by what the fitted body and their neighbours say of them.
+
+    All is relative to the body: a person seen in a mirror has the same features at the mirrored places.
+
+    Args:
+        points: The samples.
+        fit: The body fitted to them.
+    """
+    body = fit.body
+    place = place_on_body(points, body)
+    offset = np.clip(place.offset, *OFFSET_RANGE)
+    side = np.cross(place.along, place.front) * _handedness(place)[:, None]
+    frame = np.stack([place.along, place.front, side], axis=1)
+    height = float(np.ptp(body.rest_vertices[:, 1]))
+    floor = float(body.vertices[:, 1].min())
+    local = gather(points.positions, points.normals, offset, place.along)
+    columns = [
+        offset[:, None] / LENGTH,
+        np.minimum(place.distance, OFFSET_RANGE[1])[:, None] / LENGTH,
+        np.einsum("na,na->n", points.normals, place.normal)[:, None],
+        np.einsum("nka,na->nk", frame, points.normals),
+        np.clip(np.einsum("nka,na->nk", frame, points.positions - place.foot), -0.3, 0.3) / LENGTH,
+        np.abs(place.rest[:, :1]) / height,
+        place.rest[:, 1:] / height,
+        place.station[:, None] / height,
+        np.einsum("nka,na->nk", frame[:, 1:], place.normal),
+        place.parts,
+        *(_scaled(values) for values in local),
+        points.border[:, None] / LENGTH,
+        (points.positions[:, 1:2] - floor) / LENGTH / 10,
+        (points.positions[:, 1:2] - floor) / height,
+        _slices(place, offset) / LENGTH,
+        np.broadcast_to(_typical_offsets(place, offset) / LENGTH, place.parts.shape),
+    ]
+    values = np.hstack(columns).astype(np.float32)
+    return Features(values=values, names=NAMES, place=place)
+
+
+def _handedness(place: BodyPlace) -> np.ndarray:
+    """Return the sign that turns "to the side" the same way in the mirror: towards the middle, of arms downwards."""
+    sign = np.where(place.rest[:, 0] < 0, -1.0, 1.0)
+    # Down x forward is -x, inwards on the left; up x forward (neck and head) is +x; left arm x forward is down.
+    return np.where(place.limb == Limb.NECK, -sign, sign)
+
+
+def _scaled(local: np.ndarray) -> np.ndarray:
+    """Bring the neighbourhood's sums to numbers about 1, columns as `gather` returns them."""
+    out = local.copy()
+    out[:, :3] /= LENGTH
+    out[:, 3] = np.clip(out[:, 3] * LENGTH, -3.0, 3.0)
+    return out
+
+
+def _slices(place: BodyPlace, offset: np.ndarray) -> np.ndarray:
+    """Compute what the slice of the limb around each sample looks like [m], shape [n, 6].
+
+    Quantiles of its offsets; the sample's offset beyond the middle one; how much higher the middle one is 2 cm further
+    out than 2 cm further in; and the middle one of both limbs of a pair.
+    """
+    out = np.zeros((len(offset), len(SLICE_SHARES) + 3))
+    tables = {limb: _slice_table(place, offset, (limb,)) for limb in Limb}
+    half = SLICE_STEP // 2
+    pairs = ((Limb.LEFT_ARM, Limb.RIGHT_ARM), (Limb.LEFT_LEG, Limb.RIGHT_LEG), (Limb.TRUNK,), (Limb.NECK,))
+    for pair in pairs:
+        both = _slice_table(place, offset, pair)
+        for limb in pair:
+            mine = np.flatnonzero(place.limb == limb)
+            if not len(mine):
+                continue
+            first, table = tables[limb]
+            row = np.floor(place.station[mine] / STATION_BIN).astype(np.int64)
+            middle, last = table[:, 1], len(table) - 1
+            out[mine, : len(SLICE_SHARES)] = table[row - first]
+            out[mine, -3] = offset[mine] - out[mine, 1]
+            out[mine, -2] = middle[np.clip(row - first + half, 0, last)] - middle[np.clip(row - first - half, 0, last)]
+            out[mine, -1] = both[1][row - both[0], 1]
+    return out
+
+
+def _typical_offsets(place: BodyPlace, offset: np.ndarray) -> np.ndarray:
+    """Compute the median offset of each part of the body [m], shape [11]; 0 where a part was not seen.
+
+    They are the same for all samples: whether the shins are bare says what hangs on the hips.
+    """
+    mine = place.parts > 0.5
+    return np.array([np.median(offset[column]) if column.any() else 0.0 for column in mine.T])
+
+
+def _slice_table(place: BodyPlace, offset: np.ndarray, limbs: tuple[Limb, ...]) -> tuple[int, np.ndarray]:
+    """Compute the quantiles of offsets of each slice of limbs: number of the first slice, and a row for each."""
+    mine = np.flatnonzero(np.isin(place.limb, limbs))
+    if not len(mine):
+        return 0, np.zeros((1, len(SLICE_SHARES)))
+    row = np.floor(place.station[mine] / STATION_BIN).astype(np.int64)
+    order = np.argsort(row, kind="stable")
+    row, sorted_offset = row[order], offset[mine][order]
+    first = int(row[0])
+    centre = np.arange(first, int(row[-1]) + 1)
+    begin, end = np.searchsorted(row, centre - SLICE_REACH), np.searchsorted(row, centre + SLICE_REACH + 1)
+    table = np.zeros((len(centre), len(SLICE_SHARES)))
+    for i, (a, b) in enumerate(zip(begin, end, strict=True)):
+        table[i] = np.quantile(sorted_offset[a:b], SLICE_SHARES) if b > a else (table[i - 1] if i else 0.0)
+    return first, table
