@@ -5,7 +5,10 @@ from .header import check_extension, check_header
 from .labels import read_labels
 from .limits import Limits
 from .load import lies_on, load_pair, load_scan
+from .load_raw import load_raw
+from .normals import orient_normals
 from .pieces import Pieces, load_pieces
+from .raw import RawScan
 from .refusal import FileMissing, LabelsUnreadable
 from .scan import Scan, describe_scan
 from .selection import TOLERANCE, Selection, parse_colour, select_vertices
@@ -17,6 +20,7 @@ __all__ = [
     "LabelsUnreadable",
     "Limits",
     "Pieces",
+    "RawScan",
     "Scan",
     "Selection",
     "check_extension",
@@ -28,7 +32,9 @@ __all__ = [
     "lies_on",
     "load_pair",
     "load_pieces",
+    "load_raw",
     "load_scan",
+    "orient_normals",
     "parse_colour",
     "read_labels",
     "select_vertices",

@@ -14,7 +14,6 @@ from .refusal import (
     ExtensionUnsupported,
     FileTruncated,
     HeaderBroken,
-    NoFaces,
     OutsideReference,
 )
 
@@ -105,8 +104,6 @@ def _count_triangles(name: str, tree: dict[str, Any], limits: Limits) -> int:
             if primitive.get("mode", _TRIANGLES) == _TRIANGLES:
                 of = primitive.get("indices", primitive["attributes"].get("POSITION"))
                 total += 0 if of is None else int(accessors[int(of)]["count"]) // 3
-    if total == 0:
-        raise NoFaces(f"{name} holds no triangles; export the garment's mesh.")
     if total > limits.count:
         raise CountTooLarge(f"{name} claims {total} triangles, more than the {limits.count} read.")
     return total

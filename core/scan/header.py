@@ -7,6 +7,7 @@ import struct
 from dataclasses import dataclass
 from pathlib import Path
 
+from .cloud_header import check_pcd, check_xyz
 from .glb import check_glb
 from .limits import Limits
 from .refusal import (
@@ -23,7 +24,9 @@ from .refusal import (
 )
 
 FORMATS = ("ply", "obj", "stl", "off", "glb")
-"""The accepted extensions; the content must agree."""
+"""The accepted extensions of meshes; the content must agree."""
+CLOUDS = ("pcd", "xyz")
+"""The accepted extensions of files that hold points alone."""
 
 _ARCHIVES = (
     b"PK\x03\x04",
@@ -48,7 +51,7 @@ class Declared:
     """Say what a file claims to hold.
 
     Attributes:
-        format: One of `FORMATS`.
+        format: One of `FORMATS` or `CLOUDS`.
         vertices: Number of vertices, or None where the format does not say.
         faces: Number of faces (polygons), or None where the format does not say.
     """
@@ -58,8 +61,13 @@ class Declared:
     faces: int | None = None
 
 
-def check_header(path: Path, limits: Limits) -> Declared:
+def check_header(path: Path, limits: Limits, needs_faces: bool = True) -> Declared:
     """Check extension, magic, size and declared counts of a file before it is parsed.
+
+    Args:
+        path: The file.
+        limits: What reading may cost.
+        needs_faces: Whether points without faces are refused; a person's scan may be a cloud, a garment's not.
 
     Raises:
         BadInput: a subclass of `refusal` where the file is not acceptable.
@@ -70,7 +78,7 @@ def check_header(path: Path, limits: Limits) -> Declared:
     with path.open("rb") as file:
         head = file.read(_HEAD_BYTES)
     extension = path.suffix.lower().lstrip(".")
-    if extension in FORMATS and any(head.startswith(magic) for magic in _ARCHIVES):
+    if extension in FORMATS + CLOUDS and any(head.startswith(magic) for magic in _ARCHIVES):
         raise ArchiveRefused(f"{path.name} is an archive named .{extension}; unpack it and give the mesh file inside.")
     check_extension(path)
     if size > limits.file_bytes:
@@ -78,8 +86,16 @@ def check_header(path: Path, limits: Limits) -> Declared:
         raise FileTooLarge(f"{path.name} has {size >> 20} MiB, more than the {limit} MiB read; decimate the mesh.")
     if size == 0:
         raise MeshEmpty(f"{path.name} is an empty file; export the mesh again.")
-    check = {"ply": _check_ply, "obj": _check_obj, "stl": _check_stl, "off": _check_off, "glb": _check_glb}[extension]
-    return check(path, head, size, limits)
+    check = {
+        "ply": _check_ply, "obj": _check_obj, "stl": _check_stl, "off": _check_off, "glb": _check_glb,
+        "pcd": _check_cloud, "xyz": _check_cloud,
+    }[extension]  # fmt: skip
+    declared = check(path, head, size, limits)
+    if needs_faces and declared.faces == 0:
+        raise NoFaces(
+            f"{path.name} holds points without faces, which only a whole person may be; give a garment as a mesh."
+        )
+    return declared
 
 
 def check_extension(path: Path) -> None:
@@ -89,9 +105,9 @@ def check_extension(path: Path) -> None:
         ArchiveRefused, FormatUnknown: where it does not.
     """
     name, extension = path.name, path.suffix.lower().lstrip(".")
-    if extension in FORMATS:
+    if extension in FORMATS + CLOUDS:
         return
-    accepted = ", ".join(FORMATS).upper()
+    accepted = ", ".join(FORMATS + CLOUDS).upper()
     if extension == "gltf":
         raise FormatUnknown(f"{name}: a .gltf keeps its data in other files; export it as one .glb.")
     if extension in ("zip", "3mf", "usdz", "gz", "7z", "rar", "tar", "tgz", "bz2", "xz", "zst"):
@@ -132,8 +148,6 @@ def _check_ply(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
         raise FileTruncated(f"{path.name} needs at least {minimum} bytes of data and holds {body}; copy it again.")
     if counts["vertex"] == 0:
         raise MeshEmpty(f"{path.name} holds no vertices; export the mesh again.")
-    if counts["face"] == 0:
-        raise NoFaces(f"{path.name} holds points without faces; reconstruct a surface from them and give that mesh.")
     return Declared("ply", counts["vertex"], counts["face"])
 
 
@@ -225,8 +239,6 @@ def _check_off(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
     _check_count(path.name, faces, "faces", limits)
     if vertices == 0:
         raise MeshEmpty(f"{path.name} holds no vertices; export the mesh again.")
-    if faces == 0:
-        raise NoFaces(f"{path.name} holds points without faces; reconstruct a surface from them and give that mesh.")
     # Three one-digit numbers with separators per vertex, four per face.
     if 6 * vertices + 8 * faces > size or _count_lines(path, 0, vertices + faces) < vertices + faces:
         raise FileTruncated(f"{path.name} holds fewer rows than it declares; export or copy it again.")
@@ -245,11 +257,18 @@ def _check_obj(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
             faces += word in (b"f ", b"f\t")
     _check_count(path.name, vertices, "vertices", limits)
     _check_count(path.name, faces, "faces", limits)
-    if faces == 0:
-        raise NoFaces(f"{path.name} holds points without faces; reconstruct a surface from them and give that mesh.")
     return Declared("obj", vertices, faces)
 
 
 def _check_glb(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
     vertices, faces = check_glb(path, head, size, limits)
     return Declared("glb", vertices, faces)
+
+
+def _check_cloud(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
+    count = (check_pcd if path.suffix.lower() == ".pcd" else check_xyz)(path, head, size)
+    if count is not None:
+        _check_count(path.name, count, "points", limits)
+        if count == 0:
+            raise MeshEmpty(f"{path.name} holds no points; export the scan again.")
+    return Declared(path.suffix.lower()[1:], count, 0)

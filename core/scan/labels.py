@@ -11,8 +11,8 @@ import numpy as np
 
 from ..npy import read_array
 from . import refusal
+from .columns import LABELS
 from .limits import Limits
-from .parse import LABELS
 
 WORD = 64
 """Longest label that is a word [characters]."""

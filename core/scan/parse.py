@@ -11,12 +11,9 @@ import numpy as np
 from ..errors import BadInput
 from ..limited import call_limited, is_memory_short
 from . import refusal
+from .cloud import parse_pcd, parse_xyz
+from .columns import as_bytes, find_labels, read_fields
 from .limits import Limits
-
-LABELS = ("label", "labels", "is_garment", "segment", "segment_id", "class")
-"""Names under which scanners and labelling tools keep an integer per vertex in a PLY, in any case."""
-SCALAR = "scalar_"
-"""What CloudCompare puts before the name of a scalar field, which it writes as floats."""
 
 
 def parse_file(path: Path, form: str, limits: Limits) -> dict[str, np.ndarray]:
@@ -24,7 +21,7 @@ def parse_file(path: Path, form: str, limits: Limits) -> dict[str, np.ndarray]:
 
     Args:
         path: The file.
-        form: One of `header.FORMATS`.
+        form: One of `header.FORMATS` or `header.CLOUDS`.
         limits: What parsing may cost.
 
     Raises:
@@ -61,7 +58,11 @@ def _parse_or_refuse(path: Path, form: str) -> dict[str, np.ndarray]:
 
 
 def parse(path: Path, form: str) -> dict[str, np.ndarray]:
-    """Parse a file into `vertices`, `faces` and, where it has them, `colours` (RGB bytes) and `labels`."""
+    """Parse a file into `vertices`, `faces` and, where it has them, `normals`, `colours` (RGB bytes) and `labels`."""
+    if form == "pcd":
+        return parse_pcd(path)
+    if form == "xyz":
+        return parse_xyz(path)
     if form == "obj":
         return _parse_obj(path)
     if form == "glb":
@@ -92,32 +93,17 @@ def _pick(loaded: dict[str, Any]) -> dict[str, np.ndarray]:
     }
     colours = loaded.get("vertex_colors")
     if colours is not None and len(colours) == len(vertices) and np.ndim(colours) == 2:
-        arrays["colours"] = _as_bytes(np.asarray(colours)[:, :3])
+        arrays["colours"] = as_bytes(np.asarray(colours)[:, :3])
     rows = loaded.get("metadata", {}).get("_ply_raw", {}).get("vertex", {}).get("data")
-    names = getattr(getattr(rows, "dtype", None), "names", None) or (rows.keys() if isinstance(rows, dict) else ())
-    fields = {str(name).lower().removeprefix(SCALAR): name for name in names}
-    for name in LABELS:
-        values = np.ravel(rows[fields[name]]) if name in fields else np.zeros(0)
-        if len(values) == len(vertices) and _are_whole(values):
-            arrays["labels"] = values.astype(np.int64)
-            break
+    fields = read_fields(rows)
+    if {"nx", "ny", "nz"} <= set(fields):
+        normals = np.stack([np.ravel(fields[name]).astype(np.float64) for name in ("nx", "ny", "nz")], axis=-1)
+        if normals.shape == vertices.shape:
+            arrays["normals"] = normals
+    labels = find_labels(fields, len(vertices))
+    if labels is not None:
+        arrays["labels"] = labels
     return arrays
-
-
-def _are_whole(values: np.ndarray) -> bool:
-    """Tell whether numbers are integers, be they written as floats."""
-    if values.dtype.kind == "f":
-        return bool((np.abs(values) < 2**31).all() and (values == np.round(values)).all())
-    return values.dtype.kind in "iu"
-
-
-def _as_bytes(colours: np.ndarray) -> np.ndarray:
-    """Give colours as bytes; floats in 0..1 are scaled."""
-    if np.issubdtype(colours.dtype, np.floating):
-        finite = np.nan_to_num(colours)
-        scale = 255.0 if finite.size and finite.max() <= 1.0 else 1.0
-        return np.clip(np.round(finite * scale), 0, 255).astype(np.uint8)
-    return np.clip(colours, 0, 255).astype(np.uint8)
 
 
 def _parse_glb(path: Path) -> dict[str, np.ndarray]:
@@ -125,9 +111,10 @@ def _parse_glb(path: Path) -> dict[str, np.ndarray]:
 
     with path.open("rb") as file:
         scene = trimesh.load_scene(file, file_type="glb", skip_materials=True, process=False)
-    parts = [part for part in scene.dump() if isinstance(part, trimesh.Trimesh) and len(part.faces)]
+    dumped = scene.dump()
+    parts = [part for part in dumped if isinstance(part, trimesh.Trimesh) and len(part.faces)]
     if not parts:
-        raise refusal.NoFaces("it holds no triangles")
+        return _join_clouds([part for part in dumped if isinstance(part, trimesh.PointCloud)])
     offsets = np.cumsum([0, *(len(part.vertices) for part in parts)])
     arrays = {
         "vertices": np.concatenate([np.asarray(part.vertices, np.float64) for part in parts]),
@@ -135,7 +122,20 @@ def _parse_glb(path: Path) -> dict[str, np.ndarray]:
     }
     looks = [part.visual for part in parts if isinstance(part.visual, trimesh.visual.ColorVisuals)]
     if len(looks) == len(parts) and all(look.kind == "vertex" for look in looks):
-        arrays["colours"] = _as_bytes(np.concatenate([np.asarray(look.vertex_colors)[:, :3] for look in looks]))
+        arrays["colours"] = as_bytes(np.concatenate([np.asarray(look.vertex_colors)[:, :3] for look in looks]))
+    return arrays
+
+
+def _join_clouds(parts: list[Any]) -> dict[str, np.ndarray]:
+    if not parts:
+        raise refusal.MeshEmpty("it holds neither triangles nor points")
+    arrays = {
+        "vertices": np.concatenate([np.asarray(part.vertices, np.float64) for part in parts]),
+        "faces": np.zeros((0, 3), np.int64),
+    }
+    colours = [getattr(part, "colors", None) for part in parts]
+    if all(each is not None and len(each) == len(part.vertices) for each, part in zip(colours, parts, strict=True)):
+        arrays["colours"] = as_bytes(np.concatenate([np.asarray(each)[:, :3] for each in colours]))
     return arrays
 
 
@@ -165,5 +165,5 @@ def _parse_obj(path: Path) -> dict[str, np.ndarray]:
     table = np.array([row[: 6 if width == 6 else 3] for row in rows], np.float64).reshape(len(rows), -1)
     arrays = {"vertices": table[:, :3].copy(), "faces": np.array(faces, np.int64).reshape(-1, 3)}
     if table.shape[1] == 6:
-        arrays["colours"] = _as_bytes(table[:, 3:6])
+        arrays["colours"] = as_bytes(table[:, 3:6])
     return arrays

@@ -25,8 +25,9 @@ class RawScan:
             [file_count].
         name: The file's stem.
         sha256: Hash of the file's bytes (hex); empty for one made in memory.
-        units: Unit of the file.
-        up_axis: Axis of the file that became y, with its sign: `y`, `z`, `-y`, `-z`.
+        units: Unit of the file: `m`, `cm`, `mm`, `inch`, `foot`, or `unknown` where the height was assumed.
+        up_axis: Axis of the file that became y, with its sign: `y`, `z`, `-y`, `-z`, `x`, `-x`.
+        pieces: Separate pieces of a person's size, all kept: 2 where two people stand apart.
         notes: What was guessed, removed or mended, one short sentence each.
     """
 
@@ -42,6 +43,7 @@ class RawScan:
     sha256: str = ""
     units: str = "m"
     up_axis: str = "y"
+    pieces: int = 1
     notes: tuple[str, ...] = ()
 
     @property

@@ -55,6 +55,15 @@ def repair_surface(vertices: np.ndarray, faces: np.ndarray) -> RepairedMesh:
     return _turn_outward(_drop_unused(surface))
 
 
+def mend_surface(surface: RepairedMesh) -> RepairedMesh:
+    """Make a surface without duplicate vertices manifold and each of its pieces consistent; no piece is dropped."""
+    for step in (_drop_degenerate, _drop_crowded, _orient_pieces, _split_fans):
+        if len(surface.faces) == 0:
+            return surface
+        surface = step(surface)
+    return _drop_unused(surface) if len(surface.faces) else surface
+
+
 def clean_cut(surface: RepairedMesh) -> RepairedMesh:
     """Tidy what a cut through a repaired surface leaves: fans that meet in a vertex are split, islands dropped."""
     return _drop_unused(_drop_strays(_split_fans(surface)))

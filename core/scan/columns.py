@@ -1,0 +1,44 @@
+"""What the columns of a file's vertices mean: labels by the usual names, colours as bytes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+LABELS = ("label", "labels", "is_garment", "segment", "segment_id", "class")
+"""Names under which scanners and labelling tools keep an integer per vertex, in any case."""
+SCALAR = "scalar_"
+"""What CloudCompare puts before the name of a scalar field, which it writes as floats."""
+
+
+def read_fields(rows: Any) -> dict[str, np.ndarray]:
+    """Return the columns of a structured array or a dictionary of arrays, by their names in lower case."""
+    names = getattr(getattr(rows, "dtype", None), "names", None) or (rows.keys() if isinstance(rows, dict) else ())
+    return {str(name).lower().removeprefix(SCALAR): rows[name] for name in names}
+
+
+def find_labels(fields: Mapping[str, np.ndarray], count: int) -> np.ndarray | None:
+    """Return the first column with one of the usual names that holds `count` whole numbers, int64, or None."""
+    for name in LABELS:
+        values = np.ravel(fields[name]) if name in fields else np.zeros(0)
+        if len(values) == count and count and are_whole(values):
+            return values.astype(np.int64)
+    return None
+
+
+def are_whole(values: np.ndarray) -> bool:
+    """Return whether numbers are integers, be they written as floats."""
+    if values.dtype.kind == "f":
+        return bool((np.abs(values) < 2**31).all() and (values == np.round(values)).all())
+    return values.dtype.kind in "iu"
+
+
+def as_bytes(colours: np.ndarray) -> np.ndarray:
+    """Return colours as bytes; floats in 0..1 are scaled."""
+    if np.issubdtype(colours.dtype, np.floating):
+        finite = np.nan_to_num(colours)
+        scale = 255.0 if finite.size and finite.max() <= 1.0 else 1.0
+        return np.clip(np.round(finite * scale), 0, 255).astype(np.uint8)
+    return np.clip(colours, 0, 255).astype(np.uint8)

@@ -1,0 +1,213 @@
+"""From a file to a `RawScan`: a whole person as the scanner gave it, mesh or cloud, in any unit and on any axis."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ..mesh import unit, vertex_normals
+from . import refusal
+from .clean import Cleaned, clean_person
+from .header import Declared, check_header
+from .labels import read_labels
+from .limits import Limits
+from .mend import Mended, mend_mesh, merge_points
+from .normals import faces_outward, find_normals
+from .parse import parse_file
+from .raw import RawScan
+from .units import UNITS
+from .upright import AXES_UP, LENGTHS, Profile, build_profiles, find_length, find_upright, turn_upright
+
+LEAST = 100
+"""Fewest points that can be a person; far too few to be taken apart, but that is for others to say."""
+
+
+@dataclass(frozen=True)
+class _File:
+    """Hold what a file has, in its own unit and axes: one entry for each of its vertices."""
+
+    name: str
+    sha256: str
+    arrays: dict[str, np.ndarray]
+    declared: Declared
+
+
+def load_raw(
+    path: Path,
+    units: str | None = None,
+    up: str | None = None,
+    limits: Limits | None = None,
+    labels: Path | None = None,
+    labels_key: str | None = None,
+) -> RawScan:
+    """Read a person's scan: parse it in a limited process, mend and clean it, and turn it upright in metres.
+
+    Args:
+        path: A PLY, OBJ, STL, OFF or GLB with or without faces, or a PCD or XYZ.
+        units: A name of `LENGTHS`, or None to find it from the person's height.
+        up: One of `AXES_UP`, or None to find it from the person's shape.
+        limits: What reading may cost.
+        labels: A file with one label for each vertex of the scan's file, or None: those in it, if any.
+        labels_key: Name of the array in that file.
+
+    Raises:
+        BadInput: with a code `scan.*` where the file cannot be used.
+    """
+    _check_choice(units, up)
+    limits = limits or Limits()
+    file = _read(Path(path), limits)
+    found = file.arrays["vertices"]
+    if labels is not None:
+        values = read_labels(Path(labels), labels_key, limits)
+        if len(values) != len(found):
+            raise refusal.LabelsMismatch(
+                f"{Path(labels).name} holds {len(values)} labels for the {len(found)} vertices of {file.name}; "
+                "give one label per vertex, in the order of the scan's file."
+            )
+        file.arrays["labels"] = values
+    return _build(file, units, up)
+
+
+def _check_choice(units: str | None, up: str | None) -> None:
+    if units is not None and units not in LENGTHS:
+        raise refusal.ChoiceBad(f"units '{units}' are not known; give {', '.join(LENGTHS)}.")
+    if up is not None and up not in AXES_UP:
+        raise refusal.ChoiceBad(f"up axis '{up}' is not known; give {', '.join(AXES_UP)}.")
+
+
+def _read(path: Path, limits: Limits) -> _File:
+    declared = check_header(path, limits, needs_faces=False)
+    with path.open("rb") as file:
+        sha256 = hashlib.file_digest(file, "sha256").hexdigest()
+    arrays = parse_file(path, declared.format, limits)
+    _check_arrays(path.name, arrays, declared, limits)
+    return _File(path.stem, sha256, arrays, declared)
+
+
+def _check_arrays(name: str, arrays: dict[str, np.ndarray], declared: Declared, limits: Limits) -> None:
+    """Check what came out of the parser against what the header declared and what a scan must be."""
+    vertices, faces = arrays["vertices"], arrays["faces"]
+    if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) == 0:
+        raise refusal.MeshEmpty(f"{name} holds no vertices; export the scan again.")
+    if max(len(vertices), len(faces)) > limits.count:
+        raise refusal.CountTooLarge(f"{name} holds more than {limits.count} elements; decimate the scan.")
+    if declared.vertices is not None and len(vertices) != declared.vertices:
+        raise refusal.CountsDiffer(
+            f"{name} declares {declared.vertices} vertices and holds {len(vertices)}; export the scan again."
+        )
+    if declared.faces is not None and len(faces) < declared.faces:
+        raise refusal.CountsDiffer(
+            f"{name} declares {declared.faces} faces and holds {len(faces)}; export the scan again."
+        )
+    if len(faces) and (faces.min() < 0 or faces.max() >= len(vertices)):
+        bad = int(faces.min() if faces.min() < 0 else faces.max())
+        raise refusal.IndicesBroken(f"{name}: a face refers to vertex {bad} of {len(vertices)}; export the scan again.")
+    finite = np.isfinite(vertices).all(axis=1)
+    if len(faces) and not finite[np.unique(faces)].all():
+        raise refusal.NotFinite(f"{name}: vertices of faces are NaN or infinite; clean the scan and export it again.")
+    if finite.sum() < LEAST:
+        raise refusal.MeshEmpty(f"{name} holds {int(finite.sum())} points, too few for a person; export it again.")
+    extent = np.ptp(vertices[finite], axis=0)
+    if not (1e-6 < extent.max() < 1e6) or np.abs(vertices[finite]).max() > 1e7:
+        raise refusal.ExtentBroken(
+            f"{name} measures {' x '.join(f'{v:.3g}' for v in extent)}; check what was exported."
+        )
+
+
+def _build(file: _File, units: str | None, up: str | None) -> RawScan:
+    """Mend, clean, turn and scale what a file holds."""
+    arrays, notes = file.arrays, []
+    finite = np.isfinite(arrays["vertices"]).all(axis=1)
+    if not finite.all():
+        notes.append(_count(int((~finite).sum()), "point without a position", "points without a position"))
+    mended = _mend(arrays, finite)
+    notes += mended.notes
+    profiles = build_profiles()
+    given = None if up is None else (up,)
+    axes = given or (("y", *AXES_UP[1:]) if file.declared.format != "glb" else ("y",))
+    cleaned = clean_person(mended.points, mended.faces, profiles, axes)
+    notes += cleaned.notes
+    turned, scale, units, axis, told = _settle(cleaned, profiles, units, axes, up is not None)
+    notes += told
+    raw = _gather(file, mended, cleaned, (turned, scale, axis))
+    return replace(raw, units=units, up_axis=axis, notes=tuple(notes))
+
+
+def _count(count: int, one: str, many: str) -> str:
+    return f"Dropped {count} {one if count == 1 else many}."
+
+
+def _mend(arrays: dict[str, np.ndarray], finite: np.ndarray) -> Mended:
+    points, faces = arrays["vertices"], arrays["faces"]
+    if len(faces):
+        mended = mend_mesh(points, faces)
+        if len(mended.faces):
+            return mended
+    return merge_points(points, finite)
+
+
+def _settle(
+    cleaned: Cleaned, profiles: list[Profile], units: str | None, axes: tuple[str, ...], is_given: bool
+) -> tuple[np.ndarray, float, str, str, list[str]]:
+    """Return the person's samples upright [unit], metres in one unit, the unit's name, the axis, and notes."""
+    notes = []
+    found = find_upright(cleaned.samples, profiles, axes)
+    if not is_given and len(axes) > 1 and found.up not in ("y", "z"):
+        notes.append(f"Took the file's axis {found.up} for up, by the person's shape; --up says another.")
+    if not found.is_sure:
+        second = min((axis for axis in axes if axis != found.up), key=lambda axis: found.others[axis])
+        notes.append(f"It is not sure that {found.up} points up, and not {second}; say it with --up.")
+    turned = turn_upright(cleaned.samples, found.up)
+    height = float(np.ptp(turned[:, 1]))
+    if units is not None:
+        scale = LENGTHS[units]
+    else:
+        units, scale = find_length(height, found.ratio)
+        if units == "unknown":
+            notes.append(
+                f"The person measures {height:.3g} in the file's unit, which fits none; took {1 / scale:.3g} of it "
+                f"for a metre, so that the person stands {height * scale * found.ratio:.2f} m high."
+            )
+        elif units not in UNITS:
+            notes.append(f"Took the file's unit for the {units}, by the person's height of {height * scale:.2f} m.")
+    return turned, scale, units, found.up, notes
+
+
+def _gather(file: _File, mended: Mended, cleaned: Cleaned, how: tuple[np.ndarray, float, str]) -> RawScan:
+    """Pick what was kept of the file's arrays, in metres, y up."""
+    arrays = file.arrays
+    _, scale, axis = how
+    kept = np.flatnonzero(cleaned.kept)
+    index = np.full(len(mended.points), -1)
+    index[kept] = np.arange(len(kept))
+    faces = index[mended.faces]
+    faces = faces[(faces >= 0).all(axis=1)] if len(faces) else faces.reshape(0, 3)
+    origin = mended.origin[kept]
+    place = np.where(mended.place >= 0, index[mended.place], -1)
+    points = turn_upright(mended.points[kept], axis) * scale
+    colours, labels, normals = (arrays.get(name) for name in ("colours", "labels", "normals"))
+    is_oriented = True
+    if len(faces):
+        normals = vertex_normals(points, faces)
+    elif normals is not None and np.linalg.norm(np.nan_to_num(normals[origin]), axis=1).min() > 0.1:
+        normals = unit(turn_upright(normals[origin], axis))
+        side = faces_outward(points, normals)
+        normals, is_oriented = normals * (side or 1), side != 0
+    else:
+        normals, is_oriented = find_normals(points), False
+    return RawScan(
+        points=points,
+        faces=faces,
+        normals=normals,
+        is_oriented=is_oriented,
+        colours=None if colours is None else colours[origin].astype(np.float64) / 255.0,
+        labels=None if labels is None else labels[origin],
+        origin=origin,
+        place=place,
+        name=file.name,
+        sha256=file.sha256,
+        pieces=cleaned.pieces,
+    )

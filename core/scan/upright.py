@@ -1,0 +1,189 @@
+"""Which way is up in a person's scan, and how large its unit is: judged by how a body's mass is spread over its height.
+
+A slice of a person at some height holds a share of the surface, and spreads so far about the person's axis; both say
+where the head is, whatever the unit and the heading. They are compared with those of the built-in body in many poses,
+for each of the six ways in which a file's axis may point up.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..body.body import JOINTS
+from ..body.skinning import skin
+from ..body.template import articulate, load_template, rotations_of, transforms_of
+from ..mesh import vertex_areas
+from .units import BODY_LONGEST
+
+AXES_UP = ("y", "z", "-y", "-z", "x", "-x")
+"""Axes of the file that may point up, the usual ones first."""
+LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254, "foot": 0.3048}
+"""Metres in one unit, for those that people measure people in; of two that fit the first is taken, and none do."""
+STATURE = 1.70
+"""Height that a person is given whose unit is none of `LENGTHS` [m]: between the means of women and men."""
+SLICES = 24
+"""Slices over the height: of 7 cm each in an adult, less than a head, a thigh or an upper arm is long."""
+TAILS = 0.002
+"""Share of the points that may lie beyond either end of the height: flyers, a strand of hair."""
+USUAL = 1.25
+"""How much worse the usual axes (y, z) may match and still be taken: few files have another, and none of those is
+more than a guess. A person in a T-pose lying on the side matches at least 2 times worse than upright."""
+SURE = 1.3
+"""A match that is better than all others by this factor leaves no doubt."""
+POSES: dict[str, dict[str, tuple[float, float, float]]] = {
+    "T": {},
+    "A": {"left_shoulder": (0, 0, -0.8), "right_shoulder": (0, 0, 0.8)},
+    "arms down": {"left_shoulder": (0, 0, -1.25), "right_shoulder": (0, 0, 1.25)},
+    "arms up": {
+        "left_collar": (0, 0, 0.3), "right_collar": (0, 0, -0.3),
+        "left_shoulder": (0, 0, 1.1), "right_shoulder": (0, 0, -1.1),
+    },
+    "goalpost": {"left_elbow": (0, 0, 1.5), "right_elbow": (0, 0, -1.5)},
+    "one arm up": {
+        "left_collar": (0, 0, 0.3), "left_shoulder": (0, 0, 1.1), "right_shoulder": (0, 0, 1.25),
+    },
+    "on hips": {
+        "left_shoulder": (0, 0, -0.9), "right_shoulder": (0, 0, 0.9), "left_elbow": (0, 0, -1.6),
+        "right_elbow": (0, 0, 1.6),
+    },
+    "arms forward": {"left_shoulder": (0, -1.4, 0), "right_shoulder": (0, 1.4, 0)},
+    "stride": {
+        "left_hip": (-0.6, 0, 0), "right_hip": (0.5, 0, 0), "right_knee": (0.4, 0, 0),
+        "left_shoulder": (0, 0, -1.0), "right_shoulder": (0, 0, 1.0),
+    },
+    "legs apart": {
+        "left_hip": (0, 0, 0.4), "right_hip": (0, 0, -0.4), "left_shoulder": (0, 0, -0.8),
+        "right_shoulder": (0, 0, 0.8),
+    },
+    "seated": {
+        "left_hip": (-1.4, 0, 0.1), "right_hip": (-1.4, 0, -0.1), "left_knee": (1.4, 0, 0), "right_knee": (1.4, 0, 0),
+        "left_shoulder": (0, -0.3, -1.0), "right_shoulder": (0, 0.3, 1.0), "left_elbow": (0, -0.6, 0),
+        "right_elbow": (0, 0.6, 0),
+    },
+}  # fmt: skip
+"""Poses that a scan is compared with, as axis-angles [rad] of the joints that differ from the T-pose."""
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Describe how a person's surface is spread over the height.
+
+    Attributes:
+        share: Share of the surface in each slice from the lowest on, sum 1, shape [SLICES].
+        spread: Root mean square distance of each slice from the vertical through the centre, in heights, [SLICES].
+        height: From the lowest to the highest point, in the unit of the points.
+        ratio: Height of the standing person over `height`; 1 where not known.
+    """
+
+    share: np.ndarray
+    spread: np.ndarray
+    height: float
+    ratio: float = 1.0
+
+
+@dataclass(frozen=True)
+class Upright:
+    """Describe how a file is turned upright.
+
+    Attributes:
+        up: One of `AXES_UP`.
+        misfit: Difference from the most alike pose; people are below 0.5, dressed ones too.
+        others: Misfit of each axis, by its name.
+        ratio: Standing height over the height measured along the axis, by that pose.
+        is_sure: Whether no other axis comes near.
+    """
+
+    up: str
+    misfit: float
+    others: dict[str, float]
+    ratio: float
+    is_sure: bool
+
+
+def turn_upright(points: np.ndarray, up: str) -> np.ndarray:
+    """Turn positions or directions, shape [n, 3], so that the file's axis `up` becomes y; a rotation about x or z."""
+    x, y, z = np.asarray(points).T
+    turned = {
+        "y": (x, y, z), "z": (x, z, -y), "-y": (x, -y, -z), "-z": (x, -z, y), "x": (-y, x, z), "-x": (y, -x, z),
+    }[up]  # fmt: skip
+    return np.stack(turned, axis=1)
+
+
+def measure_profile(points: np.ndarray, weights: np.ndarray | None = None) -> Profile:
+    """Measure how points, uniform over a surface or weighed by their areas, are spread over y, shape [n, 3]."""
+    weights = np.ones(len(points)) if weights is None else weights
+    order = np.argsort(points[:, 1], kind="stable")
+    passed = np.cumsum(weights[order]) / weights.sum()
+    ends = np.minimum(np.searchsorted(passed, np.array([TAILS, 1.0 - TAILS])), len(order) - 1)
+    low, high = (float(value) for value in points[order[ends], 1])
+    height = max(high - low, 1e-12)
+    place = np.clip(((points[:, 1] - low) / height * SLICES).astype(np.int64), 0, SLICES - 1)
+    flat = points[:, [0, 2]]
+    centre = (flat * weights[:, None]).sum(axis=0) / weights.sum()
+    distance = np.minimum(np.sqrt(((flat - centre) ** 2).sum(axis=1)) / height, 1.0)
+    share = np.bincount(place, weights, SLICES)
+    spread = np.sqrt(np.bincount(place, weights * distance**2, SLICES) / np.maximum(share, 1e-12))
+    return Profile(share / share.sum(), spread, height)
+
+
+def build_profiles() -> list[Profile]:
+    """Build the profiles of the built-in body, both mean shapes, in every pose of `POSES`."""
+    template = load_template()
+    found = []
+    for mean in template.means.values():
+        rest, joints = template.shaped(mean)
+        areas = vertex_areas(rest, template.faces)
+        for pose in POSES.values():
+            vectors = np.zeros((24, 3))
+            for joint, vector in pose.items():
+                vectors[JOINTS.index(joint)] = vector
+            world, posed = articulate(rotations_of(vectors), joints, np.zeros(3))
+            profile = measure_profile(skin(rest, template.weights, transforms_of(world, posed, joints)), areas)
+            ratio = float(np.ptp(rest[:, 1])) / profile.height
+            found.append(Profile(profile.share, profile.spread, profile.height, ratio))
+    return found
+
+
+def compare_profiles(first: Profile, second: Profile) -> float:
+    """Return how much two profiles differ: shares that lie elsewhere, and spreads where either has its surface.
+
+    Shares are compared as running sums (the earth mover's distance over the height): a belly or a hem a slice higher
+    is a small difference.
+    """
+    moved = float(np.abs(np.cumsum(first.share) - np.cumsum(second.share)).mean())
+    spread = float((0.5 * (first.share + second.share) * np.abs(first.spread - second.spread)).sum())
+    return 10.0 * (moved + spread)
+
+
+def find_upright(points: np.ndarray, profiles: list[Profile] | None = None, axes: tuple[str, ...] = AXES_UP) -> Upright:
+    """Find the axis that points up in points uniform over a person's surface, shape [n, 3], any unit and heading."""
+    profiles = build_profiles() if profiles is None else profiles
+    found: dict[str, tuple[float, float]] = {}
+    for axis in axes:
+        own = measure_profile(turn_upright(points, axis))
+        found[axis] = min((compare_profiles(own, other), other.ratio) for other in profiles)
+    weighed = {axis: value[0] * (1.0 if axis in ("y", "z") else USUAL) for axis, value in found.items()}
+    best = min(axes, key=lambda axis: weighed[axis])
+    rest = min((value for axis, value in weighed.items() if axis != best), default=np.inf)
+    return Upright(
+        best, found[best][0], {axis: value[0] for axis, value in found.items()}, found[best][1],
+        rest > SURE * weighed[best],
+    )  # fmt: skip
+
+
+def find_length(height: float, ratio: float) -> tuple[str, float]:
+    """Find the unit in which a person of some height [unit] has the size of one; return its name and metres in one.
+
+    Args:
+        height: From the lowest to the highest point.
+        ratio: Standing height over that, by the pose.
+
+    Returns:
+        A name of `LENGTHS`, or `unknown` with the scale at which the person stands `STATURE` high.
+    """
+    for name, metres in LENGTHS.items():
+        if BODY_LONGEST[0] <= height * metres <= BODY_LONGEST[1]:
+            return name, metres
+    return "unknown", STATURE / (height * ratio)
