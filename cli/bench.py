@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import json
-import os
-import resource
 import subprocess
 import sys
 import tempfile
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +15,8 @@ import click
 from ..core.settings import METHODS, PRESETS, RecoverySettings
 from . import exits
 from .bench_lines import Line
+from .bench_process import one_thread, run_in_process
+from .bench_raw import STATE_NAMES, RawChoice, run_raw_packs
 from .bench_target import TargetOrder, empty_line
 from .options import gather, json_option
 
@@ -39,6 +39,11 @@ class BenchOptions:
     ablate: bool
     out: Path | None
     timeout: float
+    labels_only: bool
+    true_labels: bool
+    states: bool
+    state: tuple[str, ...]
+    whole: bool
 
 
 _DEFAULT = RecoverySettings()
@@ -73,6 +78,15 @@ bench_options = gather(
             show_default=True,
             help="Time limit of a target [s].",
         ),
+        click.option("--labels-only", is_flag=True, help="Raw scans: stop when the person is taken apart."),
+        click.option("--true-labels", is_flag=True, help="Raw scans: hand the true labels over."),
+        click.option(
+            "--states", is_flag=True, help="Raw scans: as noisy, with holes, without colours, ...; labels only."
+        ),
+        click.option(
+            "--state", multiple=True, type=click.Choice(STATE_NAMES), help="Raw scans: this state; several times."
+        ),
+        click.option("--whole", is_flag=True, help="Raw scans: recover the garments of each state, too."),
     ],
 )
 
@@ -85,7 +99,8 @@ bench_options = gather(
 def command(context: click.Context, directory: Path, options: BenchOptions, as_json: bool) -> None:
     """Recover every target pack in a folder and compare with the truth.
 
-    A pack is a folder with meta.json, garment.ply, body.ply and perhaps template.json and pattern.json (docs/bench.md).
+    A pack is a folder with meta.json, garment.ply, body.ply and perhaps template.json and pattern.json; or a raw pack:
+    scan.ply, the scan of a dressed person, and truth/ (docs/bench.md).
     Each target runs in a process of its own. The exit status is 5 when any target failed. With --damage each target is
     recovered under noise, holes, outliers, turned faces, a cut hem, other units and axes, with both presets. With
     --ablate the inverse loop runs without curvature weights, seam loss and materials, and the deformer without grading,
@@ -98,16 +113,17 @@ def command(context: click.Context, directory: Path, options: BenchOptions, as_j
       garmentq bench targets --only gc_skirt2 --damage
       garmentq bench targets --only gc_skirt2 --only gpg_tee --ablate
     """
-    from ..core.measure import read_packs
+    from ..core.measure import read_packs, read_raw_packs
     from .bench_table import print_tables
     from .terminal import note, print_json
 
-    packs = read_packs(directory, options.only)
+    packs, raw_packs = read_packs(directory, options.only), read_raw_packs(directory, options.only)
     if options.damage or options.ablate:
         study = _DAMAGE if options.damage else _ABLATION
         context.exit(_study(study, packs, options.preset, options.timeout, as_json))
     lines: list[Line] = []
     out = str(options.out.resolve()) if options.out else None
+    raw_lines = run_raw_packs(raw_packs, _raw_choice(options, out), as_json)
     for index, pack in enumerate(packs, start=1):
         order = TargetOrder(str(pack.folder.resolve()), options.method, options.preset, options.library, out)
         line = run_target(pack, order, options.timeout)
@@ -115,37 +131,31 @@ def command(context: click.Context, directory: Path, options: BenchOptions, as_j
         note(f"[{index}/{len(packs)}] {_summary(line)}")
         if as_json:
             print_json(line)
-    if not as_json:
+    if not as_json and lines:
         print_tables(lines, {pack.name: pack.category for pack in packs})
-    failed = any(not line["ok"] for line in lines)
+    failed = any(not line["ok"] for line in [*lines, *raw_lines])
     context.exit(exits.FAILED if failed else exits.OK)
 
 
+def _raw_choice(options: BenchOptions, out: str | None) -> RawChoice:
+    """Return how raw packs are run: as they are to the end, or in some states to the labels."""
+    states = options.state or (STATE_NAMES[1:] if options.states else STATE_NAMES[:1])
+    is_study = options.states or bool(options.state)
+    return RawChoice(
+        method=options.method,
+        preset=options.preset,
+        library=options.library,
+        out=out,
+        states=states,
+        labels_only=options.labels_only or (is_study and not options.whole),
+        true_labels=options.true_labels,
+        timeout=options.timeout,
+    )
+
+
 def run_target(pack: Pack, order: TargetOrder, timeout: float) -> Line:
-    """Run one target in a process of its own; whatever becomes of it, give its line."""
-    line = empty_line(pack.name, order.method)
-    before = _children_seconds()
-    with tempfile.TemporaryDirectory(prefix="garmentq-bench-") as folder:
-        paths = [Path(folder) / name for name in ("order.json", "line.json", "log.txt")]
-        paths[0].write_text(json.dumps(asdict(order)), encoding="utf-8")
-        process = [sys.executable, "-m", "garmentq.cli.bench_target", str(paths[0]), str(paths[1])]
-        status = "no status"
-        try:
-            with paths[2].open("wb") as log:
-                ended = subprocess.run(process, stdout=log, stderr=log, timeout=timeout, env=_environment())
-            status = f"signal {-ended.returncode}" if ended.returncode < 0 else f"status {ended.returncode}"
-            finished: Line = json.loads(paths[1].read_text(encoding="utf-8"))
-            if not finished["ok"]:
-                click.echo(paths[2].read_text(encoding="utf-8", errors="replace"), err=True, nl=False)
-            return finished
-        except subprocess.TimeoutExpired:
-            line["error"] = {"code": "bench.timed_out", "message": f"stopped after {timeout:.0f} s; raise --timeout."}
-        except (OSError, ValueError):  # it left no line, or half of one
-            words = paths[2].read_text(encoding="utf-8", errors="replace").strip().splitlines()
-            message = ": ".join([f"the process ended with {status}", *words[-1:]])
-            line["error"] = {"code": "bench.crashed", "message": message}
-    line["cpu_seconds"] = _children_seconds() - before
-    return line
+    """Run one target in a process of its own; whatever becomes of it, return its line."""
+    return run_in_process("bench_target", order, empty_line(pack.name, order.method), timeout)
 
 
 @dataclass(frozen=True)
@@ -198,9 +208,7 @@ def _run_study(study: _Study, order: dict[str, str], timeout: float) -> tuple[li
         error = None
         try:
             with log.open("wb") as out:
-                ended = subprocess.run(
-                    process, stdout=out, stderr=out, timeout=study.runs * timeout, env=_environment()
-                )
+                ended = subprocess.run(process, stdout=out, stderr=out, timeout=study.runs * timeout, env=one_thread())
             if ended.returncode != 0:
                 words = log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
                 message = ": ".join([f"the process ended with status {ended.returncode}", *words[-1:]])
@@ -212,17 +220,6 @@ def _run_study(study: _Study, order: dict[str, str], timeout: float) -> tuple[li
             }
         written = lines.read_text(encoding="utf-8").splitlines() if lines.exists() else []
         return [json.loads(line) for line in written], error
-
-
-def _environment() -> dict[str, str]:
-    """Return the child one thread, so that CPU seconds are comparable between machines."""
-    threads = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-    return dict(os.environ) | dict.fromkeys(threads, "1")
-
-
-def _children_seconds() -> float:
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 def _summary(line: Line) -> str:

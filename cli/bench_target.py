@@ -42,7 +42,7 @@ def recover_target(order: TargetOrder) -> Line:
     with keep_failure(line):
         line |= _recover(order)
     if not line["ok"]:
-        line["peak_mb"] = _peak_mb()
+        line["peak_mb"] = peak_mb()
     return line
 
 
@@ -110,7 +110,8 @@ def _recover(order: TargetOrder) -> Line:
     return line
 
 
-def _peak_mb() -> float:
+def peak_mb() -> float:
+    """Return the largest resident memory of this process so far [MB]."""
     import resource
 
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss

@@ -65,7 +65,7 @@ class Pack:
 
 
 def read_packs(folder: Path, only: tuple[str, ...] = ()) -> tuple[Pack, ...]:
-    """Find the packs in a folder, in the order of their names.
+    """Read the packs of single garments in a folder, in the order of their names; raw packs are passed over.
 
     Args:
         folder: Holds one folder per pack; or is itself a pack.
@@ -76,19 +76,38 @@ def read_packs(folder: Path, only: tuple[str, ...] = ()) -> tuple[Pack, ...]:
         PackUnknown: where a name in `only` is not there.
         PackBad: where a meta.json is no JSON object.
     """
+    return tuple(_read_pack(path) for path in find_packs(folder, only) if not is_raw_pack(path))
+
+
+def find_packs(folder: Path, only: tuple[str, ...] = ()) -> tuple[Path, ...]:
+    """Find the folders of packs of any kind, in the order of their names.
+
+    Raises:
+        PacksMissing: where no folder has a meta.json.
+        PackUnknown: where a name in `only` is not there.
+    """
     folders = [folder] if (folder / "meta.json").is_file() else sorted(p.parent for p in folder.glob("*/meta.json"))
     if not folders:
         raise PacksMissing(f"'{folder}' holds no folder with a meta.json; give the folder that holds the target packs.")
-    packs = tuple(_read_pack(path) for path in folders)
-    unknown = sorted(set(only) - {pack.name for pack in packs})
+    unknown = sorted(set(only) - {path.name for path in folders})
     if unknown:
-        names = ", ".join(pack.name for pack in packs)
+        names = ", ".join(path.name for path in folders)
         raise PackUnknown(f"no pack is named {', '.join(repr(name) for name in unknown)}; there are {names}.")
-    return tuple(pack for pack in packs if not only or pack.name in only)
+    return tuple(path for path in folders if not only or path.name in only)
+
+
+def is_raw_pack(folder: Path) -> bool:
+    """Return whether a folder holds a raw scan with its truth, and no garment that was cut out of it."""
+    return (folder / "scan.ply").is_file() and (folder / "truth").is_dir() and not (folder / "garment.ply").exists()
 
 
 def read_true_mesh(pack: Pack, path: Path | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Read the truth's surface, or another file of the pack, as it is: nothing merged, nothing repaired.
+    """Read the truth's surface, or another file of the pack, as `read_mesh_file` does."""
+    return read_mesh_file(path or pack.garment)
+
+
+def read_mesh_file(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Read a surface as it is: nothing merged, nothing repaired.
 
     Returns:
         Positions [m], shape [n, 3], and faces, shape [m, 3].
@@ -98,7 +117,6 @@ def read_true_mesh(pack: Pack, path: Path | None = None) -> tuple[np.ndarray, np
     """
     import trimesh
 
-    path = path or pack.garment
     try:
         mesh: Any = trimesh.load(path, process=False)
         vertices = np.array(mesh.vertices, dtype=np.float64)
@@ -117,8 +135,15 @@ def read_true_pattern(pack: Pack) -> TruePattern | None:
         PackBad: where pattern.json does not have the format of target packs.
     """
     path = pack.folder / "pattern.json"
-    if not path.is_file():
-        return None
+    return read_pattern_file(path) if path.is_file() else None
+
+
+def read_pattern_file(path: Path) -> TruePattern:
+    """Read a true pattern, panels as outlines in metres.
+
+    Raises:
+        PackBad: where the file does not have the format of target packs.
+    """
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
         if data.get("unit", "m") != "m":

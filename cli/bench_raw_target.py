@@ -1,0 +1,351 @@
+"""Take one raw pack apart and recover its garments, in a process of its own, and measure all of it against the truth.
+
+python -m garmentq.cli.bench_raw_target ORDER.json LINE.json
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import tempfile
+import time
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .bench_lines import Line, keep_failure
+from .bench_target import peak_mb
+
+if TYPE_CHECKING:
+    from ..core.hooks import Hooks
+    from ..core.measure import RawPack, TrueGarment
+    from ..core.measure.raw_frame import TruthFrame
+    from ..core.person.separation import FoundGarment, Separation
+    from ..core.recovery import Recovery
+    from ..core.scan.raw import RawScan
+
+MM = 1e3
+
+
+@dataclass(frozen=True)
+class RawOrder:
+    """Choose how a raw pack is run.
+
+    Attributes:
+        pack: Its folder.
+        method: Recovery method.
+        preset: Weights of the deformation.
+        library: True where the pack's base patterns are not used.
+        out: Folder for the results, or None.
+        state: Name of the state that the scan is brought into.
+        labels_only: Stop after the labels.
+        true_labels: Hand the true labels over.
+    """
+
+    pack: str
+    method: str
+    preset: str
+    library: bool
+    out: str | None
+    state: str = "as_is"
+    labels_only: bool = False
+    true_labels: bool = False
+
+
+def empty_line(target: str, order: RawOrder) -> Line:
+    """Return the line of a raw pack of which nothing is known yet."""
+    return {
+        "target": target,
+        "state": order.state,
+        "true_labels": order.true_labels,
+        "method": order.method,
+        "ok": False,
+        "error": None,
+        "problem": None,
+        "outcome": "refused",
+        "outfit": [],
+        "true_outfit": [],
+        "outfit_confidence": None,
+        "labels": {},
+        "calibration": {},
+        "border": {},
+        "body": {},
+        "garments": [],
+        "cpu_seconds": None,
+        "compile_seconds": None,
+        "stage_seconds": {},
+        "peak_mb": None,
+        "peak_mb_labels": None,
+        "points": None,
+        "frame_mm": None,
+        "warnings": [],
+    }
+
+
+def run_pack(order: RawOrder) -> Line:
+    """Run a raw pack and measure it.
+
+    Returns:
+        The line that `garmentq bench --json` prints; an error is in it, never raised.
+    """
+    from ..core.export import plain
+    from .compiling import time_compiling
+
+    line = empty_line(Path(order.pack).name, order)
+    with keep_failure(line), time_compiling() as compiling:
+        started = time.process_time()
+        _Run(order, line).run()
+        line["compile_seconds"] = compiling.seconds
+        line["cpu_seconds"] = time.process_time() - started - compiling.seconds
+    line["peak_mb"] = peak_mb()
+    if line["error"] is not None and line["error"]["code"].startswith("bench."):
+        line["outcome"] = "failed"  # a bug is no refusal
+    found: Line = plain(line)
+    return found
+
+
+class _Run:
+    """Run one raw pack; what is known so far is in the line.
+
+    Attributes:
+        order: What was asked for.
+        line: What is known.
+        pack: The pack.
+        clock: CPU seconds by stage.
+    """
+
+    def __init__(self, order: RawOrder, line: Line) -> None:
+        from ..core.measure import read_raw_packs
+
+        self.order, self.line = order, line
+        self.pack: RawPack = read_raw_packs(Path(order.pack))[0]
+        self.clock = StageClock(line["stage_seconds"])
+        line["true_outfit"] = [_name(each.part, each.category) for each in self.pack.garments]
+
+    def run(self) -> None:
+        """Bring the scan into its state, take it apart, and recover every garment that was found."""
+        from ..core.measure import STATES, read_raw_file, read_true_labels, worsen, write_raw_file
+
+        file, labels = read_raw_file(self.pack.scan), read_true_labels(self.pack)
+        with tempfile.TemporaryDirectory(prefix="garmentq-raw-") as folder:
+            path = self.pack.scan
+            if self.order.state != STATES[0].name:
+                state = next(each for each in STATES if each.name == self.order.state)
+                metre = float(np.linalg.norm(self.pack.to_truth[:3, 0]))
+                file, labels = worsen(file, labels, state, metre)
+                path = write_raw_file(file, Path(folder) / "scan.ply")
+            self.line["points"] = len(labels)
+            points = file.points @ self.pack.to_truth[:3, :3].T + self.pack.to_truth[:3, 3]
+            raw, separation = self._separate(path, labels)
+            frame = self._measure_separation(raw, separation, points, file.faces, labels)
+            if self.order.labels_only or separation.problem is not None:
+                self.line["ok"] = separation.problem is None
+                return
+            for garment in separation.garments:
+                self._recover(path, raw, separation, garment, frame)
+            self.line["ok"] = all(each["error"] is None for each in self.line["garments"])
+
+    def _separate(self, path: Path, labels: np.ndarray) -> tuple[RawScan, Separation]:
+        from ..core.person.hints import Hints
+        from ..core.person.separate import separate
+        from ..core.scan.load_raw import load_raw
+
+        with self.clock.stage("load"):
+            raw = load_raw(path)
+        with self.clock.stage("separate") as hooks:
+            separation = separate(raw, Hints(label=labels) if self.order.true_labels else Hints(), hooks)
+        self.line["peak_mb_labels"] = peak_mb()
+        self._write_separation(separation)
+        return raw, separation
+
+    def _write_separation(self, separation: Separation) -> None:
+        folder = self._folder()
+        if folder is not None:
+            from ..core.export import write_ply
+            from ..core.person.labels import write_labels
+
+            write_labels(separation.label, separation.confidence, folder / "labels.npz")
+            write_ply(separation.body.vertices, separation.body.faces, folder / "body.ply")
+
+    def _folder(self, *names: str) -> Path | None:
+        """Return a folder of this run's results, made where it is not there; None where none are kept."""
+        if self.order.out is None:
+            return None
+        state = "" if self.order.state == "as_is" else f"@{self.order.state}"
+        folder = Path(self.order.out).joinpath(self.pack.name + state, *names)
+        folder.mkdir(parents=True, exist_ok=True)
+        return folder
+
+    def _measure_separation(
+        self, raw: RawScan, separation: Separation, points: np.ndarray, faces: np.ndarray, labels: np.ndarray
+    ) -> TruthFrame:
+        from ..core.measure import (
+            find_edges,
+            find_frame,
+            judge_outcome,
+            measure_borders,
+            measure_calibration,
+            measure_labels,
+            measure_true_body,
+            read_cover,
+            read_mesh_file,
+        )
+
+        line, found = self.line, separation.label
+        score = measure_labels(labels, found)
+        border = measure_borders(points, find_edges(points, faces), labels, found)
+        frame = find_frame(raw, points)
+        body = (frame.apply(separation.body.vertices), separation.body.faces)
+        of_body = measure_true_body(read_mesh_file(self.pack.body), read_cover(self.pack), body)
+        worn = {each.part: each.category for each in self.pack.garments}
+        names = {each.part: each.category for each in separation.garments}
+        code = None if separation.problem is None else separation.problem.code
+        line |= {
+            "problem": code,
+            "outcome": judge_outcome(worn, names, score.part_iou, code, False).value,
+            "outfit": [_name(each.part, each.category) for each in separation.garments],
+            "outfit_confidence": _share_of_best([each.score for each in separation.outfits]),
+            "labels": asdict(score),
+            "calibration": asdict(measure_calibration(labels, found, separation.confidence)),
+            "border": {
+                "median_mm": MM * border.median,
+                "p95_mm": MM * border.p95,
+                "by_part_mm": {name: MM * value for name, value in border.by_part.items()},
+            },
+            "body": {name: {"mean_mm": MM * each.mean, "p95_mm": MM * each.p95} for name, each in of_body.items()},
+            "frame_mm": MM * frame.error,
+            "warnings": [*raw.notes, *separation.warnings],
+        }
+        line["garments"] = [_describe(garment) for garment in separation.garments]
+        return frame
+
+    def _recover(
+        self, path: Path, raw: RawScan, separation: Separation, garment: FoundGarment, frame: TruthFrame
+    ) -> None:
+        from ..core.export import write_recovery
+        from ..core.pattern import load_pattern
+        from ..core.person.garments import cut_garment_of
+        from ..core.pipeline import recover
+        from ..core.recovery import Request
+        from ..core.settings import RecoverySettings
+
+        truth = next((each for each in self.pack.garments if each.part == garment.part), None)
+        line = next(each for each in self.line["garments"] if each["part"] == garment.part.word)
+        template = None if truth is None or self.order.library else truth.template
+        settings = RecoverySettings(method=self.order.method, preset=self.order.preset)
+        word = garment.part.word
+        with keep_failure(line):
+            with self.clock.stage(f"{word}.cut"):
+                reading = cut_garment_of(raw, separation, garment.part)
+            if template is not None:
+                reading = replace(reading, pattern=load_pattern(template))
+            with self.clock.stage(f"{word}.recover"):
+                recovery = recover(Request(scan=path, template=template, settings=settings, reading=reading))
+            line |= {
+                "category": recovery.target.category,
+                "template": recovery.template,
+                "verdicts": {gate.name: gate.verdict for gate in recovery.gates if gate.verdict != "pass"},
+                "untrusted": [each.name for each in recovery.target.contours if not each.trusted],
+                "cpu_seconds": recovery.cpu_seconds,
+                "stage_seconds": recovery.stage_seconds,
+                "body_penetration_mm": recovery.metrics.get("body_penetration_mm"),
+                "warnings": list(recovery.warnings),
+            }
+            folder = self._folder(word)
+            if folder is not None:
+                write_recovery(recovery, folder)
+            if truth is not None:
+                line["category_right"] = recovery.target.category == truth.category
+                line |= _measure_garment(recovery, truth, frame, template is not None)
+
+
+def _measure_garment(recovery: Recovery, truth: TrueGarment, frame: TruthFrame, own_template: bool) -> Line:
+    """Measure a recovered garment against the visible part of its truth, and its pattern."""
+    from ..core.measure import (
+        is_same_cut,
+        measure_panels,
+        measure_pattern,
+        measure_visible,
+        read_garment_pattern,
+        read_mesh_file,
+        read_visible,
+    )
+
+    detail = (frame.apply(recovery.meshes.detail), recovery.garment.faces)
+    score = measure_visible(detail, read_mesh_file(truth.mesh), read_visible(truth))
+    line: Line = {f"{name}_mm": MM * value for name, value in asdict(score).items()}
+    pattern = read_garment_pattern(truth)
+    if pattern is not None and (own_template or is_same_cut(recovery.pattern, pattern)):
+        pattern = replace(pattern, seams=())  # the outlines of a raw pack have no edges that a seam could name
+        line["pattern"] = measure_pattern(recovery.pattern, pattern, own_template)
+        line["panels"] = measure_panels(recovery.pattern, pattern, own_template)
+    return line
+
+
+class StageClock:
+    """Sum CPU seconds by stage, and within one by the names under which it reports its progress."""
+
+    def __init__(self, seconds: dict[str, float]) -> None:
+        self.seconds = seconds
+        self._name: str | None = None
+        self._since = 0.0
+        self._outer = ""
+
+    def stage(self, name: str) -> StageClock:
+        """Begin a stage; use it as a context that yields hooks."""
+        self._outer = name
+        return self
+
+    def __enter__(self) -> Hooks:
+        from ..core.hooks import Hooks
+
+        self._turn_to(self._outer)
+        return Hooks(on_progress=lambda stage, fraction, message: self._turn_to(f"{self._outer}.{stage}"))
+
+    def __exit__(self, *_: object) -> None:
+        self._turn_to(None)
+
+    def _turn_to(self, name: str | None) -> None:
+        now = time.process_time()
+        if self._name is not None:
+            self.seconds[self._name] = self.seconds.get(self._name, 0.0) + now - self._since
+        self._name, self._since = name, now
+
+
+def _describe(garment: FoundGarment) -> Line:
+    """Return the line of a garment that was found and is not recovered yet."""
+    return {
+        "part": garment.part.word,
+        "found_category": garment.category,
+        "category": None,
+        "category_right": None,
+        "confidence": garment.confidence,
+        "contours": {each.name: None if each.is_inferred else each.confidence for each in garment.contours},
+        "error": None,
+        "cpu_seconds": None,
+    }
+
+
+def _name(part: Any, category: str) -> str:
+    return f"{part.word}:{category}"
+
+
+def _share_of_best(scores: list[float]) -> float | None:
+    """Return the probability of the best of some readings, by their log-probabilities up to a constant."""
+    if not scores:
+        return None
+    weights = np.exp(np.array(scores) - max(scores))
+    return float(weights[0] / weights.sum())
+
+
+def main(arguments: list[str]) -> None:
+    """Read an order, write its line."""
+    order = RawOrder(**json.loads(Path(arguments[0]).read_text(encoding="utf-8")))
+    line = run_pack(order)
+    Path(arguments[1]).write_text(json.dumps(line, allow_nan=False), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
