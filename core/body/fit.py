@@ -54,12 +54,31 @@ class OrientedPoints:
     Attributes:
         points: Positions [m], shape [n, 3].
         normals: Unit normals, shape [n, 3].
-        cloth: True where the point lies on cloth, which hides the body, shape [n]; None: nowhere.
+        cloth: How surely the point lies on cloth, which hides the body, 0 to 1 or False and True, shape [n]; None:
+            nowhere.
+        weight: How much the point counts, shape [n]; None: all count 1.
+        spread: Standard deviation of where the body's surface is about the point [m], shape [n]; None: 0.
+        oriented: Whether the normals are known to point outward; else their signs do not count.
     """
 
     points: np.ndarray
     normals: np.ndarray
     cloth: np.ndarray | None = None
+    weight: np.ndarray | None = None
+    spread: np.ndarray | None = None
+    oriented: bool = True
+
+    def take(self, index: np.ndarray | slice) -> OrientedPoints:
+        """Return some of the points."""
+        cloth, weight, spread = (None if v is None else v[index] for v in (self.cloth, self.weight, self.spread))
+        return OrientedPoints(self.points[index], self.normals[index], cloth, weight, spread, self.oriented)
+
+    def stack(self, length: float) -> np.ndarray:
+        """Return positions and normals times a length [m], shape [n, 6]; with both signs, [2 n, 6], if not oriented."""
+        stacked = np.hstack([self.points, length * self.normals])
+        if self.oriented:
+            return stacked
+        return np.vstack([stacked, np.hstack([self.points, -length * self.normals])])
 
 
 @dataclass(frozen=True)
@@ -121,7 +140,7 @@ class Fitter:
     def fit(self, state: State, stage: Stage) -> State:
         """Improve a state by one stage."""
         s = self.surface
-        tree = cKDTree(np.hstack([s.points, stage.normal_length * s.normals]))
+        tree = cKDTree(s.stack(stage.normal_length))
         last = None
         for _ in range(stage.steps):
             placed = self._place(state)
@@ -135,9 +154,11 @@ class Fitter:
         """Give the robust two-way misfit of a state: mean of min(d, scale) over pairs, normals counted in d [m]."""
         points, normals = self._place(state)[:2]
         ours = np.hstack([points, normal_length * normals])
-        theirs = np.hstack([self.surface.points, normal_length * self.surface.normals])
+        theirs = self.surface.stack(normal_length)
         there, _ = cKDTree(theirs).query(ours, distance_upper_bound=scale)
         back, _ = cKDTree(ours).query(theirs, distance_upper_bound=scale)
+        if not self.surface.oriented:
+            back = back.reshape(2, -1).min(axis=0)
         return float(np.minimum(there, scale).mean() + np.minimum(back, scale).mean()) / 2
 
     def _place(self, state: State) -> tuple[np.ndarray, ...]:
@@ -204,7 +225,10 @@ class Fitter:
         s, length = self.surface, stage.normal_length
         ours = np.hstack([points, length * normals])
         _, there = tree.query(ours)
-        _, back = cKDTree(ours).query(np.hstack([s.points, length * s.normals]))
+        distance, back = cKDTree(ours).query(s.stack(length))
+        if not s.oriented:
+            there = there % len(s.points)
+            back = np.where(distance[: len(s.points)] <= distance[len(s.points) :], *back.reshape(2, -1))
         return np.concatenate([np.arange(len(points)), back]), np.concatenate([there, np.arange(len(s.points))])
 
     def _trust(self, offset: np.ndarray, direction: np.ndarray, chosen: np.ndarray, stage: Stage) -> np.ndarray:
@@ -213,13 +237,18 @@ class Fitter:
         Geman-McClure, (s^2 / (s^2 + |offset|^2))^2. Cloth hides a body that may lie well below it: there a pair counts
         in full where the body is outside the cloth, and little where it is inside.
         """
+        s = self.surface
         length2, scale2 = (offset**2).sum(axis=1), np.full(len(offset), stage.scale**2)
-        if self.surface.cloth is None:
-            return np.asarray((scale2 / (scale2 + length2)) ** 2)
-        cloth = self.surface.cloth[chosen]
-        outside = cloth & (np.einsum("ra,ra->r", offset, direction) > 0)
-        scale2[outside] *= CLOTH_REACH**2
-        weight = np.where(cloth & ~outside, stage.cloth_pull, 1.0)
+        weight = np.ones(len(offset)) if s.weight is None else s.weight[chosen]
+        if s.spread is not None:
+            spread2 = s.spread[chosen] ** 2
+            weight = weight * scale2 / (scale2 + spread2)
+            scale2 += spread2
+        if s.cloth is not None:
+            cloth = s.cloth[chosen].astype(np.float64)
+            outside = np.einsum("ra,ra->r", offset, direction) > 0
+            scale2 *= np.where(outside, (1.0 - cloth) + cloth * CLOTH_REACH**2, 1.0)
+            weight = weight * np.where(outside, 1.0, (1.0 - cloth) + cloth * stage.cloth_pull)
         return np.asarray(weight * (scale2 / (scale2 + length2)) ** 2)
 
     def _turn_slopes(self, moved: np.ndarray, world: np.ndarray, posed: np.ndarray) -> np.ndarray:

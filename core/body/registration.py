@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import BadInput
 from ..hooks import SILENT, Hooks
-from ..mesh import TriangleSurface, face_areas, face_normals, signed_volume, vertex_areas
+from ..mesh import TriangleSurface, face_areas, face_normals, signed_volume, vertex_areas, vertex_normals
 from .body import JOINTS, Body
 from .fit import Fitter, OrientedPoints, Stage, State, vectors_of
 from .skinning import skin
@@ -301,3 +301,16 @@ def _body(template: Template, state: State, vertices: np.ndarray, faces: np.ndar
         source=source,
         fit_rms=rms,
     )
+
+
+def pose_model(template: Template, state: State) -> tuple[np.ndarray, np.ndarray]:
+    """Return the fitted model's vertices [m] and unit normals, shape [n, 3] each."""
+    rest, joints = template.shaped(state.shape)
+    world, posed = articulate(state.rotations, joints, state.translation)
+    model = skin(rest, template.weights, transforms_of(world, posed, joints))
+    return model, vertex_normals(model, template.faces)
+
+
+def body_of_state(template: Template, state: State, rms: float, name: str = "scan") -> Body:
+    """Return the fitted model itself as a body; `rms` is the distance of the skin to it [m]."""
+    return _body(template, state, pose_model(template, state)[0], template.faces, f"scan:{name}", rms)

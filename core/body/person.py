@@ -1,0 +1,235 @@
+"""Find the wearer under the clothes: as if bare first, then below whatever may be cloth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..hooks import SILENT, Hooks
+from .body import JOINTS, Body
+from .fit import Fitter, OrientedPoints, Stage, State
+from .person_search import PersonSearch, find_start, spread_subset
+from .registration import NotHuman, body_of_state, pose_model
+from .template import Template, load_template
+from .thinning import thin_points
+
+STAGE = "body"
+"""Name under which progress is reported."""
+
+PULL = 0.1
+"""Weight of cloth that lies outside the body, beside 1 for skin, in the last stages: about the share of the cloth that
+touches the body. With 0.03 bodies come out thin where all but head and hands is cloth (1.7 mm more error)."""
+
+REFIT = (
+    Stage(6, 0.06, 0.10, True, 15, PULL),
+    Stage(8, 0.05, 0.10, True, 20, PULL),
+    Stage(8, 0.025, 0.06, True, 40, PULL),
+    Stage(10, 0.012, 0.04, True, 60, PULL),
+)
+"""Stages that go on from a fit: from 6 cm, by which a body fitted to the clothes as if bare may be too thick."""
+
+IGNORED = 0.1
+"""Share by which a point still counts that is surely hair, shoe or thing: a head stays below its hair."""
+
+BARE_PARTS = ("head", "left_wrist", "right_wrist", "left_hand", "right_hand")
+"""Joints whose part of the surface is seen bare unless somebody says otherwise: face and hands."""
+SHOD_PARTS = ("left_ankle", "right_ankle", "left_foot", "right_foot")
+"""Joints whose part of the surface may be shoes."""
+
+
+@dataclass(frozen=True)
+class PersonSettings:
+    """Choose how a person is found.
+
+    Attributes:
+        search: How the start is found, as if bare.
+        surface_count: Points of the scan in the last stages: one every 2 cm.
+        fine_count: Our points in the last stages: one every 3 cm.
+        pull: Weight of cloth outside the body in the last stages.
+        worst_fit: Largest accepted RMS of skin, or of the bare fit, over the body's height.
+        seed: Seeds the choice of points.
+    """
+
+    search: PersonSearch = field(default_factory=PersonSearch)
+    surface_count: int = 5000
+    fine_count: int = 1800
+    pull: float = PULL
+    worst_fit: float = 0.02
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class PointWeights:
+    """Tell what is known of the points that a body is fitted to.
+
+    Attributes:
+        cloth: How surely each lies on cloth, 0 to 1, shape [n].
+        ignore: How surely each is hair, shoe or thing, 0 to 1, shape [n]; None: 0.
+        inside: How far below the point the body's surface is expected [m], shape [n], NaN where nothing is; or None.
+        spread: Standard deviation of `inside` [m], shape [n]; None: 1 cm.
+    """
+
+    cloth: np.ndarray
+    ignore: np.ndarray | None = None
+    inside: np.ndarray | None = None
+    spread: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class PersonFit:
+    """Hold a body fitted to a dressed person.
+
+    Attributes:
+        body: The wearer; its vertices are the fitted model's [m].
+        state: The fit to go on from.
+        skin_rms: RMS distance of what is taken for skin to the body [m].
+        bare_residual: Robust two-way misfit of the fit as if bare [m].
+        coverage: Share of the body's surface that has a point of the scan within 5 cm.
+        margin: By how much the next best other fit is worse than this one, over its own misfit.
+    """
+
+    body: Body
+    state: State
+    skin_rms: float
+    bare_residual: float
+    coverage: float
+    margin: float
+
+
+def fit_person(
+    points: np.ndarray,
+    normals: np.ndarray | None,
+    oriented: bool = True,
+    hooks: Hooks = SILENT,
+    settings: PersonSettings | None = None,
+) -> PersonFit:
+    """Find the wearer of a scan of which nothing is known: as if bare, then below all but head, hands and feet.
+
+    Args:
+        points: Positions [m], y up, any place and heading, shape [n, 3]; of a mesh its vertices.
+        normals: Unit normals, shape [n, 3], or None: from neighbours.
+        oriented: Whether the normals are known to point outward.
+        hooks: For progress and cancelling.
+        settings: How to fit, or None for the defaults.
+
+    Raises:
+        NotHuman: where no start comes near the points.
+    """
+    settings = settings or PersonSettings()
+    template = load_template()
+    surface = thin_points(points, normals, oriented, settings.surface_count, settings.seed)
+    if surface is None or not 0.8 <= np.ptp(surface.points[:, 1]) <= 2.8:
+        raise NotHuman()
+    found = find_start(template, surface, settings.search, settings.seed, hooks)
+    surface = orient_by(template, surface, found.state)
+    weights = guess_weights(template, surface, found.state)
+    hooks.progress(STAGE, 0.6, "fitting the body below the clothes")
+    fit = PersonFit(body_of_state(template, found.state, 0.0), found.state, 0.0, found.residual, 0.0, found.margin)
+    return refit_person(fit, surface.points, surface.normals, weights, hooks, settings)
+
+
+def refit_person(
+    fit: PersonFit,
+    points: np.ndarray,
+    normals: np.ndarray,
+    weights: PointWeights,
+    hooks: Hooks = SILENT,
+    settings: PersonSettings | None = None,
+) -> PersonFit:
+    """Fit the body of a person again, going on from the last fit, with what is known of each point.
+
+    Args:
+        fit: The last fit.
+        points: Positions [m], shape [n, 3], evenly spread.
+        normals: Outward unit normals, shape [n, 3].
+        weights: What is known of each point.
+        hooks: For progress and cancelling.
+        settings: How to fit, or None for the defaults.
+    """
+    settings = settings or PersonSettings()
+    template = load_template()
+    rng = np.random.default_rng(settings.seed)
+    surface = weigh_points(points, normals, weights)
+    if len(points) > settings.surface_count:
+        surface = surface.take(np.sort(rng.choice(len(points), settings.surface_count, replace=False)))
+    fitter = Fitter(template, spread_subset(template, settings.fine_count, rng), surface)
+    state = fit.state
+    for i, stage in enumerate(REFIT):
+        hooks.progress(STAGE, 0.6 + 0.1 * i, "fitting the body below the clothes")
+        free = max(stage.shape_count, len(state.shape))
+        state = fitter.fit(state, replace(stage, cloth_pull=settings.pull, shape_count=free))
+    model, _ = pose_model(template, state)
+    rms = _skin_rms(model, template.faces, surface)
+    if rms > settings.worst_fit * np.ptp(template.shaped(state.shape)[0][:, 1]):
+        raise NotHuman(f"The built-in body stays {1e3 * rms:.0f} mm from the scan's skin. {NotHuman().message}")
+    covered = cKDTree(surface.points).query(model, distance_upper_bound=0.05)[0] < 0.05
+    area = np.bincount(template.faces.ravel(), np.repeat(_face_areas(model, template.faces), 3), len(model))
+    coverage = float(area[covered].sum() / area.sum())
+    return replace(fit, body=body_of_state(template, state, rms), state=state, skin_rms=rms, coverage=coverage)
+
+
+def weigh_points(points: np.ndarray, normals: np.ndarray, weights: PointWeights) -> OrientedPoints:
+    """Put points and what is known of them together: those with a predicted depth are moved in by it."""
+    cloth = np.asarray(weights.cloth, dtype=np.float64)
+    weight = np.ones(len(points))
+    spread = None
+    if weights.ignore is not None:
+        weight = 1.0 - (1.0 - IGNORED) * weights.ignore
+        cloth = np.maximum(cloth, weights.ignore)
+    if weights.inside is not None:
+        known = np.isfinite(weights.inside)
+        points = points - np.where(known, weights.inside, 0.0)[:, None] * normals
+        cloth = np.where(known, 0.0, cloth)
+        spread = np.where(known, 0.01 if weights.spread is None else weights.spread, 0.0)
+    return OrientedPoints(points, normals, cloth, weight, spread)
+
+
+def guess_weights(template: Template, surface: OrientedPoints, state: State) -> PointWeights:
+    """Take everything for cloth but face, hands and feet as a fit has them; crown and feet count little.
+
+    Hair lies over the crown and the back of the head, shoes over the feet: neither is where the skin is.
+    """
+    model, normals = pose_model(template, state)
+    _, near = cKDTree(np.hstack([model, 0.05 * normals])).query(np.hstack([surface.points, 0.05 * surface.normals]))
+    bare = template.weights[:, [JOINTS.index(name) for name in BARE_PARTS]].sum(axis=1)
+    shod = template.weights[:, [JOINTS.index(name) for name in SHOD_PARTS]].sum(axis=1)
+    hairy = find_hairy(template)
+    cloth = np.where(hairy, 1.0, 1.0 - np.clip(bare + shod, 0.0, 1.0))
+    return PointWeights(cloth[near], np.maximum(0.7 * hairy, 0.7 * (shod > 0.5))[near])
+
+
+def find_hairy(template: Template) -> np.ndarray:
+    """Find the vertices of the head that hair may lie on: all but the face below the brow."""
+    head = template.joints[JOINTS.index("head")]
+    on_head = template.weights[:, JOINTS.index("head")] > 0.5
+    # The brow is 7 cm above the head's joint (the top of the neck), the ears 1 cm before it.
+    up, forward = (template.vertices - head)[:, 1], (template.vertices - head)[:, 2]
+    return np.asarray(on_head & ((up > 0.07) | (forward < 0.03)))
+
+
+def orient_by(template: Template, surface: OrientedPoints, state: State) -> OrientedPoints:
+    """Turn normals of unknown sign the way those of the fitted body's nearest vertices point."""
+    if surface.oriented:
+        return surface
+    model, normals = pose_model(template, state)
+    _, near = cKDTree(model).query(surface.points)
+    sign = np.where(np.einsum("na,na->n", normals[near], surface.normals) < 0, -1.0, 1.0)
+    return replace(surface, normals=sign[:, None] * surface.normals, oriented=True)
+
+
+def _skin_rms(model: np.ndarray, faces: np.ndarray, surface: OrientedPoints) -> float:
+    """Compute the RMS distance [m] of what is more skin than cloth to the model."""
+    from ..mesh import TriangleSurface
+
+    skin = np.ones(len(surface.points), bool) if surface.cloth is None else surface.cloth < 0.5
+    if not skin.any():
+        return 0.0
+    return float(np.sqrt((TriangleSurface(model, faces).distance(surface.points[skin]) ** 2).mean()))
+
+
+def _face_areas(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    from ..mesh import face_areas
+
+    return face_areas(vertices, faces) / 3.0

@@ -1,0 +1,142 @@
+"""Find the heading and pose of a person as if bare: where every later fit goes on from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from ..hooks import Hooks
+from ..mesh import vertex_areas
+from .body import JOINTS
+from .fit import Fitter, OrientedPoints, Stage, State
+from .registration import HEADINGS, POSES, STAGE, Start, find_other_fits
+from .skinning import skin
+from .template import Template, articulate, rotations_of, transforms_of
+
+MORE_POSES: dict[str, dict[str, tuple[float, float, float]]] = {
+    "arms up": {"left_shoulder": (0, 0, 1.2), "right_shoulder": (0, 0, -1.2)},
+    "goalpost": {
+        "left_shoulder": (-1.4, 0, 0), "right_shoulder": (-1.4, 0, 0), "left_elbow": (0, -1.5, 0),
+        "right_elbow": (0, 1.5, 0),
+    },
+    "hands on hips": {
+        "left_shoulder": (0.9, 0.3, -0.8), "right_shoulder": (0.9, -0.3, 0.8), "left_elbow": (0, -1.7, 0),
+        "right_elbow": (0, 1.7, 0),
+    },
+    "crossed": {
+        "left_shoulder": (0, -0.5, -1.1), "right_shoulder": (0, 0.5, 1.1), "left_elbow": (0, -1.7, 0),
+        "right_elbow": (0, 1.7, 0),
+    },
+}  # fmt: skip
+"""Start poses of people only, beside those of a body's mesh."""
+
+FIRST = (Stage(3, 0.30, 0.15, False, 4),)
+SECOND = (Stage(3, 0.20, 0.15, False, 4), Stage(4, 0.15, 0.15, False, 8))
+THIRD = (Stage(10, 0.10, 0.15, False, 10), Stage(10, 0.06, 0.10, True, 15))
+LAST = (Stage(10, 0.05, 0.10, True, 20),)
+
+
+@dataclass(frozen=True)
+class PersonSearch:
+    """Choose how many starts go on.
+
+    Attributes:
+        coarse_count: Points on either side while all starts compete.
+        fine_count: Our points when the last compete.
+        kept: Starts that go on to the second, third and last stages.
+    """
+
+    coarse_count: int = 350
+    fine_count: int = 1000
+    kept: tuple[int, int, int] = (32, 8, 3)
+
+
+@dataclass(frozen=True)
+class FoundStart:
+    """Hold the best fit as if bare.
+
+    Attributes:
+        state: The fit.
+        residual: Its robust two-way misfit [m].
+        margin: By how much the best other fit's misfit is larger, over this one's; infinite where there is none.
+    """
+
+    state: State
+    residual: float
+    margin: float
+
+
+def find_start(
+    template: Template, surface: OrientedPoints, search: PersonSearch, seed: int, hooks: Hooks
+) -> FoundStart:
+    """Let all poses at all headings compete, and return the best fit."""
+    rng = np.random.default_rng(seed)
+    few = surface.take(slice(search.coarse_count))
+    subset = spread_subset(template, search.fine_count, rng)
+    coarse = Fitter(template, subset[: search.coarse_count], few)
+    ranked: list[Start] = [(0.0, i, state) for i, state in enumerate(list_starts(template, surface, subset))]
+    for k, stages in enumerate((FIRST, SECOND, THIRD)):
+        scale = (0.15, 0.1, 0.05)[k]
+        going = []
+        for entry in ranked:
+            hooks.progress(STAGE, 0.15 * k, "trying headings and poses")
+            going.append(_go_on(coarse, stages, entry, scale))
+        ranked = sorted(going, key=lambda entry: entry[:2])
+        if k < 2:
+            ranked = ranked[: search.kept[k]]
+    best = ranked[: search.kept[2]]
+    fine = Fitter(template, subset, surface)
+    finalists = []
+    for entry in best + find_other_fits(template, best, ranked[search.kept[2] :]):
+        hooks.progress(STAGE, 0.5, "comparing the best starts")
+        finalists.append(_go_on(fine, LAST, entry, 0.03))
+    finalists.sort(key=lambda entry: entry[:2])
+    others = find_other_fits(template, finalists[:1], finalists[1:])
+    margin = others[0][0] / finalists[0][0] - 1.0 if others else np.inf
+    return FoundStart(finalists[0][2], finalists[0][0], float(margin))
+
+
+def list_starts(template: Template, surface: OrientedPoints, subset: np.ndarray) -> list[State]:
+    """Return every start: each pose at each heading, as tall as the points are high in it, standing where they do."""
+    low, high = np.quantile(surface.points[:, 1], (0.002, 0.998))
+    centre = 0.5 * (np.quantile(surface.points, 0.02, axis=0) + np.quantile(surface.points, 0.98, axis=0))
+    usual = float(np.ptp(template.vertices[:, 1]))
+    slope = template.directions[:, template.vertices[:, 1].argmax(), 1]
+    starts = []
+    for angles in (*POSES.values(), *MORE_POSES.values()):
+        vectors = np.zeros((24, 3))
+        for joint, vector in angles.items():
+            vectors[JOINTS.index(joint)] = vector
+        posed = _pose(template, np.zeros(4), rotations_of(vectors), subset)
+        height = float(np.clip((high - low) / np.ptp(posed[:, 1]) * usual, 1.4, 2.0))
+        shape = (slope * (height - usual) / (slope @ slope))[:4]
+        for h in range(HEADINGS):
+            turned = vectors.copy()
+            turned[0] = (0.0, 2 * pi * h / HEADINGS, 0.0)
+            rotations = rotations_of(turned)
+            posed = _pose(template, shape, rotations, subset)
+            shift = centre - 0.5 * (posed.min(axis=0) + posed.max(axis=0))
+            shift[[0, 2]] = (surface.points.mean(axis=0) - posed.mean(axis=0))[[0, 2]]
+            starts.append(State(shape, rotations, shift))
+    return starts
+
+
+def spread_subset(template: Template, count: int, rng: np.random.Generator) -> np.ndarray:
+    """Return indices of vertices drawn in proportion to their area."""
+    area = vertex_areas(template.vertices, template.faces)
+    return rng.choice(len(area), count, replace=False, p=area / area.sum())
+
+
+def _pose(template: Template, shape: np.ndarray, rotations: np.ndarray, subset: np.ndarray) -> np.ndarray:
+    rest, joints = template.shaped(shape)
+    world, posed = articulate(rotations, joints, np.zeros(3))
+    return skin(rest[subset], template.weights[subset], transforms_of(world, posed, joints))
+
+
+def _go_on(fitter: Fitter, stages: tuple[Stage, ...], entry: Start, scale: float) -> Start:
+    state = entry[2]
+    for stage in stages:
+        state = fitter.fit(state, stage)
+    return fitter.residual(state, scale, scale), entry[1], state
