@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 from click.testing import CliRunner
-from garmentq.cli import bench, bench_target
+from garmentq.cli import bench, bench_process, bench_target
 from garmentq.cli.bench_table import mean, print_tables
 from garmentq.core.errors import BadInput
 from garmentq.core.export import write_ply
@@ -164,7 +164,7 @@ def test_means_are_unweighted_and_pass_over_gaps(capsys: pytest.CaptureFixture[s
 
 def test_a_crash_is_a_line(packs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Fails if a process that died took the bench with it."""
-    monkeypatch.setattr(bench.sys, "executable", "/bin/false")
+    monkeypatch.setattr(bench_process.sys, "executable", "/bin/false")
     result = run(packs, "--only", "good", "--json")
     line = json.loads(result.stdout)
     assert result.exit_code == 5
