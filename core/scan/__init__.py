@@ -9,9 +9,11 @@ from .load_raw import load_raw
 from .normals import orient_normals
 from .pieces import Pieces, load_pieces
 from .raw import RawScan
+from .reconstruct import Reconstructed, reconstruct
 from .refusal import FileMissing, LabelsUnreadable
 from .scan import Scan, describe_scan
 from .selection import TOLERANCE, Selection, parse_colour, select_vertices
+from .thin import ThinMesh, thin, thin_mesh, thin_scan
 from .units import find_units, find_up
 
 __all__ = [
@@ -21,8 +23,10 @@ __all__ = [
     "Limits",
     "Pieces",
     "RawScan",
+    "Reconstructed",
     "Scan",
     "Selection",
+    "ThinMesh",
     "check_extension",
     "check_header",
     "cut_garment",
@@ -37,5 +41,9 @@ __all__ = [
     "orient_normals",
     "parse_colour",
     "read_labels",
+    "reconstruct",
     "select_vertices",
+    "thin",
+    "thin_mesh",
+    "thin_scan",
 ]

@@ -45,6 +45,13 @@ def group_points(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return first[order], rank[group.reshape(-1)]
 
 
+def first_of(origin: np.ndarray, count: int) -> np.ndarray:
+    """Return the first of the points that came from each of `count` others by `origin`, or -1, shape [count]."""
+    found = np.full(count, -1)
+    found[origin[::-1]] = np.arange(len(origin))[::-1]
+    return found
+
+
 def merge_points(points: np.ndarray, finite: np.ndarray) -> Mended:
     """Merge the points of a cloud that lie in one place, and drop those without a position."""
     rows = np.flatnonzero(finite)
@@ -71,9 +78,7 @@ def mend_mesh(points: np.ndarray, faces: np.ndarray) -> Mended:
     surface = RepairedMesh(points[rows[first]], index[faces], np.arange(len(first)))
     surface = mend_surface(surface)
     faces, number = _turn_pieces(surface.vertices, surface.faces)
-    mine = np.full(len(first) + 1, -1)
-    mine[surface.origin[::-1]] = np.arange(len(surface.origin))[::-1]  # of several fans the first stands for the point
-    index[index < 0] = len(first)
+    mine = np.r_[first_of(surface.origin, len(first)), -1]
     notes = (f"Merged {merged} duplicate {'vertices' if merged > 1 else 'vertex'}.",) if merged else ()
     turned = (f"Turned {number} piece{'s' if number != 1 else ''} outward.",) if number else ()
     return Mended(

@@ -1,0 +1,168 @@
+"""Reconstruct the surface of an oriented point cloud, where there are points, and only there.
+
+Screened Poisson reconstruction (M. Kazhdan and H. Hoppe, 2013; open3d's) gives a closed surface; what it spans beyond
+the points, and across the step at a hem, is cut away again, by distance and by direction.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import GarmentqError
+from ..limited import Bounds, call_limited
+from ..mesh import HalfEdges, face_areas, face_normals, find_components, unit
+from .mend import mend_mesh
+
+REACH = 2.5
+"""Median spacings up to which the surface is believed beyond a point: in a grid without gaps no place is farther from
+a point than 0.7, in random points hardly one than 2."""
+AGREE = 0.3
+"""Cosine between a face and the points nearest to it from which on they are one surface: noise tilts a normal by up to
+half a right angle, the skin across a hem lies across it."""
+STRAY = 0.01
+"""A piece with less than this share of the area goes: what Poisson closes to a bubble beside the surface."""
+DEPTHS = (6, 10)
+"""Least and largest depth of the octree; at 10 a cell of a person's box is 2 mm, below any scanner's noise."""
+BOUNDS = Bounds(memory_bytes=6 * 1024**3, cpu_seconds=300, wall_seconds=600.0)
+"""What a reconstruction may use: a million points take some 60 s and 2 GB."""
+
+
+class SurfaceFailed(GarmentqError):
+    """No surface could be made of the points; give the scan as a mesh, or check `garmentq doctor`."""
+
+    code = "scan.no_surface"
+
+
+@dataclass(frozen=True)
+class Reconstructed:
+    """Hold the surface of a cloud.
+
+    Attributes:
+        vertices: Positions [m], shape [n, 3].
+        faces: Outward triangles, shape [f, 3].
+        colours: RGB in 0..1 of the nearest points, shape [n, 3], or None.
+        labels: Labels of the nearest points, shape [n], or None.
+        nearest: Index of the nearest point of the cloud, shape [n].
+        distance: How far that is [m], shape [n].
+        unseen: True at vertices on a rim, beyond which the scanner saw nothing, shape [n].
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    colours: np.ndarray | None
+    labels: np.ndarray | None
+    nearest: np.ndarray
+    distance: np.ndarray
+    unseen: np.ndarray
+
+
+def reconstruct(
+    points: np.ndarray,
+    normals: np.ndarray,
+    colours: np.ndarray | None = None,
+    labels: np.ndarray | None = None,
+    is_confined: bool = False,
+) -> Reconstructed:
+    """Reconstruct the surface of a cloud.
+
+    Args:
+        points: Positions [m], shape [n, 3].
+        normals: Outward unit normals, shape [n, 3].
+        colours: RGB in 0..1, shape [n, 3], or None.
+        labels: Label of each point, numbers or texts, shape [n], or None.
+        is_confined: True in a limited process: the surface is then made in it, and not in one more.
+
+    Raises:
+        SurfaceFailed: where nothing is left that is a surface.
+    """
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(points)
+    spacing = measure_spacing(points)
+    vertices, faces = _solve(points, normals, find_depth(points, spacing), is_confined)
+    if not len(faces):
+        raise SurfaceFailed()
+    vertices, faces = trim(vertices, faces, points, normals, spacing)
+    if not len(faces):
+        raise SurfaceFailed()
+    distance, nearest = tree.query(vertices)
+    return Reconstructed(
+        vertices,
+        faces,
+        None if colours is None else colours[nearest],
+        None if labels is None else labels[nearest],
+        nearest,
+        distance,
+        HalfEdges.of(faces, len(vertices)).border_vertices,
+    )
+
+
+def measure_spacing(points: np.ndarray) -> float:
+    """Measure the side of the square that each point has for itself on the surface [m], a median.
+
+    n points in a disc of radius r have pi r^2 / n each; the distance to the nearest alone would be half of it, and less
+    where a scanner's frames overlap.
+    """
+    from scipy.spatial import cKDTree
+
+    count = min(9, len(points))
+    some = points[np.linspace(0, len(points) - 1, min(len(points), 5000)).astype(np.int64)]
+    radius = cKDTree(points).query(some, count)[0][:, -1]
+    return float(np.median(radius) * np.sqrt(np.pi / (count - 1)))
+
+
+def find_depth(points: np.ndarray, spacing: float) -> int:
+    """Find the octree's depth at which a cell is as wide as the points are apart; its box is 1.1 times the points'."""
+    side = 1.1 * float(np.ptp(points, axis=0).max())
+    return int(np.clip(np.ceil(np.log2(side / spacing)), *DEPTHS))
+
+
+def _solve(points: np.ndarray, normals: np.ndarray, depth: int, is_confined: bool) -> tuple[np.ndarray, np.ndarray]:
+    with tempfile.TemporaryDirectory(prefix="garmentq-surface-") as folder:
+        source, target = Path(folder) / "points.npz", Path(folder) / "surface.npz"
+        np.savez(source, points=points, normals=normals)
+        names = {"source": str(source), "target": str(target), "depth": depth}
+        if is_confined:
+            solve_poisson(**names)  # type: ignore[arg-type]
+        else:
+            call_limited(f"{__name__}:solve_poisson", names, BOUNDS)
+        with np.load(target, allow_pickle=False) as arrays:
+            return arrays["vertices"], arrays["faces"]
+
+
+def solve_poisson(source: str, target: str, depth: int) -> dict[str, float]:
+    """Make the closed surface of the points in a file, and write it to another; runs in a limited process."""
+    import open3d
+
+    with np.load(source, allow_pickle=False) as arrays:
+        points, normals = arrays["points"], arrays["normals"]
+    cloud = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(points))
+    cloud.normals = open3d.utility.Vector3dVector(normals)
+    mesh, _ = open3d.geometry.TriangleMesh.create_from_point_cloud_poisson(cloud, depth=depth, n_threads=1)
+    np.savez(target, vertices=np.asarray(mesh.vertices), faces=np.asarray(mesh.triangles, dtype=np.int64))
+    return {}
+
+
+def trim(
+    vertices: np.ndarray, faces: np.ndarray, points: np.ndarray, normals: np.ndarray, spacing: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Cut away what lies beyond the points or across them, and mend what is left."""
+    from scipy.spatial import cKDTree
+
+    distance, near = cKDTree(points).query(vertices, min(4, len(points)))
+    far = distance[:, 0] > REACH * spacing
+    around = unit(normals[near].sum(axis=1) + 1e-12)
+    direction = face_normals(vertices, faces)[0]
+    agree = np.einsum("fi,fi->f", direction, unit(around[faces].sum(axis=1) + 1e-12)) > AGREE
+    kept = faces[agree & ~far[faces].any(axis=1)]
+    if not len(kept):
+        return vertices, kept
+    number, piece = find_components(len(vertices), np.r_[kept[:, 0], kept[:, 1]], np.r_[kept[:, 1], kept[:, 2]])
+    size = np.bincount(piece[kept[:, 0]], face_areas(vertices, kept), number)
+    kept = kept[(size >= STRAY * size.max())[piece[kept[:, 0]]]]
+    mended = mend_mesh(vertices, kept)
+    return mended.points, mended.faces
