@@ -1,0 +1,261 @@
+"""Find the rings of a dressed person: where sleeves, legs, neckline and waist end, and how sure each is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d
+
+from ..body import JOINTS
+from .features import LENGTH, Features
+from .limbs import Limb
+from .points import FittedPerson, PersonPoints
+from .rings import CORRELATION, Ring, contrasts, edge_evidence, find_ring, ridges, step_heights
+from .unrolled import UnrolledGrid, unroll
+
+COUPLING = 0.5
+"""Share of the other limb's evidence that counts: sleeves and legs end alike, but not on everybody."""
+COUPLED_ROWS = 5
+"""Rows within which the other limb's end lies [8 mm each]: poses and fits move a cuff by 2 cm."""
+BARE_OFFSET = 0.005
+"""Offset [m] that skin and cloth have alike often: the fit is within it on skin, and cloth hangs beyond."""
+OFFSET_SCALE = 0.006
+"""Offset [m] beyond it that says one unit more."""
+REGION_WEIGHT = 0.012
+"""Log-probability of one cell's unit of offset: a limb's slice of 1 cm of clear cloth says as much as one column's
+clear edge, as the fit is off over lengths of 10 cm."""
+SURE = 0.04
+"""Log-probability of a cell where anatomy knows: the trunk is clothed; head, hands and feet are not."""
+WARMTH = 3.0
+"""What rings' scores are divided by: their cues are not independent."""
+
+
+@dataclass(frozen=True)
+class Waist:
+    """Hold the ring between an upper and a lower garment.
+
+    Attributes:
+        limbs: The limbs it lies on: the trunk, or both legs where a long top ends there.
+        rings: One for each.
+        is_upper_over: Whether the upper garment hangs over the lower one; else it is tucked in.
+        score: Log-probability against one garment over all.
+    """
+
+    limbs: tuple[Limb, ...]
+    rings: tuple[Ring, ...]
+    is_upper_over: bool
+    score: float
+
+
+@dataclass(frozen=True)
+class PersonRings:
+    """Hold what the rings of a person say.
+
+    Attributes:
+        grids: Each limb rolled out.
+        sleeves: The ends of the sleeves, left and right: the armhole where there are none.
+        hems: The lower ends on the legs, left and right.
+        ankles: The upper ends of the shoes, left and right, if there are shoes.
+        neckline: The neck's opening.
+        waists: Rings between upper and lower, the best first.
+        tube: Share of the height between crotch and hem where cloth spans from leg to leg: near 1 for skirts.
+    """
+
+    grids: dict[Limb, UnrolledGrid]
+    sleeves: tuple[Ring, Ring]
+    hems: tuple[Ring, Ring]
+    ankles: tuple[Ring, Ring]
+    neckline: Ring
+    waists: tuple[Waist, ...]
+    tube: float
+
+
+@dataclass(frozen=True)
+class _Cells:
+    """Hold what is measured on a limb's cells: step [m], ridge, contrast, offset [m]; shape [rows, ANGLES] each."""
+
+    step: np.ndarray
+    ridge: np.ndarray
+    contrast: np.ndarray | None
+    offset: np.ndarray
+    is_near: np.ndarray
+
+    def edge(self, sign: float) -> np.ndarray:
+        """Return the evidence for a garment's end whose side before (+1) or beyond (-1) is the higher."""
+        return np.where(self.is_near, edge_evidence(sign * self.step, sign * self.ridge, self.contrast), 0.0)
+
+    def region(self) -> np.ndarray:
+        """Return the log-probability of cloth against skin by the offset."""
+        units = np.clip((self.offset - BARE_OFFSET) / OFFSET_SCALE, -1.0, 2.0)
+        return np.where(self.is_near, REGION_WEIGHT * units, 0.0)
+
+
+def find_rings(points: PersonPoints, features: Features, fit: FittedPerson, use_colours: bool = False) -> PersonRings:
+    """Find all rings.
+
+    Args:
+        points: The samples.
+        features: Their description.
+        fit: The body fitted to them.
+        use_colours: Whether contrast of colour counts, where there are colours.
+    """
+    body = fit.body
+    grids = {limb: unroll(features.place, body, limb) for limb in Limb}
+    colours = _lab_of(points.colours) if use_colours and points.colours is not None else None
+    cells = {limb: _measure(grid, features, colours) for limb, grid in grids.items()}
+    joints = dict(zip(JOINTS, body.rest_joints, strict=True))
+    wrist = float(np.abs(joints["left_wrist"] - joints["left_shoulder"])[0])
+    ankle = float((joints["left_hip"] - joints["left_ankle"])[1])
+    arms, legs = (Limb.LEFT_ARM, Limb.RIGHT_ARM), (Limb.LEFT_LEG, Limb.RIGHT_LEG)
+    sleeves = _find_pair(grids, cells, arms, (0.0, wrist))
+    hems = _find_pair(grids, cells, legs, (0.05, ankle - 0.02))
+    ankles = _find_ankles(grids, cells, legs, ankle)
+    hem = float(np.mean([grids[limb].stations[ring.rows].mean() for limb, ring in zip(legs, hems, strict=True)]))
+    return PersonRings(
+        grids=grids,
+        sleeves=sleeves,
+        hems=hems,
+        ankles=ankles,
+        neckline=_find_neckline(grids[Limb.NECK], cells[Limb.NECK]),
+        waists=_find_waists(grids, cells, legs, hem),
+        tube=_tube(points, features, hem),
+    )
+
+
+def _measure(grid: UnrolledGrid, features: Features, colours: np.ndarray | None) -> _Cells:
+    offset = grid.spread(features.column("offset") * LENGTH)
+    contrast = None
+    if colours is not None:
+        contrast = contrasts(np.stack([grid.spread(channel) for channel in colours.T], axis=2))
+    ridge = ridges(grid.spread(features.column("curvature_12")))
+    return _Cells(step_heights(offset), ridge, contrast, offset, grid.is_near)
+
+
+def _find_pair(
+    grids: dict[Limb, UnrolledGrid], cells: dict[Limb, _Cells], pair: tuple[Limb, Limb], sure: tuple[float, float]
+) -> tuple[Ring, Ring]:
+    """Find the ends of cloth on a pair of limbs, between the stations [m] where it surely is and surely is not."""
+    edges = _couple(*((grids[limb], cells[limb].edge(1.0)) for limb in pair))
+    rings = []
+    for limb, edge in zip(pair, edges, strict=True):
+        stations = grids[limb].stations
+        region = cells[limb].region()
+        region[stations < sure[0]] = SURE
+        region[stations > sure[1]] = -SURE
+        rings.append(find_ring(edge, region, WARMTH))
+    return rings[0], rings[1]
+
+
+def _couple(
+    left: tuple[UnrolledGrid, np.ndarray], right: tuple[UnrolledGrid, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Add to each limb's evidence a share of the other's best nearby."""
+    coupled = []
+    for (grid, edge), (other, far) in ((left, right), (right, left)):
+        shift = round((grid.first - other.first) / (grid.stations[1] - grid.stations[0])) if len(edge) > 1 else 0
+        row = np.arange(len(edge)) + shift
+        near = maximum_filter1d(far, COUPLED_ROWS, axis=0, mode="nearest")
+        there = np.where(((row >= 0) & (row < len(far)))[:, None], near[np.clip(row, 0, len(far) - 1)], 0.0)
+        coupled.append(edge + COUPLING * there)
+    return coupled[0], coupled[1]
+
+
+SHOE_TOP = (-0.06, 0.12)
+"""Range of a shoe's upper end over the ankle joint [m]: loafers to high sneakers; boots are found as hems are."""
+
+
+def _find_ankles(
+    grids: dict[Limb, UnrolledGrid], cells: dict[Limb, _Cells], legs: tuple[Limb, Limb], ankle: float
+) -> tuple[Ring, Ring]:
+    """Find where shoes end if there are any: the higher side is the one beyond."""
+    edges = list(_couple(*((grids[limb], cells[limb].edge(-1.0)) for limb in legs)))
+    for limb, edge in zip(legs, edges, strict=True):
+        stations = grids[limb].stations
+        edge[(stations < ankle - SHOE_TOP[1]) | (stations > ankle - SHOE_TOP[0])] = -50.0
+    return find_ring(edges[0], None, WARMTH), find_ring(edges[1], None, WARMTH)
+
+
+NECKLINE = (0.06, 0.05)
+"""Mean and spread of the station [m] where necklines of the usual garments lie on the neck's chart."""
+
+
+def _find_neckline(grid: UnrolledGrid, cells: _Cells) -> Ring:
+    """Find the neck's opening: skin before it, cloth beyond."""
+    stations = grid.stations
+    region = -cells.region()
+    region[stations < -0.06] = SURE
+    region[stations > NECKLINE[0] + 4 * NECKLINE[1]] = -SURE
+    prior = -0.5 * ((stations - NECKLINE[0]) / NECKLINE[1]) ** 2
+    return find_ring(cells.edge(-1.0) + prior[:, None], region, WARMTH)
+
+
+WAIST_FROM = 0.22
+"""Station on the trunk [m below the neck joint] where waists begin: below the bust's middle."""
+WAIST_PRIOR = -6.0
+"""Log-probability of a ring at any one place against none: some 10 places on a trunk have folds all around."""
+
+
+def _find_waists(
+    grids: dict[Limb, UnrolledGrid], cells: dict[Limb, _Cells], legs: tuple[Limb, Limb], hem: float
+) -> tuple[Waist, ...]:
+    """Find rings between upper and lower: on the trunk with either side higher, on the legs with the upper over."""
+    found = []
+    trunk = grids[Limb.TRUNK]
+    crotch = trunk.stations[-1] - np.ptp(grids[legs[0]].stations) + 0.10
+    outside = (trunk.stations < WAIST_FROM) | (trunk.stations > crotch)
+    for sign in (1.0, -1.0):
+        edge = cells[Limb.TRUNK].edge(sign)
+        edge[outside] = -50.0
+        ring = find_ring(edge, None, WARMTH)
+        found.append(Waist((Limb.TRUNK,), (ring,), sign > 0, ring.score + WAIST_PRIOR))
+    edges = _couple(*((grids[limb], cells[limb].edge(1.0)) for limb in legs))
+    rings = []
+    for limb, edge in zip(legs, edges, strict=True):
+        stations = grids[limb].stations
+        edge[(stations < 0.05) | (stations > hem - 0.08)] = -50.0
+        rings.append(find_ring(edge, None, WARMTH))
+    score = 0.5 * (rings[0].score + rings[1].score) / (1 + COUPLING) + WAIST_PRIOR
+    found.append(Waist(legs, (rings[0], rings[1]), True, score))
+    return tuple(sorted(found, key=lambda waist: -waist.score))
+
+
+def _tube(points: PersonPoints, features: Features, hem: float) -> float:
+    """Measure how much of the height between crotch and hem has cloth from leg to leg, in front and behind.
+
+    A sample spans where it is nearer to the middle between the legs than to either, and faces forward or backward.
+    """
+    place = features.place
+    leg = np.isin(place.limb, (Limb.LEFT_LEG, Limb.RIGHT_LEG))
+    gap = points.positions - place.foot
+    side = np.cross(place.along, place.front)
+    inward = np.einsum("na,na->n", gap, side) * np.where(place.limb == Limb.LEFT_LEG, 1.0, -1.0)
+    across = np.abs(np.einsum("na,na->n", points.normals, side))
+    spans = leg & (inward > 0.015) & (across < 0.6)
+    ahead = np.einsum("na,na->n", points.normals, place.front) > 0
+    rows = np.arange(0.15, max(hem - 0.02, 0.16), 0.02)
+    here = [
+        min((spans & ahead & near).sum(), (spans & ~ahead & near).sum()) >= 2
+        for near in (np.abs(place.station - row) < 0.01 for row in rows)
+    ]
+    return float(np.mean(here))
+
+
+def _lab_of(colours: np.ndarray) -> np.ndarray:
+    """Convert sRGB in 0..1, shape [n, 3], to CIE Lab (D65), shape [n, 3]."""
+    linear = np.where(colours <= 0.04045, colours / 12.92, ((colours + 0.055) / 1.055) ** 2.4)
+    matrix = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+    ratio = linear @ matrix.T / np.array([0.9505, 1.0, 1.089])
+    f = np.where(ratio > 0.008856, np.cbrt(ratio), 7.787 * ratio + 16 / 116)
+    return np.stack([116 * f[:, 1] - 16, 500 * (f[:, 0] - f[:, 1]), 200 * (f[:, 1] - f[:, 2])], axis=1)
+
+
+def spread_over(rings: PersonRings, limb: Limb, ring: Ring, count: int) -> np.ndarray:
+    """Compute the probability that each sample lies beyond a ring of a limb, 0 where it is not on it, shape [count]."""
+    grid = rings.grids[limb]
+    return grid.at_samples(ring.beyond(len(grid.seen)), count, 0.0)
+
+
+def evidence_per_column(ring: Ring) -> float:
+    """Return a ring's score for each independent column: what it gains where it is, 0 for none."""
+    return ring.score * CORRELATION / len(ring.rows)

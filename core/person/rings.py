@@ -1,0 +1,181 @@
+"""Find closed rings around unrolled limbs: hems, cuffs, waists and necklines, by dynamic programming."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from scipy.ndimage import correlate1d
+
+from .unrolled import ANGLES, STATION_STEP
+
+SIDE = 6
+"""Rows on either side that a step's height is read from, 5 cm: a hem is straight over such a length."""
+STEEPEST = 3
+"""Rows that a ring may go up or down from one column to the next: 45 degrees and more on every limb."""
+BEND_COST = 0.4
+"""Log-probability that each row up or down costs: a ring that tilts by 10 cm and back pays what three columns of a
+clear step gain."""
+CORRELATION = 4.0
+"""Columns whose evidence is as good as one's: folds and the fit's errors are 3 to 8 cm wide."""
+APART = 0.04
+"""Rings nearer than this [m] on average are one: the second best is looked for beyond."""
+
+STEP_NOISE = 0.001
+"""Least noise of a step [m]: a fit's errors make as much on a smooth scan. A scan's own is measured on it."""
+RIDGE_NOISE = 0.05
+"""Least noise of a difference of curvature between rows, times 2 cm."""
+CONTRAST_NOISE = 6.0
+"""Difference of colour (CIE76) that shade makes over 3 cm."""
+QUIET = 0.6
+"""Share of a limb's cells that have no edge: their size gives the noise, so that a frilled limb asks for more."""
+
+
+@dataclass(frozen=True)
+class Ring:
+    """Hold the best ring and how sure it is.
+
+    Attributes:
+        rows: Row of its first cell beyond, for each column, shape [ANGLES].
+        score: Its log-probability against no ring at all.
+        second: The same of the best ring that lies elsewhere.
+        weights: Probability of each start row's best ring, shape [rows].
+        paths: Those rings, shape [rows, ANGLES].
+    """
+
+    rows: np.ndarray
+    score: float
+    second: float
+    weights: np.ndarray
+    paths: np.ndarray
+
+    @property
+    def confidence(self) -> float:
+        """Return the probability that there is a ring and that it lies here and not elsewhere."""
+        return float(1.0 / (1.0 + np.exp(-self.score) + np.exp(self.second - self.score)))
+
+    def beyond(self, rows: int) -> np.ndarray:
+        """Compute the probability that each cell lies beyond the ring (at a larger station), shape [rows, ANGLES]."""
+        count = np.zeros((rows + 1, ANGLES))
+        for weight, path in zip(self.weights, self.paths, strict=True):
+            if weight > 1e-4:
+                count[np.clip(path, 0, rows), np.arange(ANGLES)] += weight
+        return np.asarray(np.clip(np.cumsum(count[:rows], axis=0), 0.0, 1.0))
+
+
+def find_ring(edge: np.ndarray, region: np.ndarray | None = None, warmth: float = 1.0) -> Ring:
+    """Find the best closed ring on an unrolled limb.
+
+    A ring r(a) maximises sum over columns a of edge[r(a), a] + region gain - BEND_COST |r(a + 1) - r(a)|, with steps of
+    at most `STEEPEST` rows and r closed. The best one through each row of the first column is found by dynamic
+    programming, so the best of all is the true one, and their scores are a distribution over rings.
+
+    Args:
+        edge: Log-probability of an edge at each cell against none, shape [rows, ANGLES].
+        region: Log-probability of each cell's being inside (smaller station) against beyond; a ring gains what lies
+            on its right side. None: nothing is known.
+        warmth: What scores are divided by for the probabilities of rings: above 1, evidence is believed less.
+    """
+    gain = edge / CORRELATION
+    if region is not None:
+        before = np.cumsum(region, axis=0) - region
+        gain = gain + 2.0 * before - region.sum(axis=0)
+    gain = np.ascontiguousarray(gain)
+    scores, paths = _closed_paths(gain, BEND_COST / CORRELATION, STEEPEST)
+    best = int(scores.argmax())
+    away = np.abs(paths - paths[best]).mean(axis=1) * STATION_STEP > APART
+    second = float(scores[away].max()) if away.any() else -np.inf
+    weights = np.exp((scores - scores[best]) / warmth)
+    return Ring(paths[best], float(scores[best]), second, weights / weights.sum(), paths)
+
+
+@njit(cache=True)
+def _closed_paths(gain, cost, steepest):  # type: ignore[no-untyped-def]
+    """Return for each first row the score of the best closed path and the path."""
+    rows, columns = gain.shape
+    scores = np.full(rows, -np.inf)
+    paths = np.zeros((rows, columns), dtype=np.int64)
+    back = np.zeros((columns, rows), dtype=np.int64)
+    for start in range(rows):
+        value = np.full(rows, -np.inf)
+        value[start] = gain[start, 0]
+        for a in range(1, columns + 1):
+            # A closed path cannot be further from its start than the steps that are left bring it back.
+            reach = min(a, columns - a) * steepest
+            fresh = np.full(rows, -np.inf)
+            for r in range(max(start - reach, 0), min(start + reach + 1, rows)):
+                best, at = -np.inf, r
+                for q in range(max(r - steepest, 0), min(r + steepest + 1, rows)):
+                    here = value[q] - cost * abs(q - r)
+                    if here > best:
+                        best, at = here, q
+                if a < columns:
+                    fresh[r] = best + gain[r, a]
+                    back[a, r] = at
+                else:
+                    scores[start] = best
+                    r_last = at
+            value = fresh
+        r = r_last
+        for a in range(columns - 1, 0, -1):
+            paths[start, a] = r
+            r = back[a, r]
+        paths[start, 0] = start
+    return scores, paths
+
+
+def step_heights(offset: np.ndarray) -> np.ndarray:
+    """Compute how much higher the side before each cell is than the side beyond [m], shape [rows, ANGLES].
+
+    Straight lines are laid through the `SIDE` rows before and those from the cell on, and compared at the cell's near
+    edge: what changes evenly along the limb (a sleeve that widens, a fit that is off) is no step.
+    """
+    k = np.arange(SIDE) + 0.5
+    line = 1 / SIDE - k.mean() * (k - k.mean()) / ((k - k.mean()) ** 2).sum()
+    kernel = np.concatenate([line[::-1], -line])
+    # The kernel is even in length: its middle lies before the cell.
+    return _around(correlate1d(offset, kernel, axis=0, mode="nearest", origin=0))
+
+
+def ridges(curvature: np.ndarray) -> np.ndarray:
+    """Compute how much more convex the row before each cell is than the row beyond it, shape as given."""
+    difference = correlate1d(curvature, np.array([0.5, 0.5, -0.5, -0.5]), axis=0, mode="nearest", origin=0)
+    return _around(difference)
+
+
+def _around(values: np.ndarray) -> np.ndarray:
+    """Average over five columns: a ring is nearly level over 3 to 10 cm, and noise is not."""
+    return np.asarray(correlate1d(values, np.array([1.0, 2.0, 3.0, 2.0, 1.0]) / 9, axis=1, mode="wrap"))
+
+
+def contrasts(colours: np.ndarray) -> np.ndarray:
+    """Compute the difference of colour between 3 cm before and beyond each cell, shape [rows, ANGLES].
+
+    Args:
+        colours: CIE Lab, shape [rows, ANGLES, 3].
+    """
+    kernel = np.concatenate([np.full(4, 0.25), np.full(4, -0.25)])
+    return np.asarray(np.linalg.norm(correlate1d(colours, kernel, axis=0, mode="nearest", origin=0), axis=2))
+
+
+def edge_evidence(step: np.ndarray, ridge: np.ndarray, contrast: np.ndarray | None = None) -> np.ndarray:
+    """Compute the log-probability of a garment's end at each cell against none, shape as given.
+
+    Each cue x with noise s, the limb's own, counts as log N(x; 2 s, s) / N(x; 0, s) = 2 (x / s) - 2, cut at -1.5 and
+    4: an edge is seen at twice the noise, and no cue rules it out alone.
+
+    Args:
+        step: Height of the garment's side over the other [m].
+        ridge: Convexity of the garment's side over the other's, times 2 cm.
+        contrast: Difference of colour, or None where there is none.
+    """
+    cues = [step / _noise(step, STEP_NOISE), ridge / _noise(ridge, RIDGE_NOISE)]
+    if contrast is not None:
+        cues.append(contrast / CONTRAST_NOISE)
+    return np.asarray(sum(np.clip(2.0 * cue - 2.0, -1.5, 4.0) for cue in cues))
+
+
+def _noise(values: np.ndarray, least: float) -> float:
+    """Measure a limb's noise: a normal's standard deviation that has the `QUIET` share of values where they are."""
+    return max(float(np.quantile(np.abs(values), QUIET)) / 0.8416, least)

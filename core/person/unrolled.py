@@ -1,0 +1,156 @@
+"""Roll a limb out flat: grids of station by angle that rings are looked for on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..body import JOINTS, Body
+from .limbs import BodyPlace, Limb
+
+STATION_STEP = 0.008
+"""Height of a cell along the limb [m]: about one sample."""
+ANGLES = 48
+"""Cells around a limb: 6 mm apart on a wrist, 2 cm on a trunk."""
+
+NECK_RADIUS = 0.06
+"""Horizontal distance [m] from the neck's axis that counts as station 0 at the height of the neck joint."""
+FILL_ROUNDS = 12
+"""Cells over which values are carried into cells without samples: holes of the scan up to 20 cm."""
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Say where samples lie on one unrolled limb.
+
+    Attributes:
+        limb: Which one.
+        members: The samples on it, shape [m].
+        station: Their length along it [m], away from the body's middle, shape [m].
+        angle: Their angle around it [rad], 0 in front; the left and the right limb's angles turn against each other,
+            so that a person in the mirror has the same charts.
+    """
+
+    limb: Limb
+    members: np.ndarray
+    station: np.ndarray
+    angle: np.ndarray
+
+
+@dataclass(frozen=True)
+class UnrolledGrid:
+    """Hold a chart cut into cells.
+
+    Attributes:
+        chart: The chart.
+        first: Station of the first row's middle [m].
+        row: Row of each member, shape [m].
+        column: Column of each member, shape [m].
+        seen: Samples in each cell, shape [rows, ANGLES].
+    """
+
+    chart: Chart
+    first: float
+    row: np.ndarray
+    column: np.ndarray
+    seen: np.ndarray
+
+    @property
+    def stations(self) -> np.ndarray:
+        """Return the station of each row's middle [m], shape [rows]."""
+        return np.asarray(self.first + STATION_STEP * np.arange(len(self.seen)))
+
+    @property
+    def is_near(self) -> np.ndarray:
+        """Return whether each cell or one beside it has samples, shape [rows, ANGLES]: else nothing is known of it."""
+        return np.asarray(_sum_around(_sum_around(self.seen)) + self.seen > 0)
+
+    def at_samples(self, cells: np.ndarray, count: int, default: float) -> np.ndarray:
+        """Return the cells' values, shape [rows, ANGLES], at all samples, shape [count]; those elsewhere the default."""
+        out = np.full(count, default)
+        out[self.chart.members] = cells[self.row, self.column]
+        return out
+
+    def spread(self, values: np.ndarray) -> np.ndarray:
+        """Return the mean of the samples' values, shape [n], in each cell, shape [rows, ANGLES].
+
+        Cells without samples take the mean of their neighbours, round by round; those of no round are 0.
+        """
+        mine = np.asarray(values, dtype=np.float64)[self.chart.members]
+        flat = self.row * ANGLES + self.column
+        total = np.bincount(flat, mine, self.seen.size).reshape(self.seen.shape)
+        count = self.seen.astype(np.float64)
+        for _ in range(FILL_ROUNDS):
+            empty = count == 0
+            if not empty.any():
+                break
+            total_around, count_around = (_sum_around(np.where(empty, 0.0, a)) for a in (total, count))
+            total = np.where(empty, total_around, total)
+            count = np.where(empty, count_around, count)
+        return np.asarray(total / np.maximum(count, 1.0))
+
+
+def _sum_around(values: np.ndarray) -> np.ndarray:
+    """Add up the four neighbours of each cell; the angle closes, the stations end."""
+    out = np.roll(values, 1, axis=1) + np.roll(values, -1, axis=1)
+    out[1:] += values[:-1]
+    out[:-1] += values[1:]
+    return np.asarray(out)
+
+
+def unroll(place: BodyPlace, body: Body, limb: Limb) -> UnrolledGrid:
+    """Roll out one limb.
+
+    Arms begin 8 cm inside the shoulder joint, so that armholes lie on them; the trunk goes down to the feet, so that
+    skirts lie on it; the neck's stations run down the neck and on over shoulders, chest and back.
+    """
+    chart = _chart(place, body, limb)
+    if not len(chart.members):
+        return UnrolledGrid(chart, 0.0, chart.members, chart.members, np.zeros((1, ANGLES), dtype=np.int64))
+    first = float(chart.station.min())
+    row = np.floor((chart.station - first) / STATION_STEP).astype(np.int64)
+    column = np.floor(chart.angle / (2 * np.pi) * ANGLES).astype(np.int64) % ANGLES
+    rows = int(row.max()) + 1
+    seen = np.bincount(row * ANGLES + column, minlength=rows * ANGLES).reshape(rows, ANGLES)
+    return UnrolledGrid(chart, first + 0.5 * STATION_STEP, row, column, seen)
+
+
+def _chart(place: BodyPlace, body: Body, limb: Limb) -> Chart:
+    """Place the samples on a limb by their body points in the T-pose."""
+
+    def joint(name: str) -> np.ndarray:
+        return np.asarray(body.rest_joints[JOINTS.index(name)])
+
+    def share(*names: str) -> np.ndarray:
+        return np.asarray(place.weights[:, [JOINTS.index(name) for name in names]].sum(axis=1))
+
+    rest = place.rest
+    arms = share(*(name for name in JOINTS if any(part in name for part in ("shoulder", "elbow", "wrist", "hand"))))
+    if limb in (Limb.LEFT_ARM, Limb.RIGHT_ARM):
+        side, sign = ("left", 1.0) if limb == Limb.LEFT_ARM else ("right", -1.0)
+        shoulder = joint(f"{side}_shoulder")
+        arm = rest - shoulder
+        station = sign * arm[:, 0]
+        mine = (station > -0.08) & (arm[:, 1] > -0.2) & (share("head", "neck") < 0.5)
+        return _cut(limb, mine, station, np.arctan2(arm[:, 1], arm[:, 2]))
+    if limb in (Limb.LEFT_LEG, Limb.RIGHT_LEG):
+        side, sign = ("left", 1.0) if limb == Limb.LEFT_LEG else ("right", -1.0)
+        chain = np.stack([joint(f"{side}_{name}") for name in ("ankle", "knee", "hip")])
+        axis = np.stack([np.interp(rest[:, 1], chain[:, 1], chain[:, a]) for a in (0, 2)], axis=1)
+        mine = share(*(f"{side}_{name}" for name in ("hip", "knee", "ankle", "foot"))) > 0.5
+        angle = np.arctan2(sign * (rest[:, 0] - axis[:, 0]), rest[:, 2] - axis[:, 1])
+        return _cut(limb, mine, chain[2, 1] - rest[:, 1], angle)
+    neck = joint("neck")
+    if limb == Limb.NECK:
+        radius = np.hypot(rest[:, 0], rest[:, 2] - neck[2])
+        station = radius - NECK_RADIUS + neck[1] - rest[:, 1]
+        mine = (rest[:, 1] > joint("spine2")[1]) & (arms < 0.5)
+        return _cut(limb, mine, station, np.arctan2(rest[:, 0], rest[:, 2] - neck[2]))
+    mine = (arms < 0.5) & (share("head", "neck") < 0.5)
+    return _cut(limb, mine, neck[1] - rest[:, 1], np.arctan2(rest[:, 0], rest[:, 2] - joint("pelvis")[2]))
+
+
+def _cut(limb: Limb, mine: np.ndarray, station: np.ndarray, angle: np.ndarray) -> Chart:
+    members = np.flatnonzero(mine)
+    return Chart(limb, members, station[members], np.mod(angle[members], 2 * np.pi))
