@@ -18,10 +18,12 @@ COUPLING = 0.5
 """Share of the other limb's evidence that counts: sleeves and legs end alike, but not on everybody."""
 COUPLED_ROWS = 5
 """Rows within which the other limb's end lies [8 mm each]: poses and fits move a cuff by 2 cm."""
-BARE_OFFSET = 0.005
+BARE_OFFSET = 0.003
 """Offset [m] that skin and cloth have alike often: the fit is within it on skin, and cloth hangs beyond."""
-OFFSET_SCALE = 0.006
+OFFSET_SCALE = 0.005
 """Offset [m] beyond it that says one unit more."""
+OFFSET_SAYS = (-0.6, 2.0)
+"""Units at most that it says either way: cloth touches the body often, skin is seldom far from the fit."""
 REGION_WEIGHT = 0.012
 """Log-probability of one cell's unit of offset: a limb's slice of 1 cm of clear cloth says as much as one column's
 clear edge, as the fit is off over lengths of 10 cm."""
@@ -87,7 +89,7 @@ class _Cells:
 
     def region(self) -> np.ndarray:
         """Return the log-probability of cloth against skin by the offset."""
-        units = np.clip((self.offset - BARE_OFFSET) / OFFSET_SCALE, -1.0, 2.0)
+        units = np.clip((self.offset - BARE_OFFSET) / OFFSET_SCALE, *OFFSET_SAYS)
         return np.where(self.is_near, REGION_WEIGHT * units, 0.0)
 
 
@@ -143,6 +145,7 @@ def _find_pair(
         region = cells[limb].region()
         region[stations < sure[0]] = SURE
         region[stations > sure[1]] = -SURE
+        edge[stations > sure[1]] = 0.0
         rings.append(find_ring(edge, region, WARMTH))
     return rings[0], rings[1]
 
@@ -192,8 +195,8 @@ def _find_neckline(grid: UnrolledGrid, cells: _Cells) -> Ring:
 
 WAIST_FROM = 0.22
 """Station on the trunk [m below the neck joint] where waists begin: below the bust's middle."""
-WAIST_PRIOR = -6.0
-"""Log-probability of a ring at any one place against none: some 10 places on a trunk have folds all around."""
+WAIST_PRIOR = -18.0
+"""Log-probability of a ring against none that the best one of noise and folds gains by itself."""
 
 
 def _find_waists(

@@ -6,7 +6,7 @@ import numpy as np
 
 from .evidence import PersonRings, find_rings, spread_over
 from .features import Features
-from .limbs import Limb
+from .limbs import FOLDED, Limb
 from .part import PARTS, Part
 from .points import FittedPerson, PersonPoints
 from .prior import hair_probability, shoe_probability
@@ -34,7 +34,7 @@ def predict_by_rules(points: PersonPoints, features: Features, fit: FittedPerson
 def combine(features: Features, fit: FittedPerson, rings: PersonRings) -> np.ndarray:
     """Compute the posterior from the rings, as `predict_by_rules`."""
     count = len(features.values)
-    cloth = cloth_probability(rings, count)
+    cloth = cloth_probability(rings, features)
     hair = hair_probability(features, fit.body)
     shod = shoe_probability(features)
     shoe = shod * np.maximum(
@@ -58,9 +58,10 @@ _ARMS = (Limb.LEFT_ARM, Limb.RIGHT_ARM)
 _LEGS = (Limb.LEFT_LEG, Limb.RIGHT_LEG)
 
 
-def cloth_probability(rings: PersonRings, count: int) -> np.ndarray:
+def cloth_probability(rings: PersonRings, features: Features) -> np.ndarray:
     """Compute the probability that each sample is cloth: below the neckline, before the ends of sleeves and legs."""
-    cloth = np.ones(count)
+    count = len(features.values)
+    cloth = 1.0 - np.clip(2.0 * features.place.parts[:, list(FOLDED).index("head")] - 0.5, 0.0, 1.0)
     for limb, ring in zip(_ARMS + _LEGS, rings.sleeves + rings.hems, strict=True):
         cloth *= 1.0 - spread_over(rings, limb, ring, count)
     grid = rings.grids[Limb.NECK]
@@ -72,7 +73,9 @@ def below_waist(rings: PersonRings, count: int) -> np.ndarray:
     """Compute the probability that each sample lies below the best ring between upper and lower, shape [count]."""
     best = rings.waists[0]
     return np.asarray(
-        np.max([spread_over(rings, limb, ring, count) for limb, ring in zip(best.limbs, best.rings, strict=True)], axis=0)
+        np.max(
+            [spread_over(rings, limb, ring, count) for limb, ring in zip(best.limbs, best.rings, strict=True)], axis=0
+        )
     )
 
 

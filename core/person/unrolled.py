@@ -67,7 +67,7 @@ class UnrolledGrid:
         return np.asarray(_sum_around(_sum_around(self.seen)) + self.seen > 0)
 
     def at_samples(self, cells: np.ndarray, count: int, default: float) -> np.ndarray:
-        """Return the cells' values, shape [rows, ANGLES], at all samples, shape [count]; those elsewhere the default."""
+        """Return the cells' values, shape [rows, ANGLES], at all samples, shape [count]; elsewhere the default."""
         out = np.full(count, default)
         out[self.chart.members] = cells[self.row, self.column]
         return out
@@ -145,7 +145,7 @@ def _chart(place: BodyPlace, body: Body, limb: Limb) -> Chart:
     if limb == Limb.NECK:
         radius = np.hypot(rest[:, 0], rest[:, 2] - neck[2])
         station = radius - NECK_RADIUS + neck[1] - rest[:, 1]
-        mine = (rest[:, 1] > joint("spine2")[1]) & (arms < 0.5)
+        mine = (rest[:, 1] > joint("spine2")[1]) & (arms < 0.5) & (share("head") < 0.5)
         return _cut(limb, mine, station, np.arctan2(rest[:, 0], rest[:, 2] - neck[2]))
     mine = (arms < 0.5) & (share("head", "neck") < 0.5)
     return _cut(limb, mine, neck[1] - rest[:, 1], np.arctan2(rest[:, 0], rest[:, 2] - joint("pelvis")[2]))

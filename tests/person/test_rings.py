@@ -1,0 +1,142 @@
+"""Rings on unrolled limbs, and what the rules make of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from garmentq.core.body import Body, builtin_body
+from garmentq.core.person.evidence import find_rings
+from garmentq.core.person.features import describe_points
+from garmentq.core.person.limbs import Limb
+from garmentq.core.person.part import PARTS, Part
+from garmentq.core.person.points import sample_person
+from garmentq.core.person.rings import APART, SIDE, edge_evidence, find_ring, step_heights
+from garmentq.core.person.rules import predict_by_rules
+from garmentq.core.person.unrolled import ANGLES, STATION_STEP
+from garmentq.core.scan.raw import RawScan
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Stand for a fit: the body is known."""
+
+    body: Body
+
+
+def sleeve(end: np.ndarray, rows: int = 60, height: float = 0.004, noise: float = 0.001) -> np.ndarray:
+    """Return offsets on a limb's grid [m]: a sleeve that widens, up to a row for each column, then bare skin."""
+    row = np.arange(rows)[:, None]
+    rng = np.random.default_rng(0)
+    cloth = height + 0.0002 * (row - end)
+    return np.where(row < end, cloth, 0.0) + noise * rng.normal(size=(rows, ANGLES))
+
+
+def test_the_step_of_a_known_height_is_read_where_it_is():
+    """Broken where a step is read a row off, or a slope counts as a step."""
+    offset = sleeve(np.full(ANGLES, 30), noise=0.0)
+    steps = step_heights(offset)
+    assert (steps.argmax(axis=0) == 30).all()
+    # The line through the sleeve meets its end half a row beyond its last row's middle.
+    assert steps[30] == pytest.approx(0.0039, abs=1e-5)
+    slope = step_heights(np.repeat(0.01 * np.arange(60.0)[:, None], ANGLES, axis=1))
+    assert np.abs(slope[SIDE:-SIDE]).max() < 1e-9
+
+
+@pytest.mark.parametrize("tilt", [0, 4])
+def test_a_sleeves_end_is_found_within_one_station(tilt):
+    """Broken where a ring, level or tilted, is found elsewhere than where the cloth ends."""
+    end = np.round(30 + tilt * np.sin(2 * np.pi * np.arange(ANGLES) / ANGLES))
+    step = step_heights(sleeve(end))
+    ring = find_ring(edge_evidence(step, np.zeros_like(step)))
+    assert np.abs(ring.rows - end).max() <= 1
+    assert ring.confidence > 0.95
+    beyond = ring.beyond(60)
+    assert beyond[:20].max() < 0.05
+    assert beyond[40:].min() > 0.95
+    assert np.abs(np.diff(np.append(ring.rows, ring.rows[0]))).max() <= 3
+
+
+def test_nothing_there_is_not_sure():
+    """Broken where noise alone is taken for a ring as surely as a hem."""
+    step = step_heights(sleeve(np.full(ANGLES, 30), height=0.0))
+    quiet = find_ring(edge_evidence(step, np.zeros_like(step)))
+    hem = step_heights(sleeve(np.full(ANGLES, 30)))
+    clear = find_ring(edge_evidence(hem, np.zeros_like(hem)))
+    assert clear.score - clear.second > 3 * (quiet.score - quiet.second)
+    assert clear.score > quiet.score + 10
+
+
+def test_two_rings_the_second_is_the_other_one():
+    """Broken where the second best ring is the best one's neighbour, or none at all."""
+    first, second = sleeve(np.full(ANGLES, 20)), sleeve(np.full(ANGLES, 45), height=0.003)
+    step = step_heights(first + second)
+    edge = edge_evidence(step, np.zeros_like(step))
+    ring = find_ring(edge)
+    other = edge.copy()
+    other[: 45 - int(APART / STATION_STEP)] = -50.0
+    assert np.median(ring.rows) == 20
+    assert ring.second == pytest.approx(find_ring(other).score, abs=1.0)
+
+
+def test_the_best_ring_is_the_best_of_all():
+    """Broken where dynamic programming misses a closed ring that trying all would find."""
+    rng = np.random.default_rng(3)
+    edge = np.full((4, ANGLES), -50.0)
+    edge[:, :4] = rng.normal(size=(4, 4))
+    edge[1, 4:] = 0.0
+    ring = find_ring(edge)
+    every = np.stack(np.meshgrid(*[np.arange(4)] * 4, indexing="ij"), axis=-1).reshape(-1, 4)
+    paths = np.concatenate([every, np.ones((len(every), ANGLES - 4), dtype=int)], axis=1)
+    turns = np.abs(np.diff(paths, axis=1, append=paths[:, :1])).sum(axis=1)
+    scores = (edge[paths, np.arange(ANGLES)].sum(axis=1) - 0.4 * turns) / 4.0
+    assert ring.score == pytest.approx(scores.max())
+
+
+@pytest.fixture(scope="module")
+def dressed() -> tuple[Fit, RawScan, np.ndarray]:
+    """Return a person in a top with short sleeves over trousers to the shins, shod, and the true parts."""
+    body = builtin_body("builtin:female,pose=A")
+    x, y = np.abs(body.rest_vertices[:, 0]), body.rest_vertices[:, 1]
+    joint = dict(zip(("hip", "knee", "neck", "shoulder", "ankle"), body.rest_joints[[1, 4, 12, 16, 7]], strict=True))
+    arm = body.weights[:, 16:24].sum(axis=1) > 0.5
+    leg = ~arm & (y < joint["hip"][1])
+    shin = 0.5 * (joint["knee"][1] + joint["ankle"][1])
+    top = ~leg & (y < joint["neck"][1] - 0.03) & (x < joint["shoulder"][0] + 0.15)
+    bottom = leg & (y > shin)
+    shoe = leg & (y < joint["ankle"][1] + 0.01)
+    part = np.select([top, bottom, shoe], [Part.UPPER, Part.LOWER, Part.SHOES], Part.SKIN)
+    height = np.select([top, bottom, shoe], [0.016, 0.010, 0.012], 0.0)
+    count = np.arange(len(y))
+    raw = RawScan(body.raised(height).vertices, body.faces, None, False, None, None, count, count)
+    return Fit(body), raw, part
+
+
+def test_the_rules_take_a_plain_person_apart(dressed):
+    """Broken where offsets and rings no longer give the garments of a scan with clear edges."""
+    fit, raw, part = dressed
+    points = sample_person(raw, fit)
+    posterior = predict_by_rules(points, describe_points(points, fit), fit)
+    assert posterior.shape == (len(points.positions), len(PARTS))
+    assert np.abs(posterior.sum(axis=1) - 1).max() < 1e-9
+    found = np.array(PARTS)[points.carry(posterior).argmax(axis=1)]
+    for each, least in ((Part.UPPER, 0.93), (Part.LOWER, 0.93), (Part.SHOES, 0.75)):
+        assert ((found == each) & (part == each)).sum() > least * ((found == each) | (part == each)).sum()
+
+
+def test_rings_lie_where_the_garments_end(dressed):
+    """Broken where sleeves, legs or the waist end elsewhere than the cloth does."""
+    fit, raw, _ = dressed
+    points = sample_person(raw, fit)
+    rings = find_rings(points, describe_points(points, fit), fit)
+    for limb, ring in zip((Limb.LEFT_ARM, Limb.RIGHT_ARM), rings.sleeves, strict=True):
+        assert np.median(rings.grids[limb].stations[ring.rows]) == pytest.approx(0.15, abs=0.02)
+    body = fit.body
+    shin = body.rest_joints[1, 1] - 0.5 * (body.rest_joints[4, 1] + body.rest_joints[7, 1])
+    for limb, ring in zip((Limb.LEFT_LEG, Limb.RIGHT_LEG), rings.hems, strict=True):
+        assert np.median(rings.grids[limb].stations[ring.rows]) == pytest.approx(shin, abs=0.02)
+    best = rings.waists[0]
+    assert best.score > 0
+    assert best.is_upper_over
+    assert rings.tube < 0.5
