@@ -1,0 +1,107 @@
+"""Simulate dressed persons and their scans: `python -m garmentq.training.persons --out DIR --count 100`.
+
+A person is drawn by a seed, dressed once in the T-pose, and scanned in several poses, each with cuts, hair, shoes and a
+scanner of its own. Each scan is a file, `persons/00012_1.npz`; what is there is not made again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ..core.body.template import Template, load_template
+from ..core.person import Part
+from .accessories import bare_skin, draw_accessories
+from .scanner import draw_scanner, scan_person
+from .shards import Shard, save_shard
+from .wardrobe import Layer, draw_outfit, grid_of, put_on, take_pose
+from .wearer import at_rest, draw_pose, draw_shape, stand
+
+REVISION = 1
+"""Counts up where the same seed gives other persons."""
+
+
+def simulate(seed: int, scans: int, held_out: bool = False) -> Iterator[Shard]:
+    """Yield the scans of one person.
+
+    Args:
+        seed: The person.
+        scans: How many times he is scanned, each in a pose of its own.
+        held_out: Dress him in designs that are kept for measuring.
+    """
+    template = load_template()
+    rng = np.random.default_rng([REVISION, seed])
+    gender, shape = draw_shape(template, rng)
+    rest = at_rest(stand(template, shape, np.zeros((24, 3))))
+    worn = put_on(draw_outfit(rest, rng, held_out), rest)
+    if not worn:
+        return
+    for scan in range(scans):
+        own = np.random.default_rng([REVISION, seed, scan])
+        shard, about = _scan(template, shape, worn, own)
+        about |= {"seed": seed, "scan": scan, "gender": gender, "held_out": held_out}
+        about["garments"] = [one.piece.template for one in worn]
+        yield replace(shard, about=about)
+
+
+def _scan(template: Template, shape: np.ndarray, worn: list, rng: np.random.Generator) -> tuple[Shard, dict]:
+    """Pose, finish and scan a person who is dressed in the T-pose."""
+    pose, body = draw_pose(template, shape, rng)
+    layers = take_pose(worn, body, grid_of(body), rng)
+    layers += draw_accessories(template, body, layers, rng)
+    layers.append(Layer(Part.SKIN, bare_skin(body, layers)))
+    scanner = draw_scanner(rng)
+    shard = scan_person(layers, body, scanner, rng)
+    parts = sorted({int(part) for part in np.unique(shard.label)})
+    return shard, {"pose": pose, "parts": parts, "scanner": scanner.__dict__}
+
+
+def write_persons(out: Path, seeds: range, scans: int, held_out: bool, limit: float | None = None) -> int:
+    """Write the scans of some persons that are not there yet, and return their number.
+
+    Args:
+        out: The folder.
+        seeds: Which persons.
+        scans: Scans of each.
+        held_out: Dress them in designs kept for measuring.
+        limit: Stop after so many seconds.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    start, count = time.monotonic(), 0
+    for seed in seeds:
+        if limit is not None and time.monotonic() - start > limit:
+            break
+        if (out / f"{seed:05d}_{scans - 1}.npz").exists() or (out / f"{seed:05d}.none").exists():
+            continue
+        cpu = time.process_time()
+        made = list(simulate(seed, scans, held_out))
+        for shard in made:
+            save_shard(shard, out / f"{seed:05d}_{shard.about['scan']}.npz")
+        if not made:
+            (out / f"{seed:05d}.none").touch()
+        count += len(made)
+        print(f"{seed} {time.process_time() - cpu:.1f} s {made[0].about['garments'] if made else 'none'}", flush=True)
+    return count
+
+
+def main() -> None:
+    """Write persons."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--out", type=Path, required=True, help="folder for the scans")
+    parser.add_argument("--first", type=int, default=0, help="first seed")
+    parser.add_argument("--count", type=int, default=100, help="persons")
+    parser.add_argument("--scans", type=int, default=2, help="scans of each")
+    parser.add_argument("--held-out", action="store_true", help="jumpsuits and pencil skirts, kept for measuring")
+    parser.add_argument("--limit", type=float, help="stop after so many seconds")
+    options = parser.parse_args()
+    seeds = range(options.first, options.first + options.count)
+    write_persons(options.out, seeds, options.scans, options.held_out, options.limit)
+
+
+if __name__ == "__main__":
+    main()
