@@ -25,6 +25,8 @@ class Scan:
         labels: Integer label of each vertex, shape [vertex_count], or None.
         unseen: True at vertices where the scanner saw nothing beyond, of a garment cut out of a dressed person's scan,
             shape [vertex_count]; None: unknown.
+        hidden: True at vertices where the garment may go on beyond its border here, below another one or since nothing
+            shows that it ends, shape [vertex_count]; None: nowhere.
         repairs: What was mended, one short sentence each.
     """
 
@@ -38,6 +40,7 @@ class Scan:
     labels: np.ndarray | None = None
     repairs: tuple[str, ...] = ()
     unseen: np.ndarray | None = None
+    hidden: np.ndarray | None = None
 
 
 def describe_scan(scan: Scan) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from ..body import Body
 from ..mesh import vertex_normals
 from .bite import bridge_bays, bridge_bites
 from .encirclement import Crossing, find_crossings
+from .legs import split_legs
 from .loop import SMOOTHING, find_loops, smoothed_length
 from .target import Contour
 
@@ -56,6 +57,7 @@ def name_contours(
     body: Body,
     unseen: np.ndarray | None = None,
     scanned: bool = False,
+    hidden: np.ndarray | None = None,
 ) -> tuple[tuple[Contour, ...], tuple[np.ndarray, ...]]:
     """Name the open contours of a worn garment and tell them from holes.
 
@@ -82,10 +84,11 @@ def name_contours(
             contour proves design; a bay in the surface without anything beyond is damage, however wide its mouth.
         scanned: True where the surface is a scan's, so that a contour can be where it was cut off. Our own meshes have
             teeth too where they are coarse, and nothing cut them.
+        hidden: True at vertices where the garment may go on beyond its border, shape [vertex_count], or None.
 
     Returns:
-        The contours in the order of their names, not trusted where much of one is bridged or it alone has the teeth of
-        a cut, and the vertex loops of the holes, longest first.
+        The contours in the order of their names, not trusted where much of one is bridged or hidden, or it alone has
+        the teeth of a cut, and the vertex loops of the holes, longest first.
     """
     candidates = []
     for loop in find_loops(faces, vertices):
@@ -95,6 +98,8 @@ def name_contours(
     if unseen is not None:
         candidates = [part for candidate in candidates for part in _bridge_bays(candidate, vertices, faces, unseen)]
     candidates = [part for candidate in candidates for part in _bridge_bites(candidate, vertices)]
+    if scanned:
+        candidates = [part for candidate in candidates for part in _split_legs(candidate, vertices, body)]
     chosen = _choose(candidates)
     loops = {name: c.vertices for name, c in chosen.items()}
     cut = _cut_contours(loops, vertices) if scanned and unseen is None else frozenset()
@@ -104,12 +109,17 @@ def name_contours(
             c.vertices,
             c.length,
             tuple(crossing.bone for crossing in c.crossings),
-            c.bridged <= BRIDGED and name not in cut,
+            max(c.bridged, _share(c.vertices, hidden)) <= BRIDGED and name not in cut,
         )
         for name, c in sorted(chosen.items())
     )
     holes = [c for c in candidates if chosen.get(c.name or "") is not c]
     return contours, tuple(c.vertices for c in sorted(holes, key=lambda c: -c.length))
+
+
+def _share(loop: np.ndarray, marked: np.ndarray | None) -> float:
+    """Return the share of a loop's vertices that are marked."""
+    return 0.0 if marked is None else float(marked[loop].mean())
 
 
 def _cut_contours(loops: dict[str, np.ndarray], vertices: np.ndarray) -> frozenset[str]:
@@ -123,6 +133,18 @@ def _cut_contours(loops: dict[str, np.ndarray], vertices: np.ndarray) -> frozens
     if min(angles.values(), default=np.inf) > SMOOTH:
         return frozenset()
     return frozenset(name for name, angle in angles.items() if angle > TEETH)
+
+
+def _split_legs(candidate: _Candidate, vertices: np.ndarray, body: Body) -> list[_Candidate]:
+    """Return the hems of two legs for a hem that is pinched between them, or else what was given."""
+    parts = split_legs(vertices[candidate.vertices]) if candidate.name == "hem" else None
+    legs = []
+    for part in parts or ():
+        loop = candidate.vertices[part]
+        crossings = find_crossings(vertices[loop], body)
+        name, length = name_crossings(crossings, body), smoothed_length(vertices[loop])
+        legs.append(_Candidate(loop, length, crossings, name, candidate.bridged))
+    return legs if {leg.name for leg in legs} == {"leg.left", "leg.right"} else [candidate]
 
 
 def _bridge_bites(candidate: _Candidate, vertices: np.ndarray) -> list[_Candidate]:

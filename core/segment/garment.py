@@ -60,7 +60,7 @@ def segment_garment(scan: Scan, body: Body) -> Target:
         SeveralGarments: where there are those of two, or a closed surface too.
     """
     check_single(scan, body)
-    contours, holes = name_contours(scan.vertices, scan.faces, body, scan.unseen, scanned=True)
+    contours, holes = name_contours(scan.vertices, scan.faces, body, scan.unseen, scanned=True, hidden=scan.hidden)
     if not contours:
         found = f"its {len(holes)} openings encircle no bone" if holes else "its surface is closed"
         raise NoContour(

@@ -1,0 +1,83 @@
+"""`garmentq segment`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import click
+
+from .options import Decorator, gather, json_option
+
+
+@dataclass(frozen=True)
+class HintOptions:
+    """Describe what was typed about a person's scan that would otherwise be found; each field is the option."""
+
+    labels: Path | None
+    wearing: str | None
+    mark: tuple[str, ...]
+    body: str | None
+    units: str | None
+    up: str | None
+
+
+def hint_options(function: Decorator) -> Decorator:
+    """Add what may be said of a person's scan; the command takes it as one `given: HintOptions`."""
+    options = [
+        click.option(
+            "--labels", type=click.Path(path_type=Path), help="A labels file with names, as this command writes it."
+        ),
+        click.option("--wearing", metavar="PART[,PART]", help="Exactly what is worn: upper, lower, one-piece, outer."),
+        click.option(
+            "--mark", multiple=True, metavar="PART=X,Y,Z", help="What is at a place, in the file's coordinates."
+        ),
+        click.option("--body", help="The wearer's mesh or SMPL file, in the scan's place.  [default: found]"),
+        click.option("--units", type=click.Choice(["m", "cm", "mm"]), help="Unit of the files.  [default: found]"),
+        click.option("--up", type=click.Choice(["y", "z"]), help="Up axis of the files.  [default: found]"),
+    ]
+    return gather(HintOptions, options, "given")(function)
+
+
+@click.command("segment")
+@click.argument("scan", type=click.Path(path_type=Path))
+@click.option("--out", required=True, type=click.Path(file_okay=False, path_type=Path), help="Folder for the files.")
+@hint_options
+@json_option
+def command(scan: Path, out: Path, given: HintOptions, as_json: bool) -> None:
+    """Tell skin, hair, shoes and garments of a person's scan apart, and find the body under the clothes.
+
+    Writes labels.npz, segmented.ply, body.ply and picture.png. Where it is too unsure to recover anything it writes
+    them too, and ends with status 4 and a code. Labels that were mended come back with --labels.
+
+    \b
+    Example:
+      garmentq segment person.ply --out parts
+      garmentq segment person.ply --out parts --wearing one-piece
+    """
+    from ..core.export.person import write_person
+    from ..core.person.describe import describe_person
+    from ..core.person.hints import read_hints
+    from ..core.person.separate import separate
+    from ..core.scan.load_raw import load_raw
+    from .terminal import note, print_json, print_table
+
+    hints = read_hints(given.labels, given.wearing, given.mark, given.body)
+    raw = load_raw(scan, given.units, given.up)
+    separation = separate(raw, hints)
+    out.mkdir(parents=True, exist_ok=True)
+    files = write_person(raw, separation, out)
+    found = describe_person(raw, separation) | {"files": [str(path) for path in files]}
+    if as_json:
+        print_json(found)
+    else:
+        inferred = [[c.name for c in garment.contours if c.is_inferred] for garment in separation.garments]
+        rows = [
+            [garment.part.word, garment.category, f"{garment.confidence:.2f}", ", ".join(names)]
+            for garment, names in zip(separation.garments, inferred, strict=True)
+        ]
+        print_table(["garment", "category", "confidence", "openings that nothing shows"], rows)
+        for line in (*found["warnings"], *(f"wrote {path}" for path in files)):
+            note(line)
+    if separation.problem is not None:
+        raise separation.problem

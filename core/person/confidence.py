@@ -1,0 +1,104 @@
+"""From scores to probabilities, and the limits below which nothing is recovered: all numbers of it in one place."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import BadInput
+from .part import Part
+from .separation import FoundGarment, Outfit
+
+TEMPERATURE = 1.0
+"""Divisor of a point's log-probabilities."""
+
+STEP = 2e-3
+"""Step at a border [m] that shows it as well as `CONTRAST` does: a thin hem is 1 to 2 mm thick, and stands off more."""
+
+CONTRAST = 12.0
+"""Difference of colour at a border, of L*a*b* with the lightness by 0.4, that shows it: three times what shadows make
+between neighbouring patches of one cloth."""
+
+SHOWN = 0.5
+"""Least share of a border that has to be shown: less, and it is inferred."""
+
+UNSURE_GARMENT = 0.6
+"""Mean probability of a garment's points below which a person should look at it first."""
+
+WARN_GARMENT = 0.8
+"""The same, below which it is said."""
+
+WARN_OUTFIT = 2.0
+"""Log-odds of the two best readings below which both are named."""
+
+
+class Unsure(BadInput):
+    """It is not clear what is worn; look at the picture, then say --wearing, or mend labels.npz and give --labels."""
+
+    code = "segment.unsure"
+
+
+class NoCloth(BadInput):
+    """No clothes were found on this person; say --wearing if there are, or mend labels.npz and give --labels."""
+
+    code = "segment.no_cloth"
+
+
+def temper(posterior: np.ndarray, temperature: float = TEMPERATURE) -> np.ndarray:
+    """Return a posterior, shape [n, k], with its log-probabilities divided by a temperature."""
+    log = np.log(np.maximum(posterior, 1e-9)) / temperature
+    scaled = np.exp(log - log.max(axis=1, keepdims=True))
+    return np.asarray(scaled / scaled.sum(axis=1, keepdims=True))
+
+
+def evidence(step: np.ndarray, contrast: np.ndarray) -> np.ndarray:
+    """Return the evidence of each place of a border: sqrt((step / STEP)^2 + (contrast / CONTRAST)^2), 1 is enough.
+
+    Args:
+        step: By how much the garment stands out over what is beyond [m], shape [n].
+        contrast: Difference of the colours of the two sides, shape [n].
+    """
+    return np.asarray(np.hypot(np.maximum(step, 0.0) / STEP, contrast / CONTRAST))
+
+
+def is_shown(step: np.ndarray, contrast: np.ndarray) -> bool:
+    """Return whether a border is there to see."""
+    return bool((evidence(step, contrast) >= 1.0).mean() >= SHOWN)
+
+
+def contour_confidence(step: np.ndarray, contrast: np.ndarray) -> float:
+    """Return the probability that a border lies within 2 cm of where it was found: 1 - exp(-median evidence)."""
+    return float(1.0 - np.exp(-np.median(evidence(step, contrast))))
+
+
+def judge(
+    garments: tuple[FoundGarment, ...], outfits: tuple[Outfit, ...], told: bool
+) -> tuple[tuple[str, ...], BadInput | None]:
+    """Return what the user should know, and why nothing should be recovered, or None.
+
+    Args:
+        garments: What was found.
+        outfits: Readings, the best first.
+        told: Whether the user said what is worn: then he is not asked again.
+    """
+    warnings = []
+    if not garments:
+        return (), NoCloth()
+    if len(outfits) > 1 and outfits[0].score - outfits[1].score < WARN_OUTFIT:
+        first, second = (" and ".join(part.word for part in outfit.parts) for outfit in outfits[:2])
+        warnings.append(f"It is taken for {first}, but may be {second}; say --wearing {second.replace(' and ', ',')}.")
+    for garment in garments:
+        if garment.confidence < WARN_GARMENT:
+            warnings.append(f"The {garment.part.word} is unsure ({garment.confidence:.2f}); look at the picture.")
+        hidden = [contour.name for contour in garment.contours if contour.is_inferred]
+        if hidden:
+            warnings.append(f"Nothing shows where the {garment.part.word} ends at {', '.join(hidden)}: inferred.")
+    weak = [garment for garment in garments if garment.confidence < UNSURE_GARMENT]
+    if weak and not told:
+        names = ", ".join(garment.part.word for garment in weak)
+        return tuple(warnings), Unsure(f"What was found of {names} is unsure. {Unsure().message}")
+    return tuple(warnings), None
+
+
+def garment_confidence(label: np.ndarray, confidence: np.ndarray, part: Part) -> float:
+    """Return the mean probability of a part's points, shape [n]."""
+    return float(confidence[label == part].mean())

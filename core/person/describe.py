@@ -1,0 +1,51 @@
+"""What was found of a person, as JSON values: the same for the command line, the service and the report."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..scan.raw import RawScan
+from .part import Part
+from .separation import FoundGarment, Separation
+
+
+def describe_person(raw: RawScan, separation: Separation) -> dict[str, Any]:
+    """Return garments, readings, body and warnings of a person taken apart."""
+    values, counts = np.unique(separation.label[raw.place >= 0], return_counts=True)
+    problem = separation.problem
+    return {
+        "scan": {
+            "name": raw.name,
+            "sha256": raw.sha256,
+            "units": raw.units,
+            "up": raw.up_axis,
+            "is_cloud": raw.is_cloud,
+            "point_count": len(raw.points),
+            "face_count": len(raw.faces),
+            "notes": list(raw.notes),
+        },
+        "body": {"source": separation.body.source, "fit_rms_m": round(float(separation.body.fit_rms), 6)},
+        "parts": {Part(value).word: count for value, count in zip(values.tolist(), counts.tolist(), strict=True)},
+        "garments": [describe_garment(garment) for garment in separation.garments],
+        "outfits": [
+            {"parts": [part.word for part in outfit.parts], "score": round(outfit.score, 3)}
+            for outfit in separation.outfits
+        ],
+        "warnings": list(separation.warnings),
+        "problem": None if problem is None else {"code": problem.code, "message": problem.message},
+    }
+
+
+def describe_garment(garment: FoundGarment) -> dict[str, Any]:
+    """Return one garment's category, confidence and openings."""
+    return {
+        "part": garment.part.word,
+        "category": garment.category,
+        "confidence": round(garment.confidence, 4),
+        "contours": [
+            {"name": contour.name, "confidence": round(contour.confidence, 4), "is_inferred": contour.is_inferred}
+            for contour in garment.contours
+        ],
+    }
