@@ -198,7 +198,8 @@ def check_category(name: str) -> str:
 def measure(case: Case, drape: GradedDrape, fit: Fit) -> dict[str, float | None]:
     """Measure all meshes against the scan, the truth that the user gave, and what the fit knows."""
     scan = case.scan
-    truth = Reference(scan.vertices, scan.faces, case.target.contours, case.wearer.exposed, case.settings.seed)
+    contours = case.target.contours_of_scan()
+    truth = Reference(scan.vertices, scan.faces, contours, case.wearer.exposed, case.settings.seed)
     metrics = measure_knowledge(fit.estimates, fit.point_std)
     if fit.redrape is not None:
         metrics |= {"redrape.residual": fit.redrape.residual, "redrape.iterations": float(fit.redrape.iterations)}
@@ -220,6 +221,7 @@ def describe(case: Case) -> dict[str, Any]:
         "body": {"source": body.source, "fit_rms_m": float(np.round(body.fit_rms, 6))},
         "template": case.template,
         "category": case.target.category,
+        "fitted_faces": len(case.target.faces),
         "settings": case.settings.as_dict(),
     }
 

@@ -33,17 +33,20 @@ from .rigid import RigidMotion, fit_rigid
 from .surface import Closest, TriangleSurface, barycentric_coordinates
 
 if TYPE_CHECKING:
+    from .collapse import CollapsedMesh, collapse_edges
     from .intersections import intersecting_pairs, self_intersections, undo_crossings
     from .linear import Factor, NotDefinite, Solver, SuperLU, analyse, factor_general, factor_symmetric
     from .multifrontal import Cholesky
 
 _LAZY = {
     "Cholesky": "multifrontal",
+    "CollapsedMesh": "collapse",
     "Factor": "linear",
     "NotDefinite": "linear",
     "Solver": "linear",
     "SuperLU": "linear",
     "analyse": "linear",
+    "collapse_edges": "collapse",
     "factor_general": "linear",
     "factor_symmetric": "linear",
     "intersecting_pairs": "intersections",
@@ -56,6 +59,7 @@ __all__ = [
     "Cholesky",
     "ClosedCurve",
     "Closest",
+    "CollapsedMesh",
     "CurvePoints",
     "Factor",
     "HalfEdges",
@@ -69,6 +73,7 @@ __all__ = [
     "area_vectors",
     "barycentric_coordinates",
     "bending_matrix",
+    "collapse_edges",
     "corner_angles",
     "cotangent_laplacian",
     "deformation_gradients",

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from ..body import Body
 from ..errors import BadInput
 from ..mesh import HalfEdges, face_areas, vertex_normals
-from ..scan import Scan
+from ..scan import Scan, thin_scan
 from .category import choose_category
 from .contours import name_contours
 from .loop import find_loops, smoothed_length
@@ -52,13 +52,15 @@ def segment_garment(scan: Scan, body: Body) -> Target:
     """Name the contours of a scanned garment, choose its category, and take off outliers and noise.
 
     Noise as large as half an edge makes a surface up to twice as large and its contours longer: a pattern graded to it
-    would be too large, and fold. So what grading, drape and deformer see is the smoothed surface.
+    would be too large, and fold. So what grading, drape and deformer see is the smoothed surface, and of a dense scan
+    the thinned one.
 
     Raises:
         NoContour: where no open boundary encircles a bone.
         PartMissing: where the openings found are not those of a whole garment on this body.
         SeveralGarments: where there are those of two, or a closed surface too.
     """
+    full, (scan, thinned) = scan, thin_scan(scan)
     check_single(scan, body)
     contours, holes = name_contours(scan.vertices, scan.faces, body, scan.unseen, scanned=True, hidden=scan.hidden)
     if not contours:
@@ -78,6 +80,7 @@ def segment_garment(scan: Scan, body: Body) -> Target:
         contours=contours,
         holes=holes,
         category=choose_category(contours, scan.vertices, body),
+        origin=None if scan is full else thinned.origin,
     )
 
 

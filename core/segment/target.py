@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -48,6 +48,8 @@ class Target:
         contours: The named open contours.
         holes: Vertex loops that are damage and no contour.
         category: One of `CATEGORIES`, chosen from the contours and the bones they encircle.
+        origin: Index in the scan of each vertex, shape [vertex_count], where the scan was thinned; None: the scan's own
+            vertices in their order.
     """
 
     vertices: np.ndarray
@@ -56,7 +58,14 @@ class Target:
     contours: tuple[Contour, ...]
     holes: tuple[np.ndarray, ...]
     category: str
+    origin: np.ndarray | None = None
 
     def contour(self, name: str) -> Contour | None:
         """Find a contour by name, or None."""
         return next((c for c in self.contours if c.name == name), None)
+
+    def contours_of_scan(self) -> tuple[Contour, ...]:
+        """Return the contours with indices into the scan's vertices; thinning keeps every border vertex."""
+        if self.origin is None:
+            return self.contours
+        return tuple(replace(contour, vertices=self.origin[contour.vertices]) for contour in self.contours)
