@@ -11,6 +11,7 @@ from typing import Any
 import click
 
 from ..core.settings import METHODS, PRESETS, RecoverySettings
+from ..service.order import GIVEN_AS
 
 Decorator = Callable[..., Any]
 
@@ -48,8 +49,14 @@ def gather(record: type, options: Sequence[Decorator], name: str = "options") ->
 
 @dataclass(frozen=True)
 class OrderOptions:
-    """Describe what was typed about how a garment is recovered; each field is the option of its name."""
+    """Describe what was typed about how a garment is recovered; each field is the option of its name.
 
+    `template`, `garment`, `fabric` and `lock` may have a part in front, as in `upper:denim`.
+    """
+
+    given_as: str | None
+    wearing: str | None
+    mark: tuple[str, ...]
     body: str | None
     labels: Path | None
     labels_key: str | None
@@ -57,9 +64,9 @@ class OrderOptions:
     cloth: tuple[str, ...]
     keep_colour: str | None
     colour_tolerance: float
-    template: str | None
-    garment: str | None
-    fabric: str
+    template: tuple[str, ...]
+    garment: tuple[str, ...]
+    fabric: tuple[str, ...]
     lock: tuple[str, ...]
     free: str | None
     method: str
@@ -77,6 +84,13 @@ def order_options(function: Decorator) -> Decorator:
     """Add everything that says how a garment is recovered; the command takes it as one `options: OrderOptions`."""
     default = RecoverySettings()
     options = [
+        click.option(
+            "--as", "given_as", type=click.Choice(GIVEN_AS), help="What the file is.  [default: found, see docs/cli.md]"
+        ),
+        click.option("--wearing", metavar="PART[,PART]", help="Exactly what a person wears.  [default: found]"),
+        click.option(
+            "--mark", multiple=True, metavar="PART=X,Y,Z", help="What of a person is at a place, in the file's units."
+        ),
         click.option("--body", help="The wearer's mesh file, or builtin:female,height=1.70."),
         click.option(
             "--labels",
@@ -99,13 +113,28 @@ def order_options(function: Decorator) -> Decorator:
             show_default=True,
             help="Distance in RGB, 0 to 255.",
         ),
-        click.option("--template", help="Base pattern: a pattern file, or a template's name.  [default: chosen]"),
-        click.option("--garment", help="Category, overriding the one found: tshirt, tank, dress, trousers, skirt, ..."),
-        click.option("--fabric", default=default.fabric, show_default=True, help="A name from `garmentq materials`."),
+        click.option(
+            "--template",
+            multiple=True,
+            metavar="[PART:]FILE|NAME",
+            help="Base pattern: a pattern file, or a template's name.  [default: chosen]",
+        ),
+        click.option(
+            "--garment",
+            multiple=True,
+            metavar="[PART:]NAME",
+            help="Category, overriding the one found: tshirt, tank, dress, trousers, skirt, ...",
+        ),
+        click.option(
+            "--fabric",
+            multiple=True,
+            metavar="[PART:]NAME",
+            help=f"A name from `garmentq materials`.  [default: {default.fabric}]",
+        ),
         click.option(
             "--lock",
             multiple=True,
-            metavar="fabric|panel:NAME|point:PANEL/INDEX",
+            metavar="[PART:]fabric|panel:NAME|point:PANEL/INDEX",
             help="Parameter that the fit keeps fixed; may be given several times.",
         ),
         click.option("--free", type=click.Choice(["symmetry"]), help="Allow left and right to differ."),

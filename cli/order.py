@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from ..core.body import is_builtin
-from ..core.settings import RecoverySettings
+from ..core.person import GARMENTS
+from ..core.settings import RecoverySettings, SettingsBad
 from ..service.backend import Backend
-from ..service.submission import Order
+from ..service.order import Order, PartOrder, is_person
 from .options import OrderOptions
+
+WORDS = tuple(part.word for part in GARMENTS)
+"""The garments of a person, as they stand in front of a choice."""
 
 
 def make_order(backend: Backend, scan: Path, options: OrderOptions) -> Order:
@@ -24,8 +28,8 @@ def make_order(backend: Backend, scan: Path, options: OrderOptions) -> Order:
     Raises:
         GarmentqError: with the code of what cannot be used.
     """
-    template = options.template
-    file = Path(template) if template is not None and Path(template).is_file() else None
+    template, by_part = split_choice("template", options.template)
+    file = find_file(template)
     body = options.body if options.body is None or is_builtin(options.body) else Path(options.body)
     order = Order(
         scan,
@@ -36,22 +40,95 @@ def make_order(backend: Backend, scan: Path, options: OrderOptions) -> Order:
         labels=options.labels,
         name=options.name,
         tags=options.tags,
+        given_as=options.given_as,
+        wearing=options.wearing,
+        marks=options.mark,
+        choices=make_choices(options, by_part),
     )
     return backend.check_order(order, None if file is not None else template)
+
+
+def find_file(template: str | None) -> Path | None:
+    """Return the pattern file that was typed, or None where it is a template's name."""
+    return Path(template) if template is not None and Path(template).is_file() else None
+
+
+def split_part(text: str) -> tuple[str, str]:
+    """Return the part in front of what was typed, or nothing, and the rest: `upper:denim`."""
+    word, _, rest = text.partition(":")
+    return (word, rest) if rest and word in WORDS else ("", text)
+
+
+def split_choice(name: str, typed: Sequence[str]) -> tuple[str | None, dict[str, str]]:
+    """Return what an option says without a part, and what it says of each part.
+
+    Raises:
+        SettingsBad: where it says two things of the same.
+    """
+    found: dict[str, str] = {}
+    for text in typed:
+        part, value = split_part(text)
+        if part in found:
+            raise SettingsBad(f"--{name} comes twice{f' for {part}' if part else ''}; give it once, or once a part.")
+        found[part] = value
+    return found.pop("", None), found
+
+
+def make_choices(options: OrderOptions, templates: Mapping[str, str]) -> dict[str, PartOrder]:
+    """Return what was typed of single garments, by their words.
+
+    Args:
+        options: What was typed.
+        templates: Pattern file or template's name of each part that has one.
+    """
+    garments, fabrics = (split_choice(name, getattr(options, name))[1] for name in ("garment", "fabric"))
+    locks = split_locks(options.lock)
+    found = {}
+    for word in WORDS:
+        if word in {*templates, *garments, *fabrics, *locks}:
+            template = templates.get(word)
+            file = find_file(template)
+            name = None if file is not None else template
+            found[word] = PartOrder(file, name, garments.get(word), fabrics.get(word), locks.get(word))
+    return found
+
+
+def split_locks(typed: Sequence[str]) -> dict[str, str]:
+    """Return the locks of each part, those of all under no word, separated by commas."""
+    found: dict[str, list[str]] = {}
+    for text in typed:
+        part, lock = split_part(text)
+        found.setdefault(part, []).append(lock)
+    return {part: ",".join(locks) for part, locks in found.items()}
+
+
+def describe_choice(order: Order) -> str:
+    """Return what a scan is taken for, in words for people."""
+    if is_person(order):
+        said = "" if order.given_as else "; --as garment says otherwise"
+        return f"taken for a whole person, whose garments are found{said}"
+    chosen = order.settings
+    if chosen.keep is not None or chosen.keep_colour is not None:
+        return "taken for a person of whom one garment is recovered"
+    if order.given_as:
+        return "taken for a garment"
+    if order.labels is not None:
+        return "taken for a person with a label file; where it has names, all garments in it are recovered"
+    return "taken for a garment on its body, unless head, hands or feet are seen in it; --as person says otherwise"
 
 
 def make_settings(options: OrderOptions) -> RecoverySettings:
     """Return the settings that were typed, but the template.
 
     Raises:
-        SettingsBad: where a value is outside its list or range.
+        SettingsBad: where a value is outside its list or range, or comes twice.
     """
     return RecoverySettings(
         method=options.method,
         preset=options.preset,
-        garment=options.garment,
-        fabric=options.fabric,
-        lock=",".join(options.lock) or None,
+        garment=split_choice("garment", options.garment)[0],
+        fabric=split_choice("fabric", options.fabric)[0] or RecoverySettings().fabric,
+        lock=split_locks(options.lock).get(""),
         free=options.free,
         units=options.units,
         up=options.up,

@@ -7,20 +7,24 @@ from pathlib import Path
 import click
 
 from . import exits
-from .options import home_option, json_option, verbose_option
+from .options import home_option, json_option, timeout_option, verbose_option
 
 
 @click.command("result")
 @click.argument("job")
+@timeout_option
 @home_option
 @verbose_option
 @json_option
 @click.pass_context
-def command(context: click.Context, job: str, home: Path | None, verbose: bool, as_json: bool) -> None:
+def command(
+    context: click.Context, job: str, timeout: float | None, home: Path | None, verbose: bool, as_json: bool
+) -> None:
     """Show what a job found.
 
-    And what the jobs below it found, each by itself. The exit status is the worst of theirs: 0 succeeded, 4 bad input,
-    5 failed, 6 dead, 7 cancelled; 3 where one has no result yet.
+    And what the jobs below it found, each by itself. Of a person that was taken apart it waits for the garments. The
+    exit status is the worst of theirs: 0 succeeded, 4 bad input, 5 failed, 6 dead, 7 cancelled; 3 where one has no
+    result yet.
 
     \b
     Example:
@@ -33,11 +37,12 @@ def command(context: click.Context, job: str, home: Path | None, verbose: bool, 
     from ..service.settings import read_settings
     from ..service.states import ENDED, State
     from .family import find_family
+    from .garments import wait_garments
     from .summary import print_result
     from .terminal import print_error, print_json, print_table
 
     backend = open_backend(read_settings(home=home))
-    family = find_family(backend, backend.find_job(job))
+    family = wait_garments(backend, find_family(backend, backend.find_job(job)), timeout)
     status = exits.OK
     for found in family:
         if found.state not in ENDED:
@@ -50,7 +55,7 @@ def command(context: click.Context, job: str, home: Path | None, verbose: bool, 
         files = backend.list_artifacts(found.id)
         if as_json:
             print_json({**found.as_json(), "files": [asdict(file) for file in files]})
-        elif found.state == State.SUCCEEDED:
+        elif found.state == State.SUCCEEDED or files:
             print_result(found, [], verbose)
             if verbose:
                 print_table(["file", "bytes", "sha256"], [[file.name, file.size, file.sha256[:12]] for file in files])

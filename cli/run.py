@@ -52,11 +52,13 @@ def command(
     """Recover a garment: submit it, work on it here, wait, and show the result.
 
     The job goes through the queue; a broker and a worker are started if none runs, and stop by themselves after a
-    while without work (`garmentq down` stops them now). Ctrl-C only stops waiting. Each --keep of a dressed person's
-    scan is a garment, and a job, of its own; its files are in a folder of the label's name.
+    while without work (`garmentq down` stops them now). Ctrl-C only stops waiting. A raw scan of a dressed person needs
+    nothing else: each garment that is worn is a job below it, with its files in a folder of the garment's name. Each
+    --keep is a garment, and a job, of its own; its files are in a folder of the label's name.
 
     \b
     Example:
+      garmentq run scan.ply --out result
       garmentq run garment.ply --body body.ply --out result
       garmentq run skirt.obj --body builtin:female,height=1.70 --units cm --json
       garmentq run person.ply --labels labels.npz --keep 1
@@ -66,7 +68,7 @@ def command(
     from ..service.settings import read_settings
     from ..workers.embedded import ensure_services
     from .follow import Wait
-    from .order import make_order, split_garments
+    from .order import describe_choice, make_order, split_garments
     from .terminal import note
 
     settings = read_settings(home=home)
@@ -81,8 +83,9 @@ def command(
 
     if any(submitted.state != State.SUCCEEDED for submitted in garments):
         keep_up()
-    for submitted in garments:
+    for order, submitted in zip(orders, garments, strict=True):
         note(f"job {submitted.job}" + ("" if submitted.is_new else f" (known, {submitted.state})"))
+        note(f"{file.name}: {describe_choice(order)}")
     status, wait = exits.OK, Wait(timeout, as_json, keep_up)
     for part, submitted in zip(parts, garments, strict=True):
         folder = out or settings.home / "results" / submitted.job
@@ -128,12 +131,12 @@ def wait_and_show(backend: Backend, job: str, folder: Path, wait: Wait, verbose:
     folders = name_folders(family, folder)
     for found in family:
         files: list[Path] = []
-        if found.state == State.SUCCEEDED:
-            with suppress(ResultMissing):  # not every kind of job has files
-                files = backend.export_files(found.id, folders[found.id])
+        with suppress(ResultMissing):  # not every kind of job has files, and what failed has them seldom
+            files = backend.export_files(found.id, folders[found.id])
         if wait.as_json:
-            print_json({**found.as_json(), "files": {path.name: str(path) for path in files}})
-        elif found.state == State.SUCCEEDED:
+            here = {path.relative_to(folders[found.id]).as_posix(): str(path) for path in files}
+            print_json({**found.as_json(), "files": here})
+        elif found.state == State.SUCCEEDED or files:
             print_result(found, files, verbose)
         if found.error:
             print_error(found.error.code, found.error.message)

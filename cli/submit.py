@@ -44,24 +44,27 @@ def command(
     Prints the id of each job; the same scan with the same settings is the same job. The worker checks the files first;
     what it refuses within 3 s is named on standard error, the others go on, and the exit status is 4. `garmentq up`
     starts a worker.
-    Each --keep of a dressed person's scan is a garment, and a job, of its own.
+    A raw scan of a dressed person needs nothing else: its job makes one more for each garment that is worn. Each --keep
+    is a garment, and a job, of its own.
 
     \b
     Example:
+      garmentq submit scan.ply
       garmentq submit scans/*.ply --body body.ply
       garmentq submit person.ply --keep upper --keep lower
     """
     from ..core.errors import GarmentqError
     from ..service.backend import open_backend
     from ..service.settings import read_settings
-    from .order import make_order, split_garments
-    from .terminal import print_error, print_json
+    from .order import describe_choice, make_order, split_garments
+    from .terminal import note, print_error, print_json
 
     backend = open_backend(read_settings(home=home))
     status, made = exits.OK, []
     for file, chosen in product(files, split_garments(options)):
         try:
             order = make_order(backend, file, chosen)
+            taken = describe_choice(order)
             submitted = backend.submit(replace(order, priority=priority, queue=queue))
         except GarmentqError as error:
             print_error(error.code, error.message)
@@ -69,19 +72,20 @@ def command(
                 print_json({"file": str(file), "job": None, "error": {"code": error.code, "message": error.message}})
             status = max(status, exits.error_status(error))
             continue
-        made.append((file, submitted))
+        made.append((file, submitted, taken))
         if not as_json:
             click.echo(submitted.job)
-    jobs = list(dict.fromkeys(submitted.job for _, submitted in made))
+            note(f"{file.name}: {taken}")
+    jobs = list(dict.fromkeys(submitted.job for _, submitted, _ in made))
     refused: dict[str, Job] = {}
     if jobs and not wait:
         refused, ended = _find_refused(backend, jobs, queue)
         status = max(status, ended)
-    for file, submitted in made if as_json else ():
+    for file, submitted, taken in made if as_json else ():
         job = refused.get(submitted.job)
         state, failure = (job.state, job.error) if job else (submitted.state, None)
         shown = {"job": submitted.job, "state": state, "is_new": submitted.is_new}
-        print_json({"file": str(file), **shown, "error": asdict(failure) if failure else None})
+        print_json({"file": str(file), **shown, "taken_as": taken, "error": asdict(failure) if failure else None})
     if wait:
         status = max(status, _wait(backend, jobs, timeout))
     context.exit(status)

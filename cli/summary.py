@@ -9,7 +9,9 @@ from pathlib import Path
 import click
 
 from ..core.errors import keep_printable
+from ..service.order import PERSON
 from ..service.records import Gate, JobReport
+from .person_summary import describe_person
 from .terminal import print_table, show, show_time
 
 FIRST = (
@@ -19,8 +21,9 @@ FIRST = (
 )  # fmt: skip
 """Metrics that a user looks at first; the others follow by name."""
 
-OPEN_FIRST = ("report.html", "pattern.svg", "detail.ply")
-"""Result files a user opens first: pictures and verdicts, the pattern at true scale, the mesh on the scan."""
+OPEN_FIRST = ("report.html", "pattern.svg", "detail.ply", "labels.npz")
+"""Result files a user opens first: pictures and verdicts, the pattern at true scale, the mesh on the scan;
+of a person the labels, which can be corrected."""
 
 PREFIXES = (("", "detail mesh"), ("sim.", "simulation mesh"), ("redrape.", "re-draped pattern"))
 """Prefixes of the metrics of the delivered meshes, and what the summary calls these meshes."""
@@ -38,13 +41,16 @@ def print_result(job: JobReport, files: Sequence[Path], verbose: bool = False) -
 
 def summarise(job: JobReport, files: Sequence[Path]) -> Iterator[tuple[str, str]]:
     """Yield the lines of a summary as title and text: what was found, how good it is, and what to open next."""
-    yield from _describe_garment(job) if job.garment is not None else _describe_details(job)
-    yield "checks", _describe_gates(job.gates)
+    if job.kind == PERSON:
+        yield from describe_person(job)
+    else:
+        yield from _describe_garment(job) if job.garment is not None else _describe_details(job)
+        yield "checks", _describe_gates(job.gates)
     warnings = job.warnings
     more = f" (and {len(warnings) - 1} more, see --verbose)" if len(warnings) > 1 else ""
     yield "warnings", f"{warnings[0]}{more}" if warnings else "none"
     yield "cost", f"{job.cpu_seconds or 0.0:.0f} s CPU, {job.peak_mb or 0.0:.0f} MB"
-    names = {path.name: path for path in files}
+    names = {path.name: path for path in files if path.parent == files[0].parent}
     chosen = [str(names[name]) for name in OPEN_FIRST if name in names] or [str(path) for path in files]
     yield "open", ", ".join(chosen) or f"garmentq export {job.id} --out DIR"
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..core.limited import Bounds, call_limited
+from .order import GARMENT, PERSON
 
 STAGE = "check"
 """The stage's name in progress and events."""
@@ -50,13 +51,65 @@ def check_recovery(request: dict[str, Any], files: str) -> dict[str, Any]:
         BadInput: where a file cannot be used.
     """
     from ..core.inputs import read_request
+    from ..core.person.labels import has_names
     from ..core.reading import describe_reading, save_reading
     from ..core.scan import Limits
+    from ..core.scan.refusal import NoFaces
     from .kinds import read_request as parse_request
     from .kinds.recover_request import READING, RecoverRequest
 
     folder = Path(files)
-    wanted = parse_request(RecoverRequest, request).unpack(folder)
-    reading = read_request(wanted, Limits(is_confined=True))
+    asked = parse_request(RecoverRequest, request)
+    wanted = asked.unpack(folder)
+    if asked.is_open and wanted.labels is not None and has_names(wanted.labels):
+        return _turn(folder)
+    try:
+        reading = read_request(wanted, Limits(is_confined=True))
+    except NoFaces:
+        if asked.is_open and wanted.labels is None:  # a garment is a surface; a cloud with a body is the whole person
+            return _turn(folder)
+        raise
     save_reading(reading, folder / READING)
-    return describe_reading(reading)
+    return {"as": GARMENT, **describe_reading(reading)}
+
+
+def _turn(folder: Path) -> dict[str, Any]:
+    """Note that the files are a person's."""
+    from .kinds.recover_request import AS_PERSON
+
+    (folder / AS_PERSON).touch()
+    return {"as": PERSON}
+
+
+def check_person(request: dict[str, Any], files: str) -> dict[str, Any]:
+    """Read the files of a dressed person in a limited process, and write them as arrays.
+
+    Args:
+        request: The job's request, as it is stored.
+        files: Folder that holds each file of the request, as `find_files` places it.
+
+    Returns:
+        What was understood, as JSON values.
+
+    Raises:
+        BadInput: where a file cannot be used.
+    """
+    from ..core.person.given import PersonFiles, describe_given, read_given, save_given
+    from ..core.scan import Limits
+    from .kinds import FileRef
+    from .kinds import read_request as parse_request
+    from .kinds.person_request import GIVEN, PersonRequest
+
+    folder = Path(files)
+    wanted = parse_request(PersonRequest, request)
+    found = PersonFiles(
+        folder / "scan" / wanted.scan.name,
+        None if wanted.labels is None else folder / "labels" / wanted.labels.name,
+        folder / "body" / wanted.body.name if isinstance(wanted.body, FileRef) else None,
+        {word: folder / wanted.place(word) / file.name for word, file in wanted.templates.items()},
+        wanted.settings.units,
+        wanted.settings.up,
+    )
+    given = read_given(found, Limits(is_confined=True))
+    save_given(given, folder / GIVEN)
+    return describe_given(given)

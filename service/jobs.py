@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
 from sqlalchemy import ColumnElement, Update, and_, select, update
 from sqlalchemy.orm import Session
 
 from .. import __version__
-from ..core.errors import GarmentqError, NotFound
+from ..core.errors import BadInput, GarmentqError, NotFound, keep_printable
+from ..core.limited import LONGEST_MESSAGE
 from .database import Database, change_rows, clock
 from .models import EventRow, JobInputRow, JobRow, JobTagRow, JobWaitRow, OutboxRow
 from .new_job import NewJob
@@ -34,7 +35,7 @@ LOSS = "worker_lost"
 
 FRESH = {
     "attempts": 0, "cancel": False, "finished": None, "stage": "", "progress": 0.0,
-    "bad_input": False, "error_code": None, "error_message": None,
+    "bad_input": False, "error_code": None, "error_message": None, "result": None,
 }  # fmt: skip
 """What an ended job that is tried again begins with."""
 
@@ -252,6 +253,30 @@ def fail(database: Database, claim: Claim, code: str, message: str, bad_input: b
     with database.write() as session:
         error = {"error_code": code, "error_message": message, "bad_input": bad_input}
         move(session, claim, State.FAILED, "failed", {"code": code, "message": message}, **error)
+
+
+def refuse(session: Session, claim: Claim, error: GarmentqError, result: dict[str, Any]) -> None:
+    """End a job with an error that leaves something to look at, within the transaction that stores it.
+
+    Raises:
+        FenceLost: where the job belongs to someone else.
+    """
+    message = keep_printable(error.message.replace("\n", " "))[:LONGEST_MESSAGE]
+    note = {"code": error.code, "message": message}
+    told = {"error_code": error.code, "error_message": message, "bad_input": isinstance(error, BadInput)}
+    move(session, claim, State.FAILED, "failed", note, result=result, **told)
+
+
+def turn(database: Database, claim: Claim, kind: str, request: dict[str, Any]) -> Claim:
+    """Make a running job one of another kind, since that is what its files are, and return the claim on it.
+
+    Raises:
+        FenceLost: where the job belongs to someone else.
+    """
+    with database.write() as session:
+        write_fenced(session, claim, kind=kind, request=request, touched=clock())
+        record(session, claim.job, "understood", understood=kind)
+    return replace(claim, kind=kind, request=request)
 
 
 def end_cancelled(database: Database, claim: Claim) -> None:

@@ -8,8 +8,9 @@ from pathlib import Path
 from ..core.body import is_builtin
 from ..core.errors import BadInput
 from ..core.settings import RecoverySettings, SettingsBad
+from .order import Order, is_person
 from .services import Services
-from .submission import BodyUnreadable, Order
+from .submission import BodyUnreadable
 from .templates import find_template
 
 
@@ -33,6 +34,12 @@ def check_order(services: Services, order: Order, template: str | None = None) -
         GarmentqError: with the code of what cannot be used.
     """
     checked = check_typed(order)
+    choices = {
+        word: replace(one, template=find_template(services, one.name)) if one.name and one.template is None else one
+        for word, one in order.choices.items()
+    }
+    if choices:
+        checked = replace(checked, choices=choices)
     if order.template is not None or template is None:
         return checked
     file = find_template(services, template)
@@ -57,9 +64,31 @@ def check_typed(order: Order) -> Order:
         _check_file(order.labels, missing)
     if order.template is not None:
         _check_file(order.template, FileUnreadable(f"there is no pattern file '{order.template}'; check the path."))
+    if is_person(order):
+        _check_person(order)
+        return order if order.body is None else replace(order, body=_check_body(order.body))
     if order.body is None and selection is not None:
         return order
     return replace(order, body=_check_body(order.body))
+
+
+def _check_person(order: Order) -> None:
+    """Check what is said of a person and of the single garments."""
+    from ..core.person import GARMENTS
+    from ..core.person.hints import parse_mark, parse_wearing
+
+    if order.wearing is not None:
+        parse_wearing(order.wearing)
+    for mark in order.marks:
+        parse_mark(mark)
+    words = [part.word for part in GARMENTS]
+    for word, one in order.choices.items():
+        if word not in words:
+            raise SettingsBad(f"'{word[:40]}' is no garment; name one of {', '.join(words)}.")
+        if one.template is not None:
+            _check_file(one.template, FileUnreadable(f"there is no pattern file '{one.template}'; check the path."))
+        fabric = one.fabric or order.settings.fabric
+        _check_names(replace(order.settings, garment=one.garment, fabric=fabric, lock=one.lock))
 
 
 def _check_file(path: Path, missing: BadInput) -> None:

@@ -108,6 +108,7 @@ class RemoteBackend:
             "name": order.name,
             "tags": list(order.tags),
         }
+        wanted |= self._describe_person(order)
         if is_builtin(order.body):
             wanted["body"] = order.body
         elif order.body is not None:
@@ -121,6 +122,18 @@ class RemoteBackend:
         token = order.nonce or uuid.uuid4().hex
         found = self._ask("POST", "/v1/jobs", json=wanted, headers={"idempotency-key": token} if order.force else {})
         return _read(lambda: Submitted(check_id(found["job"]), bool(found["is_new"]), State(found["state"])))
+
+    def _describe_person(self, order: Order) -> dict[str, Any]:
+        """Return what an order says of a whole person; nothing that a service of an earlier version would refuse."""
+        parts = {}
+        for word, one in order.choices.items():
+            pattern = self.upload("patterns", one.template) if one.template is not None else None
+            template = None if pattern else one.name
+            own = {"garment": one.garment, "fabric": one.fabric, "lock": one.lock}
+            told = {"pattern": pattern, "template": template, **own}
+            parts[word] = {name: value for name, value in told.items() if value is not None}
+        said = {"as": order.given_as, "wearing": order.wearing, "marks": list(order.marks), "parts": parts}
+        return {name: value for name, value in said.items() if value}
 
     def upload(self, kind: str, path: Path) -> str:
         """Send a file as one of `scans`, `bodies`, `labels`, `patterns`, unless the service has it; give its sha256."""

@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 from ..core.errors import NotFound
 from .database import Database, clock
 from .families import make_children
-from .jobs import Claim, succeed, write_fenced
+from .jobs import Claim, refuse, succeed, write_fenced
 from .kinds import Kind, KindUnknown, find_kind
 from .models import (
     ArtifactRow,
@@ -28,6 +28,7 @@ from .models import (
 )
 from .records import Artifact, Child, JobReport
 from .settings import ServiceSettings
+from .states import State
 from .store import Store
 
 RESULT = "result"
@@ -45,7 +46,7 @@ class ResultMissing(NotFound):
     code = "result.missing"
 
 
-def store_result(database: Database, store: Store, claim: Claim, kind: Kind, result: Any, folder: Path) -> None:
+def store_result(database: Database, store: Store, claim: Claim, kind: Kind, result: Any, folder: Path) -> State:
     """Keep the files first, then write all rows, end the job and make its children in one fenced transaction.
 
     A crash between the two leaves files that nobody names, which does no harm. Checkpoints are let go.
@@ -57,6 +58,9 @@ def store_result(database: Database, store: Store, claim: Claim, kind: Kind, res
         kind: The job's kind.
         result: What was found.
         folder: Holds the files that were written for it; names below it are kept.
+
+    Returns:
+        How the job ended: `succeeded`, or `failed` where the kind says so of what was found.
 
     Raises:
         FenceLost: where another worker has taken the job over; nothing is written then.
@@ -70,8 +74,12 @@ def store_result(database: Database, store: Store, claim: Claim, kind: Kind, res
         for name, kept in files:
             _add_artifact(session, claim.job, RESULT, name, kept.sha256, kept.size)
         outcome = kind.store(session, claim, result)
+        if outcome.failure is not None:
+            refuse(session, claim, outcome.failure, outcome.summary)
+            return State.FAILED
         succeed(session, claim, outcome.summary)
         make_children(session, claim.job, outcome.children)
+        return State.SUCCEEDED
 
 
 def save_checkpoint(database: Database, store: Store, claim: Claim, name: str, content: bytes) -> None:

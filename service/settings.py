@@ -22,6 +22,12 @@ WRITER = "garmentq.core.export:write_recovery"
 CHECKER = "garmentq.service.checking:check_recovery"
 """What reads and checks the files of a recovery first, in a limited process."""
 
+SEPARATOR = "garmentq.service.kinds.person_work:take_apart"
+"""What takes a person apart."""
+
+PERSON_CHECKER = "garmentq.service.checking:check_person"
+"""What reads and checks the files of a person first, in a limited process."""
+
 
 class ServiceSettingBad(BadInput):
     """A GARMENTQ_ environment variable has a value that cannot be used; see docs/service.md."""
@@ -56,6 +62,8 @@ class ServiceSettings:
         writer: Dotted path of the function that writes a recovery's files.
         kinds: Dotted paths of the classes of further kinds of jobs, `package.module:Class`, with commas between.
         checker: Dotted path of the function that reads and checks a recovery's files, in a limited process.
+        separator: Dotted path of the function that takes a person apart and writes what is kept of it.
+        person_checker: Dotted path of the function that reads and checks a person's files, in a limited process.
     """
 
     home: Path = Path("~/.local/share/garmentq")
@@ -75,6 +83,8 @@ class ServiceSettings:
     pipeline: str = PIPELINE
     writer: str = WRITER
     checker: str = CHECKER
+    separator: str = SEPARATOR
+    person_checker: str = PERSON_CHECKER
     kinds: str = ""
 
     def find(self, part: str) -> Callable[..., Any]:

@@ -18,15 +18,16 @@ from sqlalchemy.orm import Session
 from .. import __version__
 from ..core.body import is_builtin
 from ..core.errors import BadInput
-from ..core.settings import RecoverySettings
 from .database import Database, clock, serialise
 from .families import share, try_again
 from .jobs import JobUnknown, create
 from .keys import check_quota, own
 from .kinds import FileRef, pack_request
+from .kinds.person_request import PartChoice, PersonRequest
 from .kinds.recover import Recover, RecoverRequest
 from .models import JobRow, OwnerRow, ScanRow
 from .new_job import NewJob
+from .order import Order, is_person
 from .states import QUEUES, UNSUCCESSFUL, State
 from .store import Store, Stored
 
@@ -49,46 +50,14 @@ class InputNotEnded(BadInput):
     code = "job.input_not_ended"
 
 
+PERSON_KIND = "person"
+"""Name of the kind that takes a person apart; its class is not loaded for that."""
+
 LONGEST_NAME, LONGEST_TAG, MOST_TAGS = 255, 64, 20
 """Bounds of what a user calls a family; the longest name is the column's."""
 
 SIGNS = "._-()+,"
 """What a file's own name keeps beside letters and digits: nothing that a page, a shell or a spreadsheet understands."""
-
-
-@dataclass(frozen=True)
-class Order:
-    """Describe what is to be recovered.
-
-    Attributes:
-        scan: The garment's file.
-        body: The wearer's file, or a text that begins with `builtin:`.
-        template: A pattern file, or None.
-        settings: Everything else.
-        priority: Larger goes first.
-        force: Make a new job even where an equal one exists.
-        labels: A file with one label per vertex of a dressed person's scan, or None.
-        queue: One of `QUEUES`: which kind of worker takes it.
-        nonce: What makes a forced job the same when it is asked for again; empty: a random one.
-        key: Id of the API key that asks, or empty; the job is then that key's too.
-        quota: Jobs that the key may have queued at a time.
-        name: What the family is called; empty: after the scan's file.
-        tags: Words that it can be found by.
-    """
-
-    scan: Path
-    body: Path | str | None
-    template: Path | None = None
-    settings: RecoverySettings = field(default_factory=RecoverySettings)
-    priority: int = 0
-    force: bool = False
-    labels: Path | None = None
-    queue: str = QUEUES[0]
-    nonce: str = ""
-    key: str = ""
-    quota: int = 0
-    name: str = ""
-    tags: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -142,15 +111,17 @@ def submit(database: Database, store: Store, order: Order) -> Submitted:
     """Keep the files, then ask for the recovery.
 
     Raises:
-        BodyMissing: where no body was named, and nothing says which part of the scan is the garment.
+        BodyMissing: where the scan is said to be a garment, and no body was named.
+        SettingsBad: where what was said cannot be meant together.
         LabelBad: where name or tags cannot be used.
         StorageFull: where the files cannot be kept.
     """
-    if order.body is None:
+    of_person = is_person(order)
+    if order.body is None and not of_person:
         _check_dressed(order)
     check_labels(order.name, order.tags)
     scan = store.put(order.scan)
-    request = _describe(order, scan, store)
+    request = _describe_person(order, scan, store) if of_person else _describe(order, scan, store)
     with database.write() as session:
         serialise(session, scan.sha256)
         if session.get(ScanRow, scan.sha256) is None:
@@ -159,7 +130,7 @@ def submit(database: Database, store: Store, order: Order) -> Submitted:
             session.flush()
         nonce = (order.nonce or uuid.uuid4().hex) if order.force else ""
         wanted = JobRequest(
-            Recover.name,
+            PERSON_KIND if of_person else Recover.name,
             request,
             scan.sha256,
             order.name or own_name(order.scan.name),
@@ -234,15 +205,45 @@ def _check_dressed(order: Order) -> None:
 
 def _describe(order: Order, scan: Stored, store: Store) -> dict[str, Any]:
     """Describe an order by hashes only, so that the same files elsewhere are the same order."""
-    body: FileRef | str | None = order.body if is_builtin(order.body) else None
-    if order.body is not None and body is None:
-        body = _kept(Path(order.body), store)
-    template = _kept(order.template, store) if order.template else None
-    if template is not None and order.settings.template:  # what the user calls an imported one
-        template = replace(template, name=clean_name(f"{order.settings.template}.json"))
     labels = _kept(order.labels, store) if order.labels else None
     file = FileRef(scan.sha256, clean_name(order.scan.name))
-    return pack_request(RecoverRequest(file, body, template, order.settings, labels))
+    template = _keep_template(order.template, order.settings.template, store)
+    body = _keep_body(order, store)
+    return pack_request(RecoverRequest(file, body, template, order.settings, labels, given_as=order.given_as))
+
+
+def _describe_person(order: Order, scan: Stored, store: Store) -> dict[str, Any]:
+    """Describe an order of a whole person likewise."""
+    choices = {
+        word: PartChoice(_keep_template(one.template, one.name, store) or one.name, one.garment, one.fabric, one.lock)
+        for word, one in order.choices.items()
+    }
+    request = PersonRequest(
+        FileRef(scan.sha256, clean_name(order.scan.name)),
+        order.settings,
+        _kept(order.labels, store) if order.labels else None,
+        _keep_body(order, store),
+        _keep_template(order.template, order.settings.template, store),
+        order.wearing,
+        order.marks,
+        choices,
+        order.given_as,
+    )
+    return pack_request(request)
+
+
+def _keep_body(order: Order, store: Store) -> FileRef | str | None:
+    if order.body is None or is_builtin(order.body):
+        return order.body if order.body is None else str(order.body)
+    return _kept(Path(order.body), store)
+
+
+def _keep_template(file: Path | None, name: str | None, store: Store) -> FileRef | None:
+    """Keep a pattern file, under what the user calls an imported one."""
+    if file is None:
+        return None
+    kept = _kept(file, store)
+    return replace(kept, name=clean_name(f"{name}.json")) if name else kept
 
 
 def _kept(path: Path, store: Store) -> FileRef:

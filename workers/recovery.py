@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -25,8 +25,8 @@ from ..core.hooks import Arrays, Hooks
 from ..core.limited import LONGEST_MESSAGE
 from ..service.checking import STAGE, check_files
 from ..service.database import Database, DatabaseUnreachable
-from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, note_checked, release, report
-from ..service.kinds import FileRef, Work, find_kind, read_request
+from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, note_checked, release, report, turn
+from ..service.kinds import Kind, Turned, Work, find_files, find_kind, read_request
 from ..service.results import CHECKPOINT, PREVIOUS, export_files, load_checkpoint, save_checkpoint, store_result
 from ..service.services import Services
 from ..service.settings import ServiceSettings
@@ -37,6 +37,8 @@ from .threads import limit_threads
 from .watch import JobTooLong, Watch
 
 log = logging.getLogger(__name__)
+
+T = TypeVar("T")
 
 REPORT_SECONDS = 0.5
 """Shortest time between two progress events of one stage [s]; more often is not seen, and each is a row."""
@@ -102,8 +104,8 @@ def make_note(held: Claim, stage: str = "") -> dict[str, Any]:
     return {"job": held.job, "attempt": held.attempt, "stage": stage}
 
 
-def persist(write: Callable[[], None], watch: Watch) -> None:
-    """Repeat a write while the database is away, for as long as the lease holds.
+def persist(write: Callable[[], T], watch: Watch) -> T:
+    """Repeat a write while the database is away, for as long as the lease holds, and return what it does.
 
     Raises:
         DatabaseUnreachable: where it stayed away for longer.
@@ -122,20 +124,15 @@ def _work(services: Services, held: Claim, watch: Watch) -> str:
     settings, database, store = services.settings, services.database, services.store
     try:
         with work_folder(settings.home / "work", held.job) as folder:
-            kind = find_kind(settings, held.kind)
-            request = read_request(kind.request, held.request)
-            work = unpack(services, held, folder)
             limit_threads(settings.threads)
-            hooks = make_hooks(database, store, held, watch)
-            if checker := kind.checker(settings):
-                hooks.progress(STAGE, 0.0, "reading and checking the files")
-                found = check_files(checker, held.request, work.files, hooks.is_cancelled)
-                persist(partial(note_checked, database, held, found), watch)
-            result = kind.run(request, work, hooks)
+            kind, request, work, turned = _begin(services, held, watch, folder / "1")
+            if turned is not None:
+                held = persist(partial(turn, database, held, turned.kind, turned.request), watch)
+                kind, request, work, _ = _begin(services, held, watch, folder / "2")
+            result = kind.run(request, work, make_hooks(database, store, held, watch))
             if watch.reason in ("lost", "cancelled"):
                 return _stop(database, held, watch.reason, settings.max_seconds)
-            persist(lambda: store_result(database, store, held, kind, result, work.out), watch)
-        return State.SUCCEEDED
+            return persist(partial(store_result, database, store, held, kind, result, work.out), watch)
     except FenceLost:
         raise
     except BaseException as error:
@@ -145,6 +142,20 @@ def _work(services: Services, held: Claim, watch: Watch) -> str:
             raise
         persist(partial(_fail, database, held, error), watch)
         return State.FAILED
+
+
+def _begin(services: Services, held: Claim, watch: Watch, folder: Path) -> tuple[Kind, Any, Work, Turned | None]:
+    """Unpack and check a job's files, and find out whether they are what another kind works on."""
+    settings, database = services.settings, services.database
+    kind = find_kind(settings, held.kind)
+    request = read_request(kind.request, held.request)
+    work = unpack(services, held, folder)
+    hooks = make_hooks(database, services.store, held, watch)
+    if work.files.is_dir() and (checker := kind.checker(settings)):
+        hooks.progress(STAGE, 0.0, "reading and checking the files")
+        found = check_files(checker, held.request, work.files, hooks.is_cancelled)
+        persist(partial(note_checked, database, held, found), watch)
+    return kind, request, work, kind.turn(request, work, hooks)
 
 
 def _stop(database: Database, held: Claim, reason: str, seconds: float) -> str:
@@ -192,10 +203,8 @@ def unpack(services: Services, held: Claim, folder: Path) -> Work:
     """
     work = Work(services.settings, folder / "files", {}, folder / "result")
     work.out.mkdir(parents=True)
-    for part, value in held.request.items():
-        if isinstance(value, dict) and value.keys() == {"sha256", "name"}:
-            file = FileRef(**value)
-            services.store.copy(file.sha256, work.files / part / file.name)
+    for field, file in find_files(held.request):
+        services.store.copy(file.sha256, work.files / field / file.name)
     inputs = {name: folder / "inputs" / str(number) for number, name in enumerate(held.inputs)}
     for name, place in inputs.items():
         export_files(services.database, services.store, held.inputs[name], place)

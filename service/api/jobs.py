@@ -18,15 +18,16 @@ from ..families import cancel, retry
 from ..jobs import find_job
 from ..keys import Caller
 from ..models import JobRow
+from ..order import Order, PartOrder
 from ..ordering import check_order
 from ..query import JobQuery, find_jobs
 from ..results import report_jobs
-from ..submission import Order, Submitted, clean_name, own_name, submit
+from ..submission import Submitted, clean_name, own_name, submit
 from ..uploads import begin_once, end_once, find_upload
 from .access import Reader, Rooms, RoomsOf, Submitter, find_own
 from .answers import Asked, Changed, Job, Jobs
 from .problems import RequestBad, show_answer
-from .schemas import JobIn, Text
+from .schemas import JobIn, PartIn, Text
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
 
@@ -39,6 +40,9 @@ EXAMPLE = {
     "cpu_seconds": 71.2, "peak_mb": 900.0, "kind": "recover", "family": "3685ecfd4f81", "parent": None, "children": [],
     "inputs": {}, "waits": [], "tags": ["spring"], "details": {},
 }  # fmt: skip
+OF_PERSONS = ("given_as", "wearing", "marks", "parts")
+"""Fields of a request that say something of a whole person."""
+
 Words = Annotated[Text | None, Query(max_length=255)]
 ASKED = {"job": "3685ecfd4f81", "state": "queued", "is_new": True}
 
@@ -135,7 +139,7 @@ def answer_query(rooms: Rooms, caller: Caller, wanted: JobQuery) -> dict[str, An
 def _create(rooms: Rooms, caller: Caller, wanted: JobIn, token: str | None) -> Submitted:
     known = None
     if token is not None:
-        known = begin_once(rooms.database, caller.key, token, json.dumps(wanted.model_dump(), sort_keys=True))
+        known = begin_once(rooms.database, caller.key, token, json.dumps(fingerprint(wanted), sort_keys=True))
     if known is not None:
         return Submitted(known, False, find_job(rooms.database, known).state)
     with tempfile.TemporaryDirectory(prefix="order-", dir=_incoming(rooms)) as folder:
@@ -149,6 +153,11 @@ def _create(rooms: Rooms, caller: Caller, wanted: JobIn, token: str | None) -> S
     return done
 
 
+def fingerprint(wanted: JobIn) -> dict[str, Any]:
+    """Return what makes a repeated request the same; of one without a person's options what earlier versions made."""
+    return wanted.model_dump(exclude={name for name in OF_PERSONS if not getattr(wanted, name)})
+
+
 def _incoming(rooms: Rooms) -> Path:
     rooms.incoming.mkdir(parents=True, exist_ok=True, mode=0o700)
     return rooms.incoming
@@ -156,12 +165,17 @@ def _incoming(rooms: Rooms) -> Path:
 
 def _unpack(rooms: Rooms, caller: Caller, wanted: JobIn, folder: Path) -> Order:
     """Put the uploads into a folder, each alone in a folder of its own and under its cleaned name."""
-    if wanted.pattern is not None and wanted.template is not None:
+    choices: list[JobIn | PartIn] = [wanted, *wanted.parts.values()]
+    if any(one.pattern is not None and one.template is not None for one in choices):
         raise RequestBad("give a pattern or a template's name, not both.")
 
     def unpack(part: str, sha256: str) -> Path:
         row = find_upload(rooms.database, caller.key, sha256)
         return rooms.store.copy(sha256, folder / part / clean_name(row.name))
+
+    def choose(word: str, one: PartIn) -> PartOrder:
+        file = unpack(f"pattern-{word}", one.pattern) if one.pattern else None
+        return PartOrder(file, one.template, one.garment, one.fabric, one.lock)
 
     body: Path | str | None = wanted.body
     if wanted.body is not None and not is_builtin(wanted.body):
@@ -179,4 +193,8 @@ def _unpack(rooms: Rooms, caller: Caller, wanted: JobIn, folder: Path) -> Order:
         queue=wanted.queue,
         key=caller.key,
         quota=caller.quota,
+        given_as=wanted.given_as,
+        wearing=wanted.wearing,
+        marks=tuple(wanted.marks),
+        choices={word: choose(word, one) for word, one in wanted.parts.items()},
     )

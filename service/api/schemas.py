@@ -8,7 +8,9 @@ from typing import Annotated, Any, Literal, get_type_hints
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, create_model
 
 from ...core.body import BUILTIN
+from ...core.person import GARMENTS
 from ...core.settings import RecoverySettings
+from ..order import GIVEN_AS
 from ..states import QUEUES
 
 Text = Annotated[str, StringConstraints(max_length=255, pattern=r"^[^\x00-\x1f\x7f]*$")]
@@ -19,6 +21,8 @@ BodySource = Annotated[
 TemplateName = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_.-]{0,63}$")]
 Tag = Annotated[str, StringConstraints(min_length=1, max_length=64, pattern=r"^[^\x00-\x1f\x7f]*$")]
 LARGEST_SEED = 2**31 - 1
+WORDS = tuple(part.word for part in GARMENTS)
+"""The garments of a person."""
 MOST_JOBS = 1000
 """Jobs of one question; a larger batch asks more than once."""
 
@@ -40,8 +44,19 @@ SettingsIn: Any = create_model(
 """The fields of `RecoverySettings` but the template, which a job names beside its files."""
 
 
+class PartIn(BaseModel):
+    """Choose how one garment of a person is recovered; what is left out is as for all."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"example": {"fabric": "denim"}})
+    pattern: Sha256 | None = Field(None, description="Hash of an upload to /v1/patterns: the base pattern.")
+    template: TemplateName | None = Field(None, description="Name of a template, instead of a pattern.")
+    garment: Text | None = None
+    fabric: Text | None = None
+    lock: Text | None = None
+
+
 class JobIn(BaseModel):
-    """Ask for one recovery, of files that were uploaded before."""
+    """Ask for one recovery, or for all garments of a person, of files that were uploaded before."""
 
     model_config = ConfigDict(
         extra="forbid",
@@ -59,6 +74,10 @@ class JobIn(BaseModel):
     labels: Sha256 | None = Field(None, description="Hash of an upload to /v1/labels.")
     pattern: Sha256 | None = Field(None, description="Hash of an upload to /v1/patterns: the base pattern.")
     template: TemplateName | None = Field(None, description="Name of a template, instead of a pattern.")
+    given_as: Literal[GIVEN_AS] | None = Field(None, alias="as", description="What the scan is; null: found.")  # type: ignore[valid-type]
+    wearing: Text | None = Field(None, description="Exactly what a person wears: upper,lower; null: found.")
+    marks: list[Text] = Field(default=[], max_length=100, description="What is at a place: upper=0.1,1.2,0.05.")
+    parts: dict[Literal[WORDS], PartIn] = Field(default={}, description="Choices of a person's single garments.")  # type: ignore[valid-type]
     settings: SettingsIn = Field(default_factory=SettingsIn)
     priority: int = Field(0, ge=-100, le=100)
     queue: Literal[QUEUES] = QUEUES[0]  # type: ignore[valid-type]

@@ -6,15 +6,18 @@ from importlib import import_module
 
 from ...core.errors import GarmentqError
 from ..settings import ServiceSettings
-from .kind import PARENT, ChildRequest, Kind, Outcome, Work
-from .request import FileRef, RequestBad, pack_request, read_request
+from .kind import PARENT, ChildRequest, Kind, Outcome, Turned, Work
+from .request import FileRef, RequestBad, find_files, pack_request, read_request
 
 __all__ = [
-    "KINDS", "PARENT", "ChildRequest", "FileRef", "Kind", "KindUnknown", "Outcome", "RequestBad", "Work", "find_kind",
-    "pack_request", "read_request",
+    "KINDS", "PARENT", "ChildRequest", "FileRef", "Kind", "KindUnknown", "Outcome", "RequestBad", "Turned", "Work",
+    "find_files", "find_kind", "pack_request", "read_request",
 ]  # fmt: skip
 
-KINDS = {"recover": "garmentq.service.kinds.recover:Recover"}
+KINDS = {
+    "recover": "garmentq.service.kinds.recover:Recover",
+    "person": "garmentq.service.kinds.person:Person",
+}
 """Dotted path of each kind's class by name."""
 
 

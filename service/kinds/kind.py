@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
 
+    from ...core.errors import GarmentqError
     from ...core.hooks import Hooks
     from ..jobs import Claim
     from ..models import JobRow
@@ -50,10 +51,26 @@ class Outcome:
         summary: JSON values for the row's `result`: `gates`, `warnings`, `stage_seconds`, `cpu_seconds` and `peak_mb`
             are shown by their names.
         children: What is to be done next.
+        failure: Why the job ends as failed all the same, where there is something to look at: its files and rows are
+            kept, and children it has none. None: it succeeded.
     """
 
     summary: dict[str, Any]
     children: tuple[ChildRequest, ...] = ()
+    failure: GarmentqError | None = None
+
+
+@dataclass(frozen=True)
+class Turned:
+    """State that a job's files are what another kind works on.
+
+    Attributes:
+        kind: Name of that kind.
+        request: Its request, as `pack_request` writes it.
+    """
+
+    kind: str
+    request: dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -91,9 +108,17 @@ class Kind(ABC):
 
         Returns:
             Dotted path of a function, `package.module:name`, as `checking.check_recovery` is; empty where a job has no
-            files of a user's own. Its module should be light: a fresh process imports it for each job.
+            files of a user's own. Its module should be light: a fresh process imports it for each job. It is not called
+            for a request that names no file.
         """
         return ""
+
+    def turn(self, request: Any, work: Work, hooks: Hooks) -> Turned | None:
+        """Return what the job is instead, where its files turn out to be what another kind works on; after the check.
+
+        The job keeps its id, and what makes it the same as another.
+        """
+        return None
 
     @abstractmethod
     def run(self, request: Any, work: Work, hooks: Hooks) -> Any:

@@ -15,13 +15,15 @@ from ...core.recovery import STAGES
 from ..database import serialise
 from ..jobs import Claim
 from ..models import BodyRow, JobRow, MaterialRow, MetricRow, PanelRow, PatternRow, ScanRow
-from .kind import Kind, Outcome, Work
-from .recover_request import RecoverRequest
+from .kind import Kind, Outcome, Turned, Work
+from .person_request import make_person
+from .recover_request import AS_PERSON, PERSON, RecoverRequest
+from .request import pack_request
 
 if TYPE_CHECKING:
     from ...core.body import Body
     from ...core.hooks import Hooks
-    from ...core.recovery import Recovery
+    from ...core.recovery import Recovery, Request
     from ...core.simulate import Fabric
     from ..settings import ServiceSettings
 
@@ -39,19 +41,27 @@ class Recover(Kind):
 
     def run(self, request: RecoverRequest, work: Work, hooks: Hooks) -> Recovery:
         """Run the pipeline and write its files."""
-        recovery: Recovery = work.settings.find("pipeline")(request.unpack(work.files), hooks)
+        recovery: Recovery = work.settings.find("pipeline")(request.unpack(work.files, work.inputs.get(PERSON)), hooks)
         work.settings.find("writer")(recovery, work.out)
         return recovery
+
+    def turn(self, request: RecoverRequest, work: Work, hooks: Hooks) -> Turned | None:
+        """Return a person's job where the scan shows its wearer's head, hands or feet, or its labels name parts."""
+        if request.part is not None or not request.is_open:
+            return None
+        if (work.files / AS_PERSON).exists() or _is_person(request.unpack(work.files), hooks):
+            return Turned("person", pack_request(make_person(request)))
+        return None
 
     def store(self, session: Session, claim: Claim, result: Recovery) -> Outcome:
         """Add the rows of pattern, panels, fabric, wearer and metrics."""
         _add_scan(session, result)
-        session.add(_body_row(claim.job, result.body))
+        session.add(describe_body(claim.job, result.body))
         material = _add_material(session, result.fabric)
         session.flush()
         _add_pattern(session, claim.job, result, material)
         for name, value in result.metrics.items():
-            session.add(MetricRow(job=claim.job, name=name, value=_finite(value)))
+            session.add(MetricRow(job=claim.job, name=name, value=keep_finite(value)))
         return Outcome(_summary(result))
 
     def show(self, session: Session, row: JobRow) -> dict[str, Any]:
@@ -65,6 +75,19 @@ class Recover(Kind):
             "fabric": material.name if material else None,
             "body": body.source if body else None,
         }
+
+
+def _is_person(request: Request, hooks: Hooks) -> bool:
+    """Return whether a scan that was read with its wearer shows the whole person."""
+    reading = request.reading
+    if reading is None or request.body is None or request.labels is not None:
+        return False
+    from ...core.person.whole import shows_person, stands_tall
+    from ...core.pipeline import find_body
+
+    if not stands_tall(reading.pieces.garment, reading.pieces.wearer):
+        return False
+    return shows_person(reading.pieces.garment, find_body(request, reading.pieces, hooks))
 
 
 def _add_scan(session: Session, recovery: Recovery) -> None:
@@ -81,7 +104,8 @@ def _add_scan(session: Session, recovery: Recovery) -> None:
         }
 
 
-def _body_row(job: str, body: Body) -> BodyRow:
+def describe_body(job: str, body: Body) -> BodyRow:
+    """Return the row of a wearer as a job saw it."""
     from ...core.body import JOINTS
 
     joints = {name: position.tolist() for name, position in zip(JOINTS, body.joints, strict=True)}
@@ -124,7 +148,8 @@ def _add_pattern(session: Session, job: str, recovery: Recovery, material: str) 
 def _summary(recovery: Recovery) -> dict[str, Any]:
     return {
         "gates": [
-            {**asdict(gate), "value": _finite(gate.value), "limit": _finite(gate.limit)} for gate in recovery.gates
+            {**asdict(gate), "value": keep_finite(gate.value), "limit": keep_finite(gate.limit)}
+            for gate in recovery.gates
         ],
         "warnings": list(recovery.warnings),
         "stage_seconds": {name: round(value, 3) for name, value in recovery.stage_seconds.items()},
@@ -134,6 +159,6 @@ def _summary(recovery: Recovery) -> dict[str, Any]:
     }
 
 
-def _finite(value: float | None) -> float | None:
+def keep_finite(value: float | None) -> float | None:
     """Return a number that every database can keep, or None."""
     return None if value is None or not math.isfinite(value) else float(value)

@@ -5,12 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ...core.person import GARMENTS
 from ...core.recovery import Request
 from ...core.settings import RecoverySettings
-from .request import FileRef
+from .request import FileRef, RequestBad
 
 READING = "reading.npz"
 """Holds what was read of the files, beside their folders."""
+
+AS_PERSON = "as-person"
+"""Lies there instead where the files turned out to be a whole person's."""
+
+PERSON = "person"
+"""Name of the input that a garment of a person is taken from."""
 
 
 @dataclass(frozen=True)
@@ -23,16 +30,46 @@ class RecoverRequest:
         template: A pattern file, or None.
         settings: Everything else.
         labels: One label per vertex of a dressed person's scan, or None.
+        part: The garment of a person that was taken apart, `upper`: its reading lies in the folder of that name of the
+            result that the job reads as `PERSON`. There are no files then; None: they are those above.
+        given_as: `garment` where the user says that the scan is one, so that nobody looks whether it is a person.
     """
 
-    scan: FileRef
+    scan: FileRef | None
     body: FileRef | str | None
     template: FileRef | None
     settings: RecoverySettings = field(default_factory=RecoverySettings)
     labels: FileRef | None = None
+    part: str | None = None
+    given_as: str | None = None
 
-    def unpack(self, files: Path) -> Request:
-        """Return the pipeline's request: the files in a folder as FIELD/NAME, and what was read of them if it was."""
+    def __post_init__(self) -> None:
+        """Refuse what names no garment, and no scan either.
+
+        Raises:
+            RequestBad: where neither is given, or the part is none.
+        """
+        words = {part.word for part in GARMENTS}
+        if (self.scan is None) == (self.part is None) or self.part not in {None, *words}:
+            raise RequestBad(f"a recovery is of a scan or of a part; {RequestBad().message}")
+
+    @property
+    def is_open(self) -> bool:
+        """Return whether the scan may be a whole person's: nobody said what of it is the garment."""
+        chosen = self.settings
+        return self.given_as is None and chosen.keep is None and chosen.keep_colour is None
+
+    def unpack(self, files: Path, person: Path | None = None) -> Request:
+        """Return the pipeline's request: the files in a folder as FIELD/NAME, and what was read of them if it was.
+
+        Args:
+            files: Holds the files, and what a limited process read of them.
+            person: Holds the result of the job that took the person apart, where the garment is a part of one.
+        """
+        if self.part is not None and person is not None:
+            return self._take(person / self.part)
+        if self.scan is None:
+            raise RequestBad(f"the garment's person is missing; {RequestBad().message}")
 
         def find(part: str, file: FileRef | None) -> Path | None:
             return files / part / file.name if file is not None else None
@@ -50,3 +87,11 @@ class RecoverRequest:
             labels=find("labels", self.labels),
             reading=reading,
         )
+
+    def _take(self, folder: Path) -> Request:
+        """Return the pipeline's request of a garment whose reading was stored in a folder."""
+        from ...core.reading import load_reading
+
+        reading, base = load_reading(folder / READING), self.settings.template
+        template = None if reading.pattern is None else Path(f"{base or reading.pattern.name}.json")
+        return Request(scan=folder, template=template, settings=self.settings, reading=reading)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import types
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
@@ -51,6 +51,18 @@ def _pack(value: Any) -> Any:
     return value
 
 
+def find_files(request: Any, at: tuple[str, ...] = ()) -> Iterator[tuple[str, FileRef]]:
+    """Yield the files of a request in JSON, each with its place: the names of the fields that lead to it, as a path."""
+    if not isinstance(request, Mapping):
+        return
+    if request.keys() == {"sha256", "name"}:
+        yield "/".join(at), FileRef(**request)
+        return
+    for name, value in request.items():
+        if NAME.fullmatch(name):
+            yield from find_files(value, (*at, name))
+
+
 def read_request(kind: type[T], given: Mapping[str, Any]) -> T:
     """Build a request from JSON values.
 
@@ -77,6 +89,8 @@ def _read(hint: Any, value: Any, name: str) -> Any:
             return read_request(hint, value)  # type: ignore[arg-type]
         if get_origin(hint) is tuple:
             return tuple(_read(get_args(hint)[0], one, name) for one in value)
+        if get_origin(hint) in (dict, Mapping):
+            return {str(key): _read(get_args(hint)[1], one, str(key)) for key, one in value.items()}
         return value
     raise RequestBad(f"'{name}' cannot be {value!r:.60}. {RequestBad().message}")
 

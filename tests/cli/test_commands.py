@@ -80,7 +80,7 @@ def test_bad_input_ends_in_one_line(cli, tmp_path):
         (("run", tmp_path, "--body", body), 4, "scan.missing"),
         (("run", zipped, "--body", body), 4, "scan.archive"),
         (("run", good, "--keep", "1", "--labels", tmp_path / "nosuch.npz"), 4, "scan.labels_unreadable"),
-        (("run", good), 4, "body.missing"),
+        (("run", good, "--as", "garment"), 4, "body.missing"),
         (("run", good, "--body", tmp_path / "nosuch.ply"), 4, "body.unreadable"),
         (("run", good, "--body", "builtin:female,height=9"), 4, "body.spec_bad"),
         (("run", good, "--body", body, "--template", "nosuch"), 3, "template.unknown"),

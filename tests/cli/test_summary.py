@@ -72,3 +72,27 @@ def test_a_job_of_another_kind_shows_its_own(capsys) -> None:
     shown = capsys.readouterr().out
     assert shown.startswith("standin (job 3685ecfd4f81)") and "pieces     3" in shown
     assert "\u00c4rmel (aaaabbbbcccc, queued)" in shown and "base pattern" not in shown
+
+
+def test_a_person_is_told_in_ten_lines(capsys) -> None:
+    """Breaks where the second reading is left out, or an opening that nothing shows counts as seen."""
+    neck = {"name": "neck", "confidence": 0.4, "is_inferred": True}
+    contours = [neck, {"name": "hem", "confidence": 0.9, "is_inferred": False}]
+    garments = [{"part": "one-piece", "category": "dress", "confidence": 0.912, "contours": contours}]
+    outfits = [{"parts": ["one-piece"], "score": 0.0}, {"parts": ["upper", "lower"], "score": -1.0}]
+    scan = {"vertex_count": 9, "is_cloud": True, "has_colours": False, "units": "cm", "up": "-z"}
+    details = {"checked": {"scan": scan}, "garments": garments, "outfits": outfits, "parts": {}}
+    children = [Child("aaaabbbbcccc", "one-piece", "recover", State.FAILED)]
+    person = {"kind": "person", "garment": None, "details": details, "children": children, "gates": []}
+    print_result(make_job(**person, metrics={"body.fit_rms_mm": 7.25}), [])
+    shown = capsys.readouterr().out
+    assert len(shown.splitlines()) == 10
+    for text in (
+        "person; cloud of 9 points without colours, cm, -z up", "7.2 mm RMS",
+        "one-piece (73 %); or upper and lower (27 %)",
+        "one-piece (dress), confidence 0.91", "1 seen, the least sure one-piece hem 0.90; nothing shows one-piece neck",
+        "one-piece (aaaabbbbcccc, failed)",
+    ):  # fmt: skip
+        assert text in shown, text
+    print_result(make_job(**person | {"details": {}}, metrics={}), [])
+    assert len(capsys.readouterr().out.splitlines()) == 10

@@ -190,7 +190,7 @@ def test_the_same_refusals(backend, order, tmp_path):
         ("template.name_bad", BadInput, backend.import_template, "skirt", _write_template(tmp_path)),
         ("fabric.unknown", NotFound, backend.read_material, "nosuch"),
         ("key.unknown", NotFound, backend.revoke_key, "nosuch"),
-        ("body.missing", BadInput, backend.check_order, Order(order.scan, None)),
+        ("body.missing", BadInput, backend.check_order, Order(order.scan, None, given_as="garment")),
         ("scan.missing", BadInput, backend.check_order, Order(tmp_path / "none.ply", order.body)),
     ):
         assert code_of(ask, *given) == (code, kind), (ask, given)

@@ -71,7 +71,7 @@ def test_a_failed_job_is_queued_again(database, store, order):
 def test_no_body_is_refused(database, store, order):
     """Broken where a garment without a body went into the queue."""
     with pytest.raises(BadInput) as refused:
-        submit(database, store, Order(order.scan, None))
+        submit(database, store, Order(order.scan, None, given_as="garment"))
     assert refused.value.code == "body.missing"
     assert "builtin:female" in refused.value.message
     with pytest.raises(BodyUnreadable):

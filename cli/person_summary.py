@@ -1,0 +1,64 @@
+"""The lines that a user sees of a person who was taken apart."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from ..service.records import JobReport
+
+LEAST_SURE = 2
+"""Openings that are named: those that a user should look at first."""
+
+
+def describe_person(job: JobReport) -> Iterator[tuple[str, str]]:
+    """Yield the lines of a person as title and text: what was scanned, who wears what, and how sure that is."""
+    found = job.details
+    yield "scan", f"{job.name}; {_describe_scan(found.get('checked') or {})}"
+    fit = job.metrics.get("body.fit_rms_mm")
+    yield "body", f"{job.body or 'not known'}" + ("" if fit is None else f"; {fit:.1f} mm RMS from the skin seen")
+    yield "wears", describe_outfits(found.get("outfits") or [])
+    garments = found.get("garments") or []
+    yield "garments", "; ".join(_describe_garment(garment) for garment in garments) or "none"
+    yield "openings", describe_openings(garments)
+    made = ", ".join(f"{child.name} ({child.job}, {child.state})" for child in job.children)
+    yield "made", made or "nothing"
+
+
+def describe_outfits(outfits: Sequence[Mapping[str, Any]]) -> str:
+    """Return the best reading of what is worn, and the second, with their probabilities among all readings."""
+    if not outfits:
+        return "not known"
+    best = max(outfit["score"] for outfit in outfits)
+    weights = [math.exp(outfit["score"] - best) for outfit in outfits]
+    shown = [
+        f"{' and '.join(outfit['parts']) or 'nothing'} ({100 * weight / sum(weights):.0f} %)"
+        for outfit, weight in zip(outfits[:2], weights, strict=False)
+    ]
+    return "; or ".join(shown)
+
+
+def describe_openings(garments: Sequence[Mapping[str, Any]]) -> str:
+    """Return which openings nothing in the scan shows, and of the others the least sure ones."""
+    found = [(garment["part"], contour) for garment in garments for contour in garment["contours"]]
+    inferred = [f"{part} {contour['name']}" for part, contour in found if contour["is_inferred"]]
+    seen = sorted((c["confidence"], f"{part} {c['name']}") for part, c in found if not c["is_inferred"])
+    texts = [f"{name} {sure:.2f}" for sure, name in seen[:LEAST_SURE]]
+    unseen = f"; nothing shows {', '.join(inferred)}" if inferred else ""
+    least = f"{len(seen)} seen" + (f", the least sure {', '.join(texts)}" if texts else "")
+    return least + unseen
+
+
+def _describe_garment(garment: Mapping[str, Any]) -> str:
+    category = f" ({garment['category']})" if garment.get("category") else ""
+    return f"{garment['part']}{category}, confidence {garment['confidence']:.2f}"
+
+
+def _describe_scan(checked: Mapping[str, Any]) -> str:
+    scan = checked.get("scan") or {}
+    if "vertex_count" not in scan:
+        return "not read yet" if not scan else f"in {scan.get('units', 'm')}"
+    what = "cloud" if scan["is_cloud"] else "mesh"
+    colours = "with" if scan["has_colours"] else "without"
+    return f"{what} of {scan['vertex_count']} points {colours} colours, {scan['units']}, {scan['up']} up"

@@ -1,0 +1,106 @@
+"""The stages from a person's raw scan to one reading per garment, in their order."""
+
+from __future__ import annotations
+
+import resource
+from dataclasses import dataclass, field
+
+from .body import Body, builtin_body, is_builtin, register_body
+from .clock import Clock
+from .hooks import SILENT, Hooks
+from .person.garments import cut_garment_of
+from .person.given import Given
+from .person.hints import Hints, parse_mark, parse_wearing
+from .person.separate import separate
+from .person.separation import Separation
+from .reading import Reading
+from .scan import Scan, lies_on
+from .scan.raw import RawScan
+from .scan.refusal import BodyApart
+
+STAGES = ("body", "separate", "garments")
+"""The stages beside the reading of the files; progress and seconds are reported by these names."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """Hold what the user says of a person beyond the files.
+
+    Attributes:
+        wearing: Exactly these garments, `upper,lower`, or None.
+        marks: What is at single places, `upper=0.1,1.2,0.05` each.
+        body: The description of a built-in body, or None: the files tell, or the scan.
+    """
+
+    wearing: str | None = None
+    marks: tuple[str, ...] = ()
+    body: str | None = None
+
+
+@dataclass(frozen=True)
+class Apart:
+    """Hold a person taken apart, and what each garment's recovery starts from.
+
+    Attributes:
+        raw: The scan.
+        separation: What each point is.
+        readings: By the garments' words; empty where the separation has a problem.
+        stage_seconds: CPU seconds by stage name.
+        cpu_seconds: CPU seconds of all stages [s].
+        peak_mb: Largest resident memory of the process [MB].
+    """
+
+    raw: RawScan
+    separation: Separation
+    readings: dict[str, Reading] = field(default_factory=dict)
+    stage_seconds: dict[str, float] = field(default_factory=dict)
+    cpu_seconds: float = 0.0
+    peak_mb: float = 0.0
+
+
+def take_apart(given: Given, wanted: Wanted, hooks: Hooks = SILENT) -> Apart:
+    """Find the wearer, tell the parts apart, and cut out each garment.
+
+    Args:
+        given: What the files hold.
+        wanted: What the user says.
+        hooks: Progress, cancellation and checkpoints.
+
+    Raises:
+        BadInput: where the scan is no person, or shows no clothes.
+    """
+    clock, raw = Clock(hooks), given.raw
+    with clock.stage("body", "finding the wearer") as stage:
+        body = find_wearer(given, wanted.body, stage)
+    hints = Hints(
+        label=given.label,
+        wearing=None if wanted.wearing is None else parse_wearing(wanted.wearing),
+        marks=tuple(parse_mark(text) for text in wanted.marks),
+        body=body,
+    )
+    with clock.stage("separate", "telling skin, hair, shoes and garments apart") as stage:
+        separation = separate(raw, hints, stage)
+    readings: dict[str, Reading] = {}
+    with clock.stage("garments", "cutting out the garments") as stage:
+        for garment in separation.garments if separation.problem is None else ():
+            stage.progress("garments", len(readings) / len(separation.garments), garment.part.word)
+            readings[garment.part.word] = cut_garment_of(raw, separation, garment.part, stage)
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+    return Apart(raw, separation, readings, clock.seconds, clock.total, peak)
+
+
+def find_wearer(given: Given, builtin: str | None, hooks: Hooks) -> Body | None:
+    """Return the wearer that the user gave, in the scan's place; None where he is to be found under the clothes.
+
+    Raises:
+        BodyApart: where the scan does not lie on it.
+    """
+    body = given.body
+    if builtin is not None and is_builtin(builtin):
+        body = builtin_body(builtin)
+    elif given.wearer is not None:
+        wearer = given.wearer
+        body = register_body(wearer.vertices, wearer.faces, name=wearer.name, hooks=hooks)
+    if body is not None and not lies_on(given.raw.points, Scan(body.vertices, body.faces)):
+        raise BodyApart("the person does not stand where the body is; export both from the same scene.")
+    return body

@@ -1,0 +1,73 @@
+"""The kind `person`: a raw scan of a dressed person is taken apart, and each garment recovered by a job of its own."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ...core.errors import GarmentqError
+from ..jobs import Claim
+from ..models import MetricRow
+from .kind import PARENT, ChildRequest, Kind, Outcome, Work
+from .person_request import PersonRequest
+from .recover import Recover, describe_body, keep_finite
+from .recover_request import PERSON
+from .request import pack_request, read_request
+
+if TYPE_CHECKING:
+    from sqlalchemy.orm import Session
+
+    from ...core.hooks import Hooks
+    from ..models import JobRow
+    from ..settings import ServiceSettings
+    from .person_found import PersonFound
+
+
+class Person(Kind):
+    """Take a person apart; the children are the garments' recoveries."""
+
+    name = "person"
+    request = PersonRequest
+    stages = ("check", "body", "separate", "garments")
+
+    def checker(self, settings: ServiceSettings) -> str:
+        """Return the reader of raw scans, bodies, labels and patterns."""
+        return settings.person_checker
+
+    def run(self, request: PersonRequest, work: Work, hooks: Hooks) -> PersonFound:
+        """Take the person apart and write its files."""
+        found: PersonFound = work.settings.find("separator")(request, work, hooks)
+        return found
+
+    def store(self, session: Session, claim: Claim, result: PersonFound) -> Outcome:
+        """Add the rows of wearer and numbers, and ask for the garments' recoveries."""
+        session.add(describe_body(claim.job, result.body))
+        for name, value in result.metrics.items():
+            session.add(MetricRow(job=claim.job, name=name, value=keep_finite(value)))
+        summary = {
+            "warnings": list(result.warnings),
+            "stage_seconds": {name: round(value, 3) for name, value in result.stage_seconds.items()},
+            "cpu_seconds": round(result.cpu_seconds, 3),
+            "peak_mb": round(result.peak_mb, 1),
+            "person": result.person,
+        }
+        if result.problem is not None:
+            return Outcome(summary, failure=result.problem)
+        try:
+            return Outcome(summary, _ask(read_request(PersonRequest, claim.request), result))
+        except GarmentqError as error:
+            return Outcome(summary, failure=error)
+
+    def show(self, session: Session, row: JobRow) -> dict[str, Any]:
+        """Return garments, readings of the outfit, and the body."""
+        person = (row.result or {}).get("person", {})
+        return {name: person.get(name) for name in ("garments", "outfits", "parts")}
+
+
+def _ask(request: PersonRequest, found: PersonFound) -> tuple[ChildRequest, ...]:
+    """Return a recovery for each garment."""
+    words = found.words
+    chosen = request.choose(words)
+    return tuple(
+        ChildRequest(word, Recover.name, pack_request(request.ask(word, chosen[word])), inputs={PERSON: PARENT})
+        for word in words
+    )

@@ -1,0 +1,143 @@
+"""What taking a person apart is asked for; light, since the limited process that reads its files imports it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from ...core.errors import BadInput
+from ...core.person import GARMENTS
+from ...core.settings import RecoverySettings
+from .recover_request import RecoverRequest
+from .request import FileRef, RequestBad
+
+GIVEN = "given.npz"
+"""Holds what was read of the files, beside their folders."""
+
+WORDS = tuple(part.word for part in GARMENTS)
+"""The garments by the words of options and folders."""
+
+
+class ChoiceAmbiguous(BadInput):
+    """Several garments are worn, and it is not said whose this is; put the part in front: --template upper:FILE."""
+
+    code = "person.choice_ambiguous"
+
+
+@dataclass(frozen=True)
+class PartChoice:
+    """Choose how one garment of a person is recovered; what is None is as for all.
+
+    Attributes:
+        template: A pattern file, a shipped template's name, or None.
+        garment: Category that overrides the one found, or None.
+        fabric: Name in the fabric library, or None.
+        lock: What the fit takes as given, separated by commas, or None.
+    """
+
+    template: FileRef | str | None = None
+    garment: str | None = None
+    fabric: str | None = None
+    lock: str | None = None
+
+
+@dataclass(frozen=True)
+class PersonRequest:
+    """Ask for a person to be taken apart, and for the recovery of each garment.
+
+    Attributes:
+        scan: The person's file.
+        settings: Of all recoveries; `template`, `garment`, `fabric` and `lock` for the one garment that has no choice
+            of its own.
+        labels: A label file with `names`, which is believed, or None.
+        body: The wearer's file, the description of a built-in body, or None: found under the clothes.
+        template: A pattern file for the one garment that has no choice of its own, or None.
+        wearing: Exactly these garments, `upper,lower`, or None.
+        marks: What is at single places, `upper=0.1,1.2,0.05` each.
+        choices: Of single garments, by their words.
+        given_as: `person` where the user says that the scan is one.
+    """
+
+    scan: FileRef
+    settings: RecoverySettings = field(default_factory=RecoverySettings)
+    labels: FileRef | None = None
+    body: FileRef | str | None = None
+    template: FileRef | None = None
+    wearing: str | None = None
+    marks: tuple[str, ...] = ()
+    choices: Mapping[str, PartChoice] = field(default_factory=dict)
+    given_as: str | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse choices of what is no garment.
+
+        Raises:
+            RequestBad: where there is one.
+        """
+        if not set(self.choices) <= set(WORDS):
+            raise RequestBad(f"choices are of {', '.join(WORDS)}; {RequestBad().message}")
+
+    @property
+    def templates(self) -> dict[str, FileRef]:
+        """Return the pattern files by garment; that of all under no name."""
+        found = {word: choice.template for word, choice in self.choices.items()}
+        return {word: file for word, file in {"": self.template, **found}.items() if isinstance(file, FileRef)}
+
+    def place(self, word: str) -> str:
+        """Return where a garment's pattern file lies, as `find_files` says it."""
+        return f"choices/{word}/template" if word else "template"
+
+    def choose(self, words: Sequence[str]) -> dict[str, PartChoice]:
+        """Return what is chosen for each garment that was found.
+
+        Raises:
+            ChoiceAmbiguous: where something is said of one garment, and two could be meant.
+        """
+        plain = self._plain()
+        found = {word: self.choices.get(word, PartChoice()) for word in words}
+        for name, value in plain.items():
+            open_words = [word for word in words if getattr(found[word], name) is None]
+            if value is None or not open_words:
+                continue
+            if len(open_words) > 1 and not (name == "lock" and _is_common(str(value))):
+                shown = value.name if isinstance(value, FileRef) else value
+                raise ChoiceAmbiguous(
+                    f"--{name} {shown}: {' and '.join(open_words)} are worn; say whose it is, as in "
+                    f"--{name} {open_words[0]}:{shown}."
+                )
+            for word in open_words:
+                found[word] = replace(found[word], **{name: value})  # type: ignore[arg-type]
+        return found
+
+    def _plain(self) -> dict[str, FileRef | str | None]:
+        """Return what was typed without a part; the default fabric is everybody's."""
+        default, chosen = RecoverySettings(), self.settings
+        fabric = None if chosen.fabric == default.fabric else chosen.fabric
+        template = self.template or chosen.template
+        return {"template": template, "garment": chosen.garment, "fabric": fabric, "lock": chosen.lock}
+
+    def ask(self, word: str, choice: PartChoice) -> RecoverRequest:
+        """Return the request of a garment's recovery; its pattern, where that is a file, is in its reading."""
+        template = choice.template.name.rpartition(".")[0] if isinstance(choice.template, FileRef) else choice.template
+        default = RecoverySettings()
+        settings = replace(
+            self.settings, template=template, garment=choice.garment, fabric=choice.fabric or default.fabric,
+            lock=choice.lock, keep=None, keep_colour=None, cloth=None, labels_key=None,
+        )  # fmt: skip
+        return RecoverRequest(None, None, None, settings, part=word)
+
+
+def _is_common(lock: str) -> bool:
+    """Return whether locks mean the same for every garment."""
+    return all(word.strip() in ("fabric", "symmetry") for word in lock.split(","))
+
+
+def make_person(request: RecoverRequest) -> PersonRequest:
+    """Return the request of a scan that was taken for a garment's and is a person's.
+
+    Raises:
+        RequestBad: where there is no scan.
+    """
+    if request.scan is None:
+        raise RequestBad()
+    return PersonRequest(request.scan, request.settings, request.labels, request.body, request.template)

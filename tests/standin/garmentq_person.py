@@ -1,0 +1,89 @@
+"""A quick stand-in for taking a person apart; what it finds is in the scan's name, as `garmentq_standin` has it.
+
+`dress...` wears a one-piece, `unsure...` is refused with everything written, `bare...` is refused at once; everybody
+else wears top and trousers. Where STANDIN_KILLS is set, the process is killed once before it writes anything, and once
+within the transaction that stores the result. `recover` is the garments' own stand-in, killed once each.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+
+import numpy as np
+from garmentq.core.errors import BadInput
+from garmentq.core.hooks import Hooks
+from garmentq.core.reading import Reading, save_reading
+from garmentq.core.recovery import Recovery, Request
+from garmentq.core.scan import Pieces, Scan
+from garmentq.service.kinds import Work
+from garmentq.service.kinds.person_found import PersonFound
+from garmentq.service.kinds.person_request import PersonRequest
+from garmentq.service.kinds.recover_request import READING
+from garmentq_family import die_once
+from garmentq_standin import make_recovery
+
+
+class Unsure(BadInput):
+    """What is worn cannot be told; correct labels.npz and hand it in with --labels."""
+
+    code = "segment.unsure"
+
+
+class Bare(BadInput):
+    """The person wears nothing that could be recovered."""
+
+    code = "segment.no_clothes"
+
+
+class Found(PersonFound):
+    """Dies on its way into the database."""
+
+    @property
+    def words(self):
+        """Return the garments, the first time only with a kill."""
+        kill("person", "store")
+        return PersonFound.words.fget(self)
+
+
+def kill(name: str, stage: str) -> None:
+    """Kill the process the first time, where a test asks for it."""
+    if "STANDIN_MARKS" in os.environ:
+        die_once(name, stage)
+
+
+def take_apart(request: PersonRequest, work: Work, hooks: Hooks) -> PersonFound:
+    """Find what the scan's name says."""
+    name = request.scan.name
+    for stage in ("body", "separate", "garments"):
+        hooks.progress(stage, 0.5)
+    kill("person", "garments")
+    if name.startswith("bare"):
+        raise Bare()
+    parts = request.wearing.split(",") if request.wearing else ["upper", "lower"]
+    if name.startswith("dress"):
+        parts = ["one-piece"]
+    recovery = make_recovery(Request(work.files / "scan" / name), 1.0)
+    (work.out / "labels.npz").write_bytes(b"labels")
+    (work.out / "report.html").write_text("<html></html>")
+    nodes = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]])
+    piece = Scan(nodes, np.array([[0, 1, 2], [0, 2, 3]]), name=name)
+    for part in parts:
+        (work.out / part).mkdir()
+        save_reading(Reading(Pieces(piece, piece), recovery.body), work.out / part / READING)
+    garments = [{"part": part, "category": "tshirt", "confidence": 0.97, "contours": []} for part in parts]
+    outfits = [{"parts": parts, "score": -1.0}, {"parts": ["one-piece"], "score": -4.0}]
+    person = {"garments": garments, "outfits": outfits, "parts": dict.fromkeys(parts, 2)}
+    problem = Unsure() if name.startswith("unsure") else None
+    metrics = {f"confidence.{part}": 0.97 for part in parts}
+    return Found(recovery.body, person, metrics, ("this is a stand-in",), problem, {"separate": 0.1}, 0.1, 100.0)
+
+
+def recover(request: Request, hooks: Hooks) -> Recovery:
+    """Recover a garment of a person: its reading is what it goes by."""
+    assert request.reading is not None
+    name = request.scan.name
+    for stage in ("scan", "drape"):
+        hooks.progress(stage, 0.5)
+    kill(name, "drape")
+    return replace(make_recovery(request, 2.0), template=request.template.stem if request.template else "tshirt")
