@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from sqlalchemy import ColumnElement, Update, and_, select, update
@@ -215,16 +215,6 @@ def report(database: Database, claim: Claim, stage: str, fraction: float, messag
         record(session, claim.job, "progress", stage=stage, fraction=round(fraction, 4), message=message)
 
 
-def note_checked(database: Database, claim: Claim, found: dict[str, Any]) -> None:
-    """Keep what the first stage found out of a job's files.
-
-    Raises:
-        FenceLost: where the job belongs to someone else.
-    """
-    with database.write() as session:
-        write_fenced(session, claim, checked=found, touched=clock())
-
-
 def write_fenced(session: Session, claim: Claim, **values: Any) -> None:
     """Change the job's row if the claim still holds; call it first in a transaction that writes anything for a job.
 
@@ -265,18 +255,6 @@ def refuse(session: Session, claim: Claim, error: GarmentqError, result: dict[st
     note = {"code": error.code, "message": message}
     told = {"error_code": error.code, "error_message": message, "bad_input": isinstance(error, BadInput)}
     move(session, claim, State.FAILED, "failed", note, result=result, **told)
-
-
-def turn(database: Database, claim: Claim, kind: str, request: dict[str, Any]) -> Claim:
-    """Make a running job one of another kind, since that is what its files are, and return the claim on it.
-
-    Raises:
-        FenceLost: where the job belongs to someone else.
-    """
-    with database.write() as session:
-        write_fenced(session, claim, kind=kind, request=request, touched=clock())
-        record(session, claim.job, "understood", understood=kind)
-    return replace(claim, kind=kind, request=request)
 
 
 def end_cancelled(database: Database, claim: Claim) -> None:

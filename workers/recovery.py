@@ -25,7 +25,7 @@ from ..core.hooks import Arrays, Hooks
 from ..core.limited import LONGEST_MESSAGE
 from ..service.checking import STAGE, check_files
 from ..service.database import Database, DatabaseUnreachable
-from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, note_checked, release, report, turn
+from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, release, report
 from ..service.kinds import Kind, Turned, Work, find_files, find_kind, read_request
 from ..service.results import CHECKPOINT, PREVIOUS, export_files, load_checkpoint, save_checkpoint, store_result
 from ..service.services import Services
@@ -33,6 +33,7 @@ from ..service.settings import ServiceSettings
 from ..service.states import State
 from ..service.store import ArtifactDamaged, ArtifactMissing, Store
 from ..service.stores import open_store
+from ..service.understanding import note_checked, turn
 from .threads import limit_threads
 from .watch import JobTooLong, Watch
 

@@ -17,6 +17,7 @@ from ..limited import ReaderCrashed
 from ..pattern import Pattern, load_pattern
 from ..scan import Limits, Scan, load_scan
 from ..scan.raw import RawScan
+from ..scan.refusal import LabelsMismatch
 from .labels import read_parts
 
 SHOWN_NOTES = 20
@@ -73,6 +74,11 @@ def read_given(files: PersonFiles, limits: Limits | None = None) -> Given:
 
     raw = load_raw(files.scan, files.units, files.up, limits)
     label = None if files.labels is None else read_parts(files.labels, limits)
+    if label is not None and len(label) != len(raw.place):
+        raise LabelsMismatch(
+            f"{files.labels.name if files.labels else ''} holds {len(label)} labels for the {len(raw.place)} points of "
+            f"{raw.name}; give one for each point of the scan's file, in its order."
+        )
     wearer = body = None
     if files.body is not None and is_smpl(files.body):
         body = load_smpl(files.body)

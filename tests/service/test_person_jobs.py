@@ -156,7 +156,7 @@ def test_requests_come_back_from_json():
 
 
 def test_labels_with_names_are_of_a_person(settings, database, store, tmp_path):
-    """Breaks where a corrected labels file is taken for one garment's, or the job that was asked for is another then."""
+    """Breaks where a corrected labels file is taken for one garment's, or becomes another job."""
     labels = tmp_path / "labels.npz"
     np.savez(labels, label=np.zeros(3, np.uint8), names=np.array(["skin"]))
     scan = put_file(tmp_path, "anna.ply")

@@ -1,0 +1,31 @@
+"""What the first stage of a running job found of its files, and what kind of job that makes it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from .database import Database, clock
+from .jobs import Claim, record, write_fenced
+
+
+def note_checked(database: Database, claim: Claim, found: dict[str, Any]) -> None:
+    """Keep what the first stage found out of a job's files.
+
+    Raises:
+        FenceLost: where the job belongs to someone else.
+    """
+    with database.write() as session:
+        write_fenced(session, claim, checked=found, touched=clock())
+
+
+def turn(database: Database, claim: Claim, kind: str, request: dict[str, Any]) -> Claim:
+    """Make a running job one of another kind, since that is what its files are, and return the claim on it.
+
+    Raises:
+        FenceLost: where the job belongs to someone else.
+    """
+    with database.write() as session:
+        write_fenced(session, claim, kind=kind, request=request, touched=clock())
+        record(session, claim.job, "understood", understood=kind)
+    return replace(claim, kind=kind, request=request)
