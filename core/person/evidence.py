@@ -164,8 +164,10 @@ def _couple(
     return coupled[0], coupled[1]
 
 
-SHOE_TOP = (-0.06, 0.12)
-"""Range of a shoe's upper end over the ankle joint [m]: loafers to high sneakers; boots are found as hems are."""
+SHOE_TOP = (-0.035, 0.12)
+"""Range of a shoe's upper end over the ankle joint [m]: loafers to high sneakers. Lower, soles make larger steps."""
+SHOE_USUAL = (0.0, 0.03)
+"""Mean and spread of a shoe's upper end over the ankle joint [m]."""
 
 
 def _find_ankles(
@@ -175,6 +177,7 @@ def _find_ankles(
     edges = list(_couple(*((grids[limb], cells[limb].edge(-1.0)) for limb in legs)))
     for limb, edge in zip(legs, edges, strict=True):
         stations = grids[limb].stations
+        edge -= 0.5 * (((ankle - stations - SHOE_USUAL[0]) / SHOE_USUAL[1]) ** 2)[:, None]
         edge[(stations < ankle - SHOE_TOP[1]) | (stations > ankle - SHOE_TOP[0])] = -50.0
     return find_ring(edges[0], None, WARMTH), find_ring(edges[1], None, WARMTH)
 

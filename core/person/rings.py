@@ -14,8 +14,8 @@ SIDE = 6
 """Rows on either side that a step's height is read from, 5 cm: a hem is straight over such a length."""
 STEEPEST = 3
 """Rows that a ring may go up or down from one column to the next: 45 degrees and more on every limb."""
-BEND_COST = 0.4
-"""Log-probability that each row up or down costs: a ring that tilts by 10 cm and back pays what three columns of a
+BEND_COST = 0.8
+"""Log-probability that each row up or down costs: a ring that tilts by 10 cm and back pays what five columns of a
 clear step gain."""
 CORRELATION = 4.0
 """Columns whose evidence is as good as one's: folds and the fit's errors are 3 to 8 cm wide."""
