@@ -18,10 +18,11 @@ COUPLING = 0.5
 """Share of the other limb's evidence that counts: sleeves and legs end alike, but not on everybody."""
 COUPLED_ROWS = 5
 """Rows within which the other limb's end lies [8 mm each]: poses and fits move a cuff by 2 cm."""
-BARE_OFFSET = 0.003
-"""Offset [m] that skin and cloth have alike often: the fit is within it on skin, and cloth hangs beyond."""
-OFFSET_SCALE = 0.005
-"""Offset [m] beyond it that says one unit more."""
+BARE_OFFSETS = {Limb.NECK: (0.003, 0.005), Limb.LEFT_LEG: (0.015, 0.010), Limb.RIGHT_LEG: (0.015, 0.010)}
+"""Offset [m] that skin and cloth have alike often, and the offset beyond it that says one unit more; of other limbs
+`ARM_OFFSETS`. On simulated persons half the bare skin of legs lies 7 mm off the fit, of arms 3 mm."""
+ARM_OFFSETS = (0.003, 0.005)
+"""The same of arms."""
 OFFSET_SAYS = (-0.6, 2.0)
 """Units at most that it says either way: cloth touches the body often, skin is seldom far from the fit."""
 REGION_WEIGHT = 0.012
@@ -61,7 +62,7 @@ class PersonRings:
         ankles: The upper ends of the shoes, left and right, if there are shoes.
         neckline: The neck's opening.
         waists: Rings between upper and lower, the best first.
-        tube: Share of the height between crotch and hem where cloth spans from leg to leg: near 1 for skirts.
+        tube: Share of the height below the crotch where cloth spans from leg to leg: near 1 for skirts.
     """
 
     grids: dict[Limb, UnrolledGrid]
@@ -87,9 +88,10 @@ class _Cells:
         """Return the evidence for a garment's end whose side before (+1) or beyond (-1) is the higher."""
         return np.where(self.is_near, edge_evidence(sign * self.step, sign * self.ridge, self.contrast), 0.0)
 
-    def region(self) -> np.ndarray:
+    def region(self, limb: Limb) -> np.ndarray:
         """Return the log-probability of cloth against skin by the offset."""
-        units = np.clip((self.offset - BARE_OFFSET) / OFFSET_SCALE, *OFFSET_SAYS)
+        bare, scale = BARE_OFFSETS.get(limb, ARM_OFFSETS)
+        units = np.clip((self.offset - bare) / scale, *OFFSET_SAYS)
         return np.where(self.is_near, REGION_WEIGHT * units, 0.0)
 
 
@@ -121,7 +123,7 @@ def find_rings(points: PersonPoints, features: Features, fit: FittedPerson, use_
         ankles=ankles,
         neckline=_find_neckline(grids[Limb.NECK], cells[Limb.NECK]),
         waists=_find_waists(grids, cells, legs, hem),
-        tube=_tube(points, features, hem),
+        tube=_tube(points, features),
     )
 
 
@@ -142,7 +144,7 @@ def _find_pair(
     rings = []
     for limb, edge in zip(pair, edges, strict=True):
         stations = grids[limb].stations
-        region = cells[limb].region()
+        region = cells[limb].region(limb)
         region[stations < sure[0]] = SURE
         region[stations > sure[1]] = -SURE
         edge[stations > sure[1]] = 0.0
@@ -189,7 +191,7 @@ NECKLINE = (0.06, 0.05)
 def _find_neckline(grid: UnrolledGrid, cells: _Cells) -> Ring:
     """Find the neck's opening: skin before it, cloth beyond."""
     stations = grid.stations
-    region = -cells.region()
+    region = -cells.region(Limb.NECK)
     region[stations < -0.06] = SURE
     region[stations > NECKLINE[0] + 4 * NECKLINE[1]] = -SURE
     prior = -0.5 * ((stations - NECKLINE[0]) / NECKLINE[1]) ** 2
@@ -198,7 +200,7 @@ def _find_neckline(grid: UnrolledGrid, cells: _Cells) -> Ring:
 
 WAIST_FROM = 0.22
 """Station on the trunk [m below the neck joint] where waists begin: below the bust's middle."""
-WAIST_PRIOR = -18.0
+WAIST_PRIOR = -26.0
 """Log-probability of a ring against none that the best one of noise and folds gains by itself."""
 
 
@@ -226,8 +228,12 @@ def _find_waists(
     return tuple(sorted(found, key=lambda waist: -waist.score))
 
 
-def _tube(points: PersonPoints, features: Features, hem: float) -> float:
-    """Measure how much of the height between crotch and hem has cloth from leg to leg, in front and behind.
+TUBE_FROM_TO = (0.14, 0.34)
+"""Stations of the legs [m] between which a skirt spans from leg to leg: from 5 cm below the crotch."""
+
+
+def _tube(points: PersonPoints, features: Features) -> float:
+    """Measure how much of the height below the crotch has cloth from leg to leg, in front and behind.
 
     A sample spans where it is nearer to the middle between the legs than to either, and faces forward or backward.
     """
@@ -239,7 +245,7 @@ def _tube(points: PersonPoints, features: Features, hem: float) -> float:
     across = np.abs(np.einsum("na,na->n", points.normals, side))
     spans = leg & (inward > 0.015) & (across < 0.6)
     ahead = np.einsum("na,na->n", points.normals, place.front) > 0
-    rows = np.arange(0.15, max(hem - 0.02, 0.16), 0.02)
+    rows = np.arange(*TUBE_FROM_TO, 0.02)
     here = [
         min((spans & ahead & near).sum(), (spans & ~ahead & near).sum()) >= 2
         for near in (np.abs(place.station - row) < 0.01 for row in rows)
