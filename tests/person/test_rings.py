@@ -12,7 +12,7 @@ from garmentq.core.person.features import describe_points
 from garmentq.core.person.limbs import Limb
 from garmentq.core.person.part import PARTS, Part
 from garmentq.core.person.points import sample_person
-from garmentq.core.person.rings import APART, SIDE, edge_evidence, find_ring, step_heights
+from garmentq.core.person.rings import APART, BEND_COST, SIDE, edge_evidence, find_ring, step_heights
 from garmentq.core.person.rules import predict_by_rules
 from garmentq.core.person.unrolled import ANGLES, STATION_STEP
 from garmentq.core.scan.raw import RawScan
@@ -90,7 +90,7 @@ def test_the_best_ring_is_the_best_of_all():
     every = np.stack(np.meshgrid(*[np.arange(4)] * 4, indexing="ij"), axis=-1).reshape(-1, 4)
     paths = np.concatenate([every, np.ones((len(every), ANGLES - 4), dtype=int)], axis=1)
     turns = np.abs(np.diff(paths, axis=1, append=paths[:, :1])).sum(axis=1)
-    scores = (edge[paths, np.arange(ANGLES)].sum(axis=1) - 0.4 * turns) / 4.0
+    scores = (edge[paths, np.arange(ANGLES)].sum(axis=1) - BEND_COST * turns) / 4.0
     assert ring.score == pytest.approx(scores.max())
 
 
