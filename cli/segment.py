@@ -23,7 +23,7 @@ class HintOptions:
 
 
 def hint_options(function: Decorator) -> Decorator:
-    """Add what may be said of a person's scan; the command takes it as one `given: HintOptions`."""
+    """Add what may be said of a person's scan; the command takes it as one `options: HintOptions`."""
     options = [
         click.option(
             "--labels", type=click.Path(path_type=Path), help="A labels file with names, as this command writes it."
@@ -36,7 +36,7 @@ def hint_options(function: Decorator) -> Decorator:
         click.option("--units", type=click.Choice(["m", "cm", "mm"]), help="Unit of the files.  [default: found]"),
         click.option("--up", type=click.Choice(["y", "z"]), help="Up axis of the files.  [default: found]"),
     ]
-    return gather(HintOptions, options, "given")(function)
+    return gather(HintOptions, options)(function)
 
 
 @click.command("segment")
@@ -44,7 +44,7 @@ def hint_options(function: Decorator) -> Decorator:
 @click.option("--out", required=True, type=click.Path(file_okay=False, path_type=Path), help="Folder for the files.")
 @hint_options
 @json_option
-def command(scan: Path, out: Path, given: HintOptions, as_json: bool) -> None:
+def command(scan: Path, out: Path, options: HintOptions, as_json: bool) -> None:
     """Tell skin, hair, shoes and garments of a person's scan apart, and find the body under the clothes.
 
     Writes labels.npz, segmented.ply, body.ply and picture.png. Where it is too unsure to recover anything it writes
@@ -55,16 +55,22 @@ def command(scan: Path, out: Path, given: HintOptions, as_json: bool) -> None:
       garmentq segment person.ply --out parts
       garmentq segment person.ply --out parts --wearing one-piece
     """
+    from ..core.body import is_builtin
     from ..core.export.person import write_person
+    from ..core.hooks import SILENT
     from ..core.person.describe import describe_person
-    from ..core.person.hints import read_hints
+    from ..core.person.given import PersonFiles, read_given
+    from ..core.person.hints import Hints, parse_mark, parse_wearing
     from ..core.person.separate import separate
-    from ..core.scan.load_raw import load_raw
+    from ..core.person_pipeline import find_wearer
     from .terminal import note, print_json, print_table
 
-    hints = read_hints(given.labels, given.wearing, given.mark, given.body)
-    raw = load_raw(scan, given.units, given.up)
-    separation = separate(raw, hints)
+    wearing = None if options.wearing is None else parse_wearing(options.wearing)
+    marks = tuple(parse_mark(mark) for mark in options.mark)
+    body = None if options.body is None or is_builtin(options.body) else Path(options.body)
+    given = read_given(PersonFiles(scan, options.labels, body, units=options.units, up=options.up))
+    raw = given.raw
+    separation = separate(raw, Hints(given.label, wearing, marks, find_wearer(given, options.body, SILENT)))
     out.mkdir(parents=True, exist_ok=True)
     files = write_person(raw, separation, out)
     found = describe_person(raw, separation) | {"files": [str(path) for path in files]}

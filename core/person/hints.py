@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
-from ..body import Body, is_builtin, is_smpl, load_smpl, register_body
+from ..body import Body
 from ..errors import BadInput
-from ..hooks import SILENT, Hooks
-from ..scan import load_scan
-from .labels import read_parts
 from .part import GARMENTS, Part
 
 
@@ -81,40 +76,3 @@ def parse_mark(text: str) -> Mark:
     if word.strip() not in words or place.shape != (3,) or not np.isfinite(place).all():
         raise HintBad(f"'{text[:60]}' is no mark; write PART=X,Y,Z with a part of {', '.join(words)}.")
     return Mark(words[word.strip()], place)
-
-
-def read_hints(
-    labels: Path | None = None,
-    wearing: str | None = None,
-    marks: Sequence[str] = (),
-    body: Path | str | None = None,
-    hooks: Hooks = SILENT,
-) -> Hints:
-    """Read what the user says of a person's scan.
-
-    Args:
-        labels: A label file with names.
-        wearing: As `parse_wearing` takes it.
-        marks: Each as `parse_mark` takes it.
-        body: The wearer's mesh or SMPL file, in the scan's place and pose.
-        hooks: Cancellation.
-
-    Raises:
-        BadInput: where a file or a word cannot be used.
-    """
-    return Hints(
-        label=None if labels is None else read_parts(labels),
-        wearing=None if wearing is None else parse_wearing(wearing),
-        marks=tuple(parse_mark(mark) for mark in marks),
-        body=None if body is None else _read_body(body, hooks),
-    )
-
-
-def _read_body(body: Path | str, hooks: Hooks) -> Body:
-    if is_builtin(body):
-        raise HintBad("A built-in body does not stand where the scanned person does; give a mesh, or leave it out.")
-    path = Path(body)
-    if is_smpl(path):
-        return load_smpl(path)
-    mesh = load_scan(path, kind="body")
-    return register_body(mesh.vertices, mesh.faces, name=mesh.name, hooks=hooks)

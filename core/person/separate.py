@@ -2,26 +2,33 @@
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import dataclass, replace
 
-from ..body import PointWeights, fit_person, refit_person
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..body import Body, PersonFit, PointWeights, fit_person, refit_person
 from ..hooks import SILENT, Hooks
 from ..scan.raw import RawScan
 from .colour import use_colours
 from .confidence import judge
 from .crumbs import give_crumbs
-from .diffusion import diffuse, link_points
-from .features import describe_points
+from .diffusion import Links, diffuse, link_points
+from .features import Features, describe_points
 from .garments import find_garments
 from .hints import Hints
-from .outfit import rank_outfits, read_as
+from .marks import apply_marks, garments_marked
+from .outfit import above_waist, rank_outfits, read_as
 from .part import CLOTH, PARTS, Part
-from .points import sample_person
+from .points import PersonPoints, sample_person
 from .rules import predict_by_rules
 from .separation import Separation
 
+STAGE = "separate"
+"""Name under which progress is reported."""
+
 ROUNDS = 2
-"""Times that the parts are predicted, each on a body fitted with what the one before found."""
+"""Times that the body is fitted with what was told apart on the one before; then the parts are told apart once more."""
 
 IGNORED = (Part.HAIR, Part.SHOES, Part.OTHER)
 """What is neither skin nor cloth: the body lies somewhere below."""
@@ -29,39 +36,73 @@ IGNORED = (Part.HAIR, Part.SHOES, Part.OTHER)
 NUMBERS = np.array([int(part) for part in PARTS], np.uint8)
 """The label of each column of a posterior."""
 
+TOLD = 0.98
+"""Probability of a label that the user gave: a border drawn by hand is off by a few millimetres."""
+
+
+@dataclass(frozen=True)
+class _Given:
+    """A wearer that the user gave, who is not fitted again."""
+
+    body: Body
+
 
 def separate(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT) -> Separation:
     """Find the wearer under the clothes, and tell skin, hair, shoes and garments apart.
+
+    The body is fitted as if bare; the parts are predicted from where each point lies on it and from the scan's colours;
+    the body is fitted again below what is cloth; and so on. Then the outfit is chosen, and every point of the file gets
+    the label that is likeliest under it.
 
     Args:
         raw: The person.
         hints: What the user knows already.
         hooks: Progress, cancellation and checkpoints.
+
+    Returns:
+        The person taken apart. Where it is not sure enough to recover from, `problem` says why.
+
+    Raises:
+        BadInput: where the scan is no person.
     """
     hints = hints or Hints()
-    fit = fit_person(raw.points, raw.normals, raw.is_oriented, hooks)
+    fit: PersonFit | _Given
+    if hints.body is not None:
+        fit = _Given(hints.body)
+    else:
+        fit = fit_person(raw.points, raw.normals, raw.is_oriented, hooks)
     points = sample_person(raw, fit)
     links = link_points(points.positions, points.normals)
-    for _ in range(ROUNDS):
-        features = describe_points(points, fit)
-        posterior = diffuse(predict_by_rules(points, features, fit), links)
-        fit = refit_person(fit, points.positions, points.normals, weigh(posterior), hooks)
-    if points.colours is not None:
-        posterior = use_colours(posterior, points.colours, features.place, links)
-    waist = fit.body.joint("pelvis")[1]
-    above = 1.0 / (1.0 + np.exp(-(points.positions[:, 1] - waist) / 0.03))
-    outfits = rank_outfits(posterior, above, hints.wearing)
+    told = None if hints.label is None else _sample_labels(raw, points, hints.label[raw.origin])
+    for turn in range(ROUNDS):
+        hooks.progress(STAGE, turn / (ROUNDS + 1), "telling the parts apart")
+        posterior = told if told is not None else _predict(points, fit, links)[0]
+        fit = _refit(fit, points, posterior, hooks)
+    posterior, features = (told, describe_points(points, fit)) if told is not None else _predict(points, fit, links)
+    hooks.progress(STAGE, 0.8, "choosing the outfit")
+    above = above_waist(features.place, fit.body)
+    outfits = rank_outfits(posterior, above, _worn(hints), garments_marked(hints.marks))
     posterior = read_as(posterior, outfits[0].parts, above)
     posterior /= posterior.sum(axis=1, keepdims=True)
     area = np.full(len(posterior), points.spacing**2)
-    column = give_crumbs(posterior.argmax(axis=1), points.positions, area, links)
+    column = posterior.argmax(axis=1)
+    if told is None:
+        column = give_crumbs(column, points.positions, area, links)
+        column = apply_marks(column, hints.marks, raw, points, links)
     posterior = _believe(posterior, column)
+    fit = _refit(fit, points, posterior, hooks)
     carried = points.carry(posterior.astype(np.float32))
     at, sure = NUMBERS[carried.argmax(axis=1)], carried.max(axis=1)
-    garments = find_garments(raw, at, sure, fit.body)
-    warnings, problem = judge(garments, outfits, hints.wearing is not None)
+    if hints.label is not None:
+        at, sure = hints.label[raw.origin], np.full(len(at), TOLD, np.float32)
+    hooks.progress(STAGE, 0.9, "looking at the garments' openings")
+    body = fit.body if isinstance(fit, _Given) else replace(fit.body, source=f"scan:{raw.name}")
+    garments = find_garments(raw, at, sure, body)
+    warnings, problem = judge(garments, outfits, hints.wearing is not None or hints.label is not None)
     label, confidence = to_file(raw, at, sure)
-    return Separation(fit.body, label, confidence, garments, outfits, warnings, problem)
+    if hints.label is not None:
+        label = hints.label.astype(np.uint8)
+    return Separation(body, label, confidence, garments, outfits, warnings, problem)
 
 
 def weigh(posterior: np.ndarray) -> PointWeights:
@@ -77,6 +118,36 @@ def to_file(raw: RawScan, label: np.ndarray, confidence: np.ndarray) -> tuple[np
     sure = np.ones(len(raw.place), np.float32)
     labels[kept], sure[kept] = label[raw.place[kept]], confidence[raw.place[kept]]
     return labels, sure
+
+
+def _predict(points: PersonPoints, fit: PersonFit | _Given, links: Links) -> tuple[np.ndarray, Features]:
+    """Return the posterior by geometry and colour, shape [n, part_count], and the features."""
+    features = describe_points(points, fit)
+    posterior = diffuse(predict_by_rules(points, features, fit), links)
+    if points.colours is not None:
+        posterior = use_colours(posterior, points.colours, features.place, links)
+    return posterior, features
+
+
+def _refit(fit: PersonFit | _Given, points: PersonPoints, posterior: np.ndarray, hooks: Hooks) -> PersonFit | _Given:
+    if isinstance(fit, _Given):
+        return fit
+    return refit_person(fit, points.positions, points.normals, weigh(posterior), hooks)
+
+
+def _worn(hints: Hints) -> tuple[Part, ...] | None:
+    """Return the garments where the user said them, by name or by labels."""
+    if hints.wearing is not None or hints.label is None:
+        return hints.wearing
+    return tuple(part for part in PARTS if part in CLOTH and part is not Part.OTHER and (hints.label == part).any())
+
+
+def _sample_labels(raw: RawScan, points: PersonPoints, label: np.ndarray) -> np.ndarray:
+    """Return given labels of the raw points as a posterior of the samples, shape [n, part_count]."""
+    near = label[cKDTree(raw.points).query(points.positions)[1]]
+    posterior = np.full((len(near), len(PARTS)), (1.0 - TOLD) / (len(PARTS) - 1))
+    posterior[np.arange(len(near)), np.searchsorted(NUMBERS, near)] = TOLD
+    return posterior
 
 
 def _believe(posterior: np.ndarray, column: np.ndarray) -> np.ndarray:

@@ -52,6 +52,4 @@ def shows_person(surface: Scan, body: Body) -> bool:
     face = (part == "head") & (normals @ body.heading[2] > FORWARD)
     places = [face, np.isin(part, HANDS), np.isin(part, FEET)]
     seen = TriangleSurface(surface.vertices, surface.faces)
-    return any(
-        bool((seen.distance(body.vertices[place]) < NEAR).mean() >= SHOWN) for place in places if place.any()
-    )
+    return any(bool((seen.distance(body.vertices[place]) < NEAR).mean() >= SHOWN) for place in places if place.any())
