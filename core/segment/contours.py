@@ -14,6 +14,7 @@ from .encirclement import Crossing, find_crossings
 from .legs import split_legs
 from .loop import SMOOTHING, find_loops, smoothed_length
 from .target import Contour
+from .teeth import find_cut
 
 TRUNK = ("spine1", "spine2", "spine3", "neck", "head")
 """Bones of the trunk from the pelvis upward."""
@@ -31,14 +32,6 @@ SMALLEST = 0.12
 """Nothing passes through a loop shorter than this [m]: a child's wrist has 13 cm."""
 BRIDGED = 0.3
 """Largest share of a trusted contour that was bridged; beyond it the chords shape it more than the cloth does."""
-
-TEETH = np.radians(17.0)
-"""Median angle between successive edges of a contour, beyond the full turn that its edges share anyhow, from which it
-has teeth: the border of a mesh cut along its triangles. 35 designed contours had -2 to 10 degrees, 12 of 15 cut hems 19
-to 46 (a mesh whose rows run along the cut has none). A smooth cuff of 14 edges turns by 26 at each, all shared."""
-SMOOTH = np.radians(15.0)
-"""Median angle up to which another contour of the same garment has none. Where all have teeth, the garment was cut out
-along the triangles as a whole, or the scan is noisy, and teeth say nothing."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +95,7 @@ def name_contours(
         candidates = [part for candidate in candidates for part in _split_legs(candidate, vertices, body)]
     chosen = _choose(candidates)
     loops = {name: c.vertices for name, c in chosen.items()}
-    cut = _cut_contours(loops, vertices) if scanned and unseen is None else frozenset()
+    cut = find_cut(loops, vertices, faces) if scanned and unseen is None else frozenset()
     contours = tuple(
         Contour(
             name,
@@ -120,19 +113,6 @@ def name_contours(
 def _share(loop: np.ndarray, marked: np.ndarray | None) -> float:
     """Return the share of a loop's vertices that are marked."""
     return 0.0 if marked is None else float(marked[loop].mean())
-
-
-def _cut_contours(loops: dict[str, np.ndarray], vertices: np.ndarray) -> frozenset[str]:
-    """Name the contours with the teeth of a cut along triangles, where another contour of the garment has none."""
-    angles = {}
-    for name, loop in loops.items():
-        edges = np.roll(vertices[loop], -1, axis=0) - vertices[loop]
-        edges = edges / np.maximum(np.linalg.norm(edges, axis=1, keepdims=True), 1e-12)
-        cosine = np.clip((edges * np.roll(edges, 1, axis=0)).sum(axis=1), -1.0, 1.0)
-        angles[name] = float(np.median(np.arccos(cosine))) - 2.0 * np.pi / len(loop)
-    if min(angles.values(), default=np.inf) > SMOOTH:
-        return frozenset()
-    return frozenset(name for name, angle in angles.items() if angle > TEETH)
 
 
 def _split_legs(candidate: _Candidate, vertices: np.ndarray, body: Body) -> list[_Candidate]:

@@ -1,6 +1,8 @@
 """A contour that was cut off by the scanner's frame is not trusted."""
 
 import numpy as np
+import pytest
+from garmentq.core.mesh import HalfEdges
 from garmentq.core.segment import name_contours
 
 AROUND = 48
@@ -50,3 +52,53 @@ def test_a_smooth_contour_of_few_edges_is_trusted(wearers, hung):
         "waist": True,
         "hem": True,
     }
+
+
+def make_fine(vertices, faces, times):
+    """Split every triangle into four, several times."""
+    for _ in range(times):
+        edges = HalfEdges.of(faces, len(vertices))
+        middle = len(vertices) + edges.edge.reshape(-1, 3)
+        vertices = np.concatenate([vertices, vertices[edges.edges].mean(axis=1)])
+        (a, b, c), (ab, bc, ca) = faces.T, middle.T
+        faces = np.concatenate([np.stack(row, 1) for row in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
+    return vertices, faces
+
+
+@pytest.fixture(scope="module")
+def dense(wearers, hung):
+    """Give a short tube with edges of 1.5 to 2.5 mm and 0.2 mm of noise, whose hem waves."""
+    vertices, faces = hung(wearers["T"], 0.6, 0.55, around=1000, rows=40, wave=0.05)
+    return vertices + 2e-4 * np.random.default_rng(0).standard_normal(vertices.shape), faces
+
+
+def test_a_hem_of_a_dense_scan_is_trusted(wearers, dense):
+    """Broken where noise between neighbouring vertices, 0.2 mm on edges of 2 mm, is read as teeth."""
+    assert trust(*dense, wearers["T"]) == {"waist": True, "hem": True}
+
+
+def test_a_cut_hem_of_a_dense_scan_is_not_trusted(wearers, dense):
+    """Broken where teeth are looked for over a length that smooths a dense scan's own away."""
+    vertices, faces = dense
+    kept = np.ones(len(faces), bool)
+    kept[:2000:2] = False
+    assert trust(vertices, faces[kept], wearers["T"]) == {"waist": True, "hem": False}
+
+
+def test_wide_teeth_of_fine_triangles_are_not_trusted(wearers, hung):
+    """Broken where only neighbouring vertices are compared: most lie on the straight side of a tooth."""
+    body = wearers["T"]
+    coarse, faces = hung(body, 0.6, 0.55, around=160, rows=8)
+    assert trust(*make_fine(coarse, faces, 2), body) == {"waist": True, "hem": True}
+    kept = np.ones(len(faces), bool)
+    kept[:320:2] = False
+    assert trust(*make_fine(coarse, faces[kept], 2), body) == {"waist": True, "hem": False}
+
+
+def test_a_scan_as_noisy_as_its_edges_is_trusted(wearers, hung):
+    """Broken where noise that is larger than the edges is read as teeth, here or there by chance."""
+    body = wearers["T"]
+    vertices, faces = hung(body, 0.6, 0.55, around=1000, rows=40)
+    for seed in range(3):
+        noisy = vertices + 2e-3 * np.random.default_rng(seed).standard_normal(vertices.shape)
+        assert trust(noisy, faces, body) == {"waist": True, "hem": True}
