@@ -165,7 +165,7 @@ def _settle(
     if units is not None:
         scale = LENGTHS[units]
     else:
-        units, scale = find_length(height, found.ratio)
+        units, scale = find_length(height, found)
         if units == "unknown":
             notes.append(
                 f"The person measures {height:.3g} in the file's unit, which fits none; took {1 / scale:.3g} of it "

@@ -15,7 +15,8 @@ from ..body.body import JOINTS
 from ..body.skinning import skin
 from ..body.template import articulate, load_template, rotations_of, transforms_of
 from ..mesh import vertex_areas
-from .units import BODY_LONGEST
+from .refusal import UnitsUnknown
+from .units import BODY_LONGEST, UNITS
 
 AXES_UP = ("y", "z", "-y", "-z", "x", "-x")
 """Axes of the file that may point up, the usual ones first."""
@@ -23,6 +24,11 @@ LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254, "foot": 0.3048}
 """Metres in one unit, for those that people measure people in; of two that fit the first is taken, and none do."""
 STATURE = 1.70
 """Height that a person is given whose unit is none of `LENGTHS` [m]: between the means of women and men."""
+PERSON = 0.7
+"""Misfit up to which a scan is a person whatever its unit: dressed people are below 0.5, a box as tall as one, or half
+a person, is above."""
+PART = (0.3, 5.0)
+"""Size of what may be a part of a person, or more than one [m]."""
 SLICES = 24
 """Slices over the height: of 7 cm each in an adult, less than a head, a thigh or an upper arm is long."""
 TAILS = 0.002
@@ -173,17 +179,28 @@ def find_upright(points: np.ndarray, profiles: list[Profile] | None = None, axes
     )  # fmt: skip
 
 
-def find_length(height: float, ratio: float) -> tuple[str, float]:
+def find_length(height: float, found: Upright) -> tuple[str, float]:
     """Find the unit in which a person of some height [unit] has the size of one; return its name and metres in one.
 
     Args:
         height: From the lowest to the highest point.
-        ratio: Standing height over that, by the pose.
+        found: How the person stands.
 
     Returns:
-        A name of `LENGTHS`, or `unknown` with the scale at which the person stands `STATURE` high.
+        A name of `LENGTHS`. Where none fits, `unknown` with the scale at which a person stands `STATURE` high, or for
+        what is less like a person the metre, centimetre or millimetre in which it has any size that a part of one has.
+
+    Raises:
+        UnitsUnknown: where that fits none either.
     """
     for name, metres in LENGTHS.items():
         if BODY_LONGEST[0] <= height * metres <= BODY_LONGEST[1]:
             return name, metres
-    return "unknown", STATURE / (height * ratio)
+    if found.is_sure and found.misfit < PERSON:
+        return "unknown", STATURE / (height * found.ratio)
+    for name, metres in UNITS.items():
+        if PART[0] <= height * metres <= PART[1]:
+            return name, metres
+    raise UnitsUnknown(
+        f"What is in the scan measures {height:.3g}, no person's height in any unit; say its unit with --units."
+    )

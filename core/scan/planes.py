@@ -1,0 +1,136 @@
+"""Find the planes that bound a scan: the floor, walls, a platform's top."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+MOST = 6
+"""Most planes: a floor, a ceiling and four walls."""
+TRIALS = 300
+"""Oriented points whose planes are tried: one of a floor with a hundredth of all points is among them with 95 %."""
+THICK = 0.004
+"""Half the thickness of a plane, as a share of the diagonal of what is there: 8 mm of a person, above a floor's noise
+and the rounding of its edge to the shoes."""
+ALONG = 0.9
+"""Cosine between the normal of a plane and those of its points: shoes and hems stand across it."""
+BEYOND = 1.0
+"""Points that may lie on the far side of a plane, as a share of those on it: the sides of a platform, what is seen
+through a door. What lies on both sides of a slice through a person is 10 times what is in it."""
+LEAST = 0.025
+"""Share of all points that a plane must have where nothing stands on it: soles have half of that, and stand under a
+shoe."""
+ABOVE = (0.006, 0.25, 0.05)
+"""Heights above a plane, as shares of the diagonal: what stands from the first to the second on it (1.2 to 50 cm for a
+person: a back has a chest before it) shows that a place is not bare; to the third (10 cm), that it is under a shoe."""
+CLEAR = (3.0, 1.2)
+"""Spacings of the samples around a point of the plane within which nothing may stand above it: for the point to count
+as bare floor or wall, and to be dropped once there is one. What is in front of a back or a chest is its other side."""
+
+
+@dataclass(frozen=True)
+class Plane:
+    """Hold a plane and what it takes away.
+
+    Attributes:
+        normal: Unit normal, towards the person, shape [3].
+        offset: `normal @ x` of its points.
+        dropped: True at samples that lie on it with nothing above them, or beyond it, shape [n].
+    """
+
+    normal: np.ndarray
+    offset: float
+    dropped: np.ndarray
+
+
+def find_planes(points: np.ndarray, normals: np.ndarray) -> list[Plane]:
+    """Find the planes that have everything on one side, the largest first.
+
+    Oriented random sample consensus (R. Schnabel et al., Efficient RANSAC for Point-Cloud Shape Detection, 2007).
+
+    Args:
+        points: Samples uniform over the surface, any unit, shape [n, 3].
+        normals: Their unit normals, of either sign, shape [n, 3].
+    """
+    rng = np.random.default_rng(0)
+    alive = np.ones(len(points), bool)
+    found: list[Plane] = []
+    while len(found) < MOST and alive.sum() > TRIALS:
+        plane = _find_one(points, normals, alive, rng)
+        if plane is None:
+            break
+        found.append(plane)
+        alive &= ~plane.dropped
+    return found
+
+
+def _find_one(points: np.ndarray, normals: np.ndarray, alive: np.ndarray, rng: np.random.Generator) -> Plane | None:
+    own, across = points[alive], normals[alive]
+    diagonal = float(np.linalg.norm(np.ptp(own, axis=0)))
+    thick = THICK * diagonal
+    some = rng.permutation(len(own))[: min(len(own), 6000)]  # enough to rank the trials by
+    ranked = []
+    for row in rng.choice(len(own), TRIALS, replace=False).tolist():
+        normal = across[row]
+        depth = (own[some] - own[row]) @ normal
+        on = (np.abs(depth) < thick) & (np.abs(across[some] @ normal) > ALONG)
+        if on.mean() > LEAST and min((depth > thick).sum(), (depth < -thick).sum()) < BEYOND * on.sum():
+            ranked.append((int(on.sum()), row))
+    seen: list[tuple[np.ndarray, float]] = []
+    for _, row in sorted(ranked, reverse=True):
+        if any(
+            abs(normal @ across[row]) > ALONG and abs(normal @ own[row] - offset) < thick for normal, offset in seen
+        ):
+            continue  # the same plane from another of its points
+        plane = _refine(own, across, own[row], across[row], thick)
+        if plane is None:
+            continue
+        seen.append(plane)
+        normal, offset = plane
+        on, clear = _measure_clearance(points, alive, plane, (ABOVE[0] * diagonal, ABOVE[1] * diagonal))
+        if (clear > CLEAR[0]).sum() >= LEAST * alive.sum():
+            on, clear = _measure_clearance(points, alive, plane, (ABOVE[0] * diagonal, ABOVE[2] * diagonal))
+            dropped = alive & (points @ normal - offset <= -thick)
+            dropped[on[clear > CLEAR[1]]] = True
+            return Plane(normal, offset, dropped)
+    return None
+
+
+def _refine(
+    points: np.ndarray, normals: np.ndarray, point: np.ndarray, normal: np.ndarray, thick: float
+) -> tuple[np.ndarray, float] | None:
+    """Fit the plane to its points; return normal and offset with everything above it, or None."""
+    for width in (2.0 * thick, thick, thick):
+        on = (np.abs((points - point) @ normal) < width) & (np.abs(normals @ normal) > ALONG)
+        if on.sum() < 3:
+            return None
+        point = points[on].mean(axis=0)
+        normal = np.linalg.svd(points[on] - point, full_matrices=False)[2][2]
+    depth = (points - point) @ normal
+    above, below = (depth > thick).sum(), (depth < -thick).sum()
+    if min(above, below) > BEYOND * (len(points) - above - below):
+        return None
+    normal = normal if above > below else -normal
+    return normal, float(normal @ point)
+
+
+def _measure_clearance(
+    points: np.ndarray, alive: np.ndarray, plane: tuple[np.ndarray, float], heights: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the living points on a plane, and how far each is along it from what is above it at some heights, in
+    spacings.
+    """
+    from scipy.spatial import cKDTree
+
+    normal, offset = plane
+    depth = points @ normal - offset
+    low, high = heights
+    rows = np.flatnonzero(alive & (np.abs(depth) < low * THICK / ABOVE[0]))
+    standing = alive & (depth > low) & (depth < high)
+    if not standing.any() or not len(rows):
+        return rows, np.full(len(rows), np.inf)
+    frame = np.linalg.svd(normal[None])[2][1:]
+    near = cKDTree(points[rows]).query(points[rows], min(7, len(rows)))[0][:, -1]
+    spacing = float(np.median(near) * np.sqrt(np.pi / 6))
+    return rows, cKDTree(points[standing] @ frame.T).query(points[rows] @ frame.T)[0] / spacing

@@ -1,0 +1,270 @@
+"""A whole person comes in from every format, in any unit, on any axis, and out of any clutter."""
+
+import numpy as np
+import pytest
+import trimesh
+from garmentq.core.body import builtin_body
+from garmentq.core.errors import BadInput
+from garmentq.core.scan import Limits, load_raw
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+open3d = pytest.importorskip("open3d", reason="open3d writes the files", exc_type=ImportError)
+
+INSIDE = Limits(is_confined=True)
+"""Parsing here: a process for each file would take most of the time."""
+BODY = builtin_body("builtin:female,height=1.70")
+V, F = BODY.vertices, BODY.faces
+P, _FACE = trimesh.sample.sample_surface(trimesh.Trimesh(V, F, process=False), 8000, seed=0)
+COLOURS = np.random.default_rng(5).integers(0, 256, P.shape).astype(np.uint8)
+NORMALS = np.array(trimesh.Trimesh(V, F, process=False).face_normals[_FACE])
+FLOOR = float(V[:, 1].min())
+
+BACK = {
+    "y": lambda x, y, z: (x, y, z),
+    "z": lambda x, y, z: (x, -z, y),
+    "-y": lambda x, y, z: (x, -y, -z),
+    "-z": lambda x, y, z: (x, z, -y),
+    "x": lambda x, y, z: (y, -x, z),
+    "-x": lambda x, y, z: (-y, x, z),
+}
+"""From y up to a file's axes."""
+
+
+def place_in_file(points, up="y", scale=1.0):
+    """Return points as a file with that axis up and so many units in a metre holds them."""
+    return np.stack(BACK[up](*points.T), axis=1) * scale
+
+
+def read(path, **how):
+    """Read a file in this process."""
+    return load_raw(path, limits=INSIDE, **how)
+
+
+def write_cloud(path, points=P, colours=COLOURS, normals=NORMALS, **how):
+    """Write a cloud by open3d."""
+    cloud = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(points))
+    if colours is not None:
+        cloud.colors = open3d.utility.Vector3dVector(colours / 255.0)
+    if normals is not None:
+        cloud.normals = open3d.utility.Vector3dVector(normals)
+    assert open3d.io.write_point_cloud(str(path), cloud, **how)
+    return path
+
+
+@pytest.mark.parametrize("how", [{"write_ascii": True}, {}, {"compressed": True}], ids=["ascii", "binary", "lzf"])
+@pytest.mark.parametrize("extension", ["pcd", "ply"])
+def test_clouds_of_open3d(tmp_path, extension, how):
+    """Broken where one of the encodings is misread, or colours and normals lose their points."""
+    raw = read(write_cloud(tmp_path / f"person.{extension}", **how))
+    assert raw.is_cloud and (raw.units, raw.up_axis, raw.name) == ("m", "y", "person")
+    assert np.allclose(raw.points, P[raw.origin], atol=1e-5) and len(raw.points) > 0.99 * len(P)
+    assert np.abs(raw.colours - COLOURS[raw.origin] / 255.0).max() < 1.01 / 255.0
+    assert raw.is_oriented and np.einsum("ij,ij->i", raw.normals, NORMALS[raw.origin]).min() > 0.999
+
+
+@pytest.mark.parametrize("name", ["xyz", "xyzn", "xyzrgb"])
+def test_rows_of_numbers(tmp_path, name):
+    """Broken where a colour in a row is taken for a normal, or the other way round."""
+    path = write_cloud(tmp_path / f"p.{name}").rename(tmp_path / "p.xyz")
+    raw = read(path)
+    assert np.allclose(raw.points, P[raw.origin], atol=1e-5)
+    assert (raw.colours is not None) == (name == "xyzrgb") and raw.is_oriented == (name == "xyzn")
+    if name == "xyzrgb":
+        assert np.abs(raw.colours - COLOURS[raw.origin] / 255.0).max() < 1.01 / 255.0
+
+
+def test_rows_with_bytes_commas_and_a_count(tmp_path):
+    """Broken where the first line's count is a point, commas do not part, or colours of 0 to 255 are scaled."""
+    rows = [f"{x:.6f}, {y:.6f}, {z:.6f}, {r}, {g}, {b}" for (x, y, z), (r, g, b) in zip(P, COLOURS, strict=True)]
+    path = tmp_path / "p.xyz"
+    path.write_text("# by hand\n" + f"{len(P)}\n" + "\n".join(rows) + "\n")
+    raw = read(path)
+    assert np.allclose(raw.points, P[raw.origin], atol=1e-5)
+    assert np.allclose(raw.colours, COLOURS[raw.origin] / 255.0)
+
+
+@pytest.mark.parametrize("extension", ["obj", "off", "glb"])
+def test_vertices_without_faces(tmp_path, extension):
+    """Broken where a mesh format without a face is refused, though the points are a person."""
+    path = tmp_path / f"p.{extension}"
+    if extension == "obj":
+        path.write_text("".join(f"v {x:.6f} {y:.6f} {z:.6f}\n" for x, y, z in P))
+    elif extension == "off":
+        path.write_text(f"OFF\n{len(P)} 0 0\n" + "".join(f"{x:.6f} {y:.6f} {z:.6f}\n" for x, y, z in P))
+    else:
+        trimesh.Scene(trimesh.PointCloud(P, colors=COLOURS)).export(path)
+    raw = read(path)
+    assert raw.is_cloud and not raw.is_oriented
+    assert np.allclose(raw.points, P[raw.origin], atol=1e-5) and len(raw.points) > 0.99 * len(P)
+    assert (raw.colours is not None) == (extension == "glb")
+
+
+@pytest.mark.parametrize("extension", ["ply", "obj", "stl", "glb"])
+def test_meshes_keep_faces_and_places(tmp_path, extension):
+    """Broken where a face goes, or `place` does not lead a point of the file to where it is now."""
+    path = tmp_path / f"p.{extension}"
+    trimesh.Trimesh(V, F, process=False).export(path)
+    raw = read(path)
+    assert len(raw.faces) == len(F) and len(raw.points) == len(V)
+    there = trimesh.load(path, process=False).vertices if extension == "stl" else V
+    assert len(raw.place) == len(there) and (raw.place >= 0).all()
+    assert np.allclose(raw.points[raw.place], there, atol=1e-5)
+    assert trimesh.Trimesh(raw.points, raw.faces, process=False).volume > 0.03
+
+
+def test_labels_of_a_file_beside_the_scan(tmp_path):
+    """Broken where labels are taken for the order of the merged points, and not of the file's."""
+    path = tmp_path / "p.ply"
+    corners = F.ravel()
+    trimesh.Trimesh(V[corners], np.arange(len(corners)).reshape(-1, 3), process=False).export(path)
+    np.savez(tmp_path / "l.npz", label=corners % 7)
+    raw = read(path, labels=tmp_path / "l.npz")
+    assert len(raw.points) == len(V)
+    assert np.array_equal(raw.labels[raw.place], corners % 7)
+    np.savez(tmp_path / "short.npz", label=corners[:-1])
+    with pytest.raises(BadInput) as caught:
+        read(path, labels=tmp_path / "short.npz")
+    assert caught.value.code == "scan.labels_mismatch"
+
+
+@pytest.mark.parametrize(
+    ("up", "unit", "metres"),
+    [("y", "m", 1.0), ("z", "cm", 0.01), ("-y", "mm", 0.001), ("-z", "inch", 0.0254), ("x", "foot", 0.3048),
+     ("-x", "unknown", 0.137), ("z", "unknown", 33.0)],
+)  # fmt: skip
+def test_any_axis_and_unit(tmp_path, up, unit, metres):
+    """Broken where a person lies, stands on the head or is a giant; a guess that is not told is broken too."""
+    turn = trimesh.transformations.rotation_matrix(0.7, (0, 1, 0))[:3, :3]
+    path = write_cloud(tmp_path / "p.ply", place_in_file(P @ turn.T, up, 1.0 / metres))
+    raw = read(path)
+    assert (raw.up_axis, raw.units) == (up, unit)
+    assert np.allclose(raw.points, P[raw.origin] @ turn.T, atol=1e-4 if unit != "unknown" else 0.03)
+    told = " ".join(raw.notes)
+    assert ("unit" in told) == (unit in ("inch", "foot", "unknown")) and ("--up" in told) == (up not in ("y", "z"))
+
+
+def test_what_the_user_says_goes(tmp_path):
+    """Broken where a guess overrules --units or --up, or a word that is none is taken."""
+    path = write_cloud(tmp_path / "p.ply", place_in_file(P, "z", 100.0))
+    raw = read(path, units="mm", up="-z")
+    assert (raw.units, raw.up_axis) == ("mm", "-z") and np.isclose(np.ptp(raw.points[:, 1]), 0.17, atol=0.01)
+    for how in ({"units": "mile"}, {"up": "w"}):
+        with pytest.raises(BadInput) as caught:
+            read(path, **how)
+        assert caught.value.code == "scan.choice"
+
+
+def sheet(low, high, step, rng):
+    """Return points of an axis-aligned rectangle, with a millimetre of noise."""
+    axes = [np.arange(a, b, step) if b > a else np.array([a]) for a, b in zip(low, high, strict=True)]
+    points = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 3)
+    return points + rng.normal(0.0, 0.001, points.shape)
+
+
+@settings(max_examples=3, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    side=st.floats(0.6, 2.0), wall=st.booleans(), flyers=st.integers(0, 500), box=st.booleans(),
+    up=st.sampled_from(["y", "z", "-y"]), turn=st.floats(0.0, 6.3), seed=st.integers(0, 99),
+)  # fmt: skip
+def test_what_is_no_person_goes(tmp_path, side, wall, flyers, box, up, turn, seed):
+    """Broken where a floor, a wall, a box or flyers stay, the person loses more than the soles, or nothing is told."""
+    rng = np.random.default_rng(seed)
+    extra = [sheet((-side, FLOOR, -side), (side, FLOOR, side), 0.02, rng)]
+    if wall:
+        extra.append(sheet((-side, FLOOR, -side), (side, FLOOR + 2.2, -side), 0.02, rng))
+    if box:
+        crate = trimesh.sample.sample_surface(trimesh.creation.box((0.3, 0.4, 0.3)), 2000, seed=1)[0]
+        extra.append(crate + (1.35, FLOOR + 0.2, 0.3))
+    extra.append(rng.uniform((-1.5, FLOOR + 0.1, -1.0), (1.5, FLOOR + 2.0, 1.0), (flyers, 3)))
+    rotation = trimesh.transformations.rotation_matrix(turn, (0, 1, 0))[:3, :3]
+    points = np.concatenate([P @ rotation.T, *extra])
+    raw = read(write_cloud(tmp_path / "p.ply", place_in_file(points, up, 100.0), None, None))
+    kept = raw.place >= 0
+    person = np.arange(len(points)) < len(P)
+    beside = np.hypot(*points[:, [0, 2]].T) > 0.25
+    assert (raw.up_axis, raw.units, raw.pieces) == (up, "cm", 1)
+    assert kept[person & (points[:, 1] > FLOOR + 0.02)].mean() > 0.999
+    assert kept[~person & beside].mean() < 0.03
+    assert any("floor" in note for note in raw.notes)
+
+
+def test_a_floor_in_the_mesh_goes(tmp_path):
+    """Broken where a mesh's floor of two triangles has no points to be found by, or the person's faces go with it."""
+    floor = np.array([[-1.0, FLOOR, -1.0], [1.0, FLOOR, -1.0], [1.0, FLOOR, 1.0], [-1.0, FLOOR, 1.0]])
+    faces = np.concatenate([F, np.array([[0, 2, 1], [0, 3, 2]]) + len(V)])
+    trimesh.Trimesh(np.concatenate([V, floor]), faces, process=False).export(tmp_path / "p.ply")
+    raw = read(tmp_path / "p.ply")
+    assert (raw.place[-4:] == -1).all() and (raw.place[: len(V)] >= 0).mean() > 0.97
+    assert np.ptp(raw.points[:, 0]) < 1.9 and any("floor" in note for note in raw.notes)
+
+
+def test_a_bare_person_loses_nothing(tmp_path):
+    """Broken where a flat back, a chest or the soles pass for a floor or a wall."""
+    raw = read(write_cloud(tmp_path / "p.ply", P, None, None))
+    assert (raw.place >= 0).mean() > 0.999 and not any("floor" in note for note in raw.notes)
+
+
+def test_two_people_are_not_made_one(tmp_path):
+    """Broken where the second person is dropped as clutter, so that nobody can refuse the scan."""
+    raw = read(write_cloud(tmp_path / "p.ply", np.concatenate([P, P + (1.9, 0.0, 0.1)]), None, None))
+    assert raw.pieces == 2 and (raw.place >= 0).mean() > 0.999
+    assert any("2 separate pieces" in note for note in raw.notes)
+
+
+HEADER = b"VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 9\nHEIGHT 1\nPOINTS 9\n"
+HOSTILE = {
+    "no pcd": ("a.pcd", b"hello\n", "scan.magic"),
+    "no data": ("a.pcd", HEADER, "scan.magic"),
+    "short": ("a.pcd", HEADER + b"DATA binary\n" + bytes(40), "scan.truncated"),
+    "short text": ("a.pcd", HEADER + b"DATA ascii\n1 2 3\n", "scan.truncated"),
+    "words": ("a.pcd", HEADER + b"DATA ascii\n" + b"a b c\n" * 9, "scan.unreadable"),
+    "rows too many": ("a.pcd", HEADER + b"DATA ascii\n" + b"1 2 3 4\n" * 9, "scan.counts"),
+    "count lies": ("a.pcd", HEADER.replace(b"POINTS 9", b"POINTS 99") + b"DATA binary\n" + bytes(1188), "scan.header"),
+    "count huge": (
+        "a.pcd", HEADER.replace(b" 9\n", b" 99999999999\n") + b"DATA binary\n" + bytes(64), "scan.truncated",
+    ),
+    "count negative": ("a.pcd", HEADER.replace(b" 9\n", b" -9\n") + b"DATA binary\n", "scan.header"),
+    "size unknown": ("a.pcd", HEADER.replace(b"SIZE 4", b"SIZE 3") + b"DATA binary\n" + bytes(99), "scan.header"),
+    "no z": ("a.pcd", HEADER.replace(b"x y z", b"x y w") + b"DATA binary\n" + bytes(108), "scan.header"),
+    "wide": ("a.pcd", HEADER.replace(b"COUNT 1 1 1", b"COUNT 1 1 99999") + b"DATA binary\n", "scan.header"),
+    "bomb": (
+        "a.pcd",
+        HEADER.replace(b" 9\n", b" 9999999\n") + b"DATA binary_compressed\n" + (4).to_bytes(4, "little")
+        + (9999999 * 12).to_bytes(4, "little") + bytes(4),
+        "scan.header",
+    ),
+    "lzf before its start": (
+        "a.pcd",
+        HEADER + b"DATA binary_compressed\n" + bytes((3, 0, 0, 0, 108, 0, 0, 0)) + b"\xe0\xff\x20",
+        "scan.unreadable",
+    ),
+    "nan": ("a.pcd", HEADER + b"DATA ascii\n" + b"nan nan nan\n" * 9, "scan.empty"),
+    "few": ("a.xyz", b"1 2 3\n" * 9, "scan.empty"),
+    "no numbers": ("a.xyz", b"what is this\n", "scan.magic"),
+    "two numbers": ("a.xyz", b"1 2\n" * 200, "scan.magic"),
+    "uneven": ("a.xyz", b"1 2 3\n" * 200 + b"1 2 3 4\n", "scan.unreadable"),
+    "eight numbers": ("a.xyz", b"1 2 3 4 5 6 7 8\n" * 200, "scan.unreadable"),
+    "binary": ("a.xyz", bytes(range(256)) * 20, "scan.magic"),
+    "one place": ("a.xyz", b"1 2 3\n" * 200, "scan.extent"),
+    "an archive": ("a.pcd", b"PK\x03\x04" + bytes(99), "scan.archive"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", HOSTILE)
+def test_hostile_clouds_are_refused(tmp_path, case):
+    """Broken where a file of points that is none ends in a traceback, another code, or a scan."""
+    name, content, code = HOSTILE[case]
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(BadInput) as caught:
+        read(tmp_path / name)
+    assert caught.value.code == code and "\n" not in caught.value.message
+
+
+def test_a_cloud_is_parsed_in_a_limited_process(tmp_path):
+    """Broken where a file of points is parsed in the caller's process, or a limit of it is not kept."""
+    path = write_cloud(tmp_path / "p.pcd")
+    assert np.allclose(load_raw(path).points, P[load_raw(path).origin], atol=1e-5)
+    with pytest.raises(BadInput) as caught:
+        load_raw(path, limits=Limits(output_bytes=1000))
+    assert caught.value.code == "input.too_large"
