@@ -25,9 +25,21 @@ ARM_OFFSETS = (0.003, 0.005)
 """The same of arms."""
 OFFSET_SAYS = (-0.6, 2.0)
 """Units at most that it says either way: cloth touches the body often, skin is seldom far from the fit."""
+ARMS, LEGS = (Limb.LEFT_ARM, Limb.RIGHT_ARM), (Limb.LEFT_LEG, Limb.RIGHT_LEG)
+"""The limbs that come in pairs."""
+FOLD_SHARE = 0.8
+"""Share of a slice of an arm's offsets below its folds: a sleeve lies on the arm above and hangs below."""
+FOLD = 0.006
+"""Offset of that share [m] from which on a slice has folds: bare arms are rounder than that."""
+CREASE = (-0.04, 0.08)
+"""Stations of an arm [m] between which edges begin to count: creases around the shoulder look like armholes."""
+LEAST_CREASE = 0.2
+"""Share of an edge's evidence that is left at the shoulder."""
 REGION_WEIGHT = 0.012
 """Log-probability of one cell's unit of offset: a limb's slice of 1 cm of clear cloth says as much as one column's
 clear edge, as the fit is off over lengths of 10 cm."""
+KNOWN_WEIGHT = 0.01
+"""Log-probability of one cell's unit of log-odds: a row of 8 mm around a limb, told with odds of 20, says 1.5."""
 SURE = 0.04
 """Log-probability of a cell where anatomy knows: the trunk is clothed; head, hands and feet are not."""
 WARMTH = 3.0
@@ -76,64 +88,77 @@ class PersonRings:
 
 @dataclass(frozen=True)
 class _Cells:
-    """Hold what is measured on a limb's cells: step [m], ridge, contrast, offset [m]; shape [rows, ANGLES] each."""
+    """Hold what is measured on a limb's cells: step [m], ridge, contrast, offset [m], log-odds of cloth where known."""
 
     step: np.ndarray
     ridge: np.ndarray
     contrast: np.ndarray | None
     offset: np.ndarray
     is_near: np.ndarray
+    known: np.ndarray | None
 
     def edge(self, sign: float) -> np.ndarray:
         """Return the evidence for a garment's end whose side before (+1) or beyond (-1) is the higher."""
         return np.where(self.is_near, edge_evidence(sign * self.step, sign * self.ridge, self.contrast), 0.0)
 
     def region(self, limb: Limb) -> np.ndarray:
-        """Return the log-probability of cloth against skin by the offset."""
+        """Return the log-probability of cloth against skin by what is known, or else by the offset."""
+        if self.known is not None:
+            return np.where(self.is_near, KNOWN_WEIGHT * self.known, 0.0)
         bare, scale = BARE_OFFSETS.get(limb, ARM_OFFSETS)
         units = np.clip((self.offset - bare) / scale, *OFFSET_SAYS)
+        if limb in ARMS:
+            folds = np.quantile(np.where(self.is_near, self.offset, 0.0), FOLD_SHARE, axis=1, keepdims=True)
+            units = 0.5 * (units + np.clip((folds - FOLD) / scale, -1.0, 2.0))
         return np.where(self.is_near, REGION_WEIGHT * units, 0.0)
 
 
-def find_rings(points: PersonPoints, features: Features, fit: FittedPerson, use_colours: bool = False) -> PersonRings:
+def find_rings(
+    points: PersonPoints,
+    features: Features,
+    fit: FittedPerson,
+    known: np.ndarray | None = None,
+    use_colours: bool = False,
+) -> PersonRings:
     """Find all rings.
 
     Args:
         points: The samples.
         features: Their description.
         fit: The body fitted to them.
+        known: Log-odds of clothes against the rest where something has told them, shape [n]; else the offset does.
         use_colours: Whether contrast of colour counts, where there are colours.
     """
     body = fit.body
     grids = {limb: unroll(features.place, body, limb) for limb in Limb}
     colours = _lab_of(points.colours) if use_colours and points.colours is not None else None
-    cells = {limb: _measure(grid, features, colours) for limb, grid in grids.items()}
+    cells = {limb: _measure(grid, features, colours, known) for limb, grid in grids.items()}
     joints = dict(zip(JOINTS, body.rest_joints, strict=True))
     wrist = float(np.abs(joints["left_wrist"] - joints["left_shoulder"])[0])
     ankle = float((joints["left_hip"] - joints["left_ankle"])[1])
-    arms, legs = (Limb.LEFT_ARM, Limb.RIGHT_ARM), (Limb.LEFT_LEG, Limb.RIGHT_LEG)
-    sleeves = _find_pair(grids, cells, arms, (0.0, wrist))
-    hems = _find_pair(grids, cells, legs, (0.05, ankle - 0.02))
-    ankles = _find_ankles(grids, cells, legs, ankle)
-    hem = float(np.mean([grids[limb].stations[ring.rows].mean() for limb, ring in zip(legs, hems, strict=True)]))
+    sleeves = _find_pair(grids, cells, ARMS, (0.0, wrist))
+    hems = _find_pair(grids, cells, LEGS, (0.05, ankle - 0.02))
+    ankles = _find_ankles(grids, cells, LEGS, ankle)
+    hem = float(np.mean([grids[limb].stations[ring.rows].mean() for limb, ring in zip(LEGS, hems, strict=True)]))
     return PersonRings(
         grids=grids,
         sleeves=sleeves,
         hems=hems,
         ankles=ankles,
         neckline=_find_neckline(grids[Limb.NECK], cells[Limb.NECK]),
-        waists=_find_waists(grids, cells, legs, hem),
+        waists=_find_waists(grids, cells, LEGS, hem),
         tube=_tube(points, features),
     )
 
 
-def _measure(grid: UnrolledGrid, features: Features, colours: np.ndarray | None) -> _Cells:
+def _measure(grid: UnrolledGrid, features: Features, colours: np.ndarray | None, known: np.ndarray | None) -> _Cells:
     offset = grid.spread(features.column("offset") * LENGTH)
     contrast = None
     if colours is not None:
         contrast = contrasts(np.stack([grid.spread(channel) for channel in colours.T], axis=2))
     ridge = ridges(grid.spread(features.column("curvature_12")))
-    return _Cells(step_heights(offset), ridge, contrast, offset, grid.is_near)
+    odds = None if known is None else grid.spread(known)
+    return _Cells(step_heights(offset), ridge, contrast, offset, grid.is_near, odds)
 
 
 def _find_pair(
@@ -148,6 +173,8 @@ def _find_pair(
         region[stations < sure[0]] = SURE
         region[stations > sure[1]] = -SURE
         edge[stations > sure[1]] = 0.0
+        if limb in ARMS:
+            edge *= np.clip((stations - CREASE[0]) / (CREASE[1] - CREASE[0]), LEAST_CREASE, 1.0)[:, None]
         rings.append(find_ring(edge, region, WARMTH))
     return rings[0], rings[1]
 
