@@ -12,10 +12,12 @@ from garmentq.core.person.features import describe_points
 from garmentq.core.person.limbs import Limb
 from garmentq.core.person.part import PARTS, Part
 from garmentq.core.person.points import sample_person
+from garmentq.core.person.refine import refine_by_rings
 from garmentq.core.person.rings import APART, BEND_COST, SIDE, edge_evidence, find_ring, step_heights
 from garmentq.core.person.rules import predict_by_rules
 from garmentq.core.person.unrolled import ANGLES, STATION_STEP
 from garmentq.core.scan.raw import RawScan
+from scipy.spatial import cKDTree
 
 
 @dataclass(frozen=True)
@@ -140,3 +142,28 @@ def test_rings_lie_where_the_garments_end(dressed):
     assert best.score > 0
     assert best.is_upper_over
     assert rings.tube < 0.5
+
+
+def test_rings_sharpen_a_doubtful_posterior(dressed):
+    """Broken where rings drawn through a blurred posterior no longer lie where garments end."""
+    fit, raw, part = dressed
+    points = sample_person(raw, fit)
+    near = part[points_near(raw, points.positions)]
+    sure = np.array([[each == int(column) for column in PARTS] for each in near], dtype=float)
+    noise = np.random.default_rng(0).dirichlet(np.full(len(PARTS), 0.5), len(near))
+    doubtful = 0.45 * sure + 0.55 * noise
+    found, rings = refine_by_rings(doubtful, points, describe_points(points, fit), fit)
+    assert np.abs(found.sum(axis=1) - 1).max() < 1e-9
+    garments = np.isin(np.array(PARTS), (Part.UPPER, Part.LOWER))
+    cloth = np.isin(near, (Part.UPPER, Part.LOWER))
+
+    def wrong(posterior):
+        return ((posterior[:, garments].sum(axis=1) > 0.5) != cloth).mean()
+
+    assert wrong(found) < 0.5 * wrong(doubtful)
+    assert rings.hems[0].confidence > 0.9
+
+
+def points_near(raw: RawScan, positions: np.ndarray) -> np.ndarray:
+    """Return the raw point nearest to each position."""
+    return np.asarray(cKDTree(raw.points).query(positions)[1])
