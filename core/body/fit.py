@@ -101,6 +101,7 @@ class Stage:
         plane: Measure pairs along the normal; else in all three axes, which pulls from further away.
         shape_count: Shape coefficients that are free.
         cloth_pull: Weight of a pair with cloth that lies outside the body, beside 1 for skin.
+        cloth_gap: Scale of such a pair, over that of one with skin: how far out cloth may lie and still pull.
     """
 
     steps: int
@@ -109,6 +110,7 @@ class Stage:
     plane: bool
     shape_count: int
     cloth_pull: float = 0.3
+    cloth_gap: float = 1.0
 
 
 EVIDENCE = 3000.0
@@ -247,7 +249,8 @@ class Fitter:
         if s.cloth is not None:
             cloth = s.cloth[chosen].astype(np.float64)
             outside = np.einsum("ra,ra->r", offset, direction) > 0
-            scale2 *= np.where(outside, (1.0 - cloth) + cloth * CLOTH_REACH**2, 1.0)
+            reach2 = np.where(outside, CLOTH_REACH**2, stage.cloth_gap**2)
+            scale2 *= (1.0 - cloth) + cloth * reach2
             weight = weight * np.where(outside, 1.0, (1.0 - cloth) + cloth * stage.cloth_pull)
         return np.asarray(weight * (scale2 / (scale2 + length2)) ** 2)
 

@@ -11,9 +11,10 @@ from ..hooks import SILENT, Hooks
 from .body import JOINTS, Body
 from .fit import Fitter, OrientedPoints, Stage, State
 from .person_search import PersonSearch, find_start, spread_subset
+from .presence import LOW, SPARSE, SeveralPersons, TooSparse, find_hairy, measure_presence, refuse, split_in_two
 from .registration import NotHuman, body_of_state, pose_model
 from .template import Template, load_template
-from .thinning import thin_points
+from .thinning import smooth_normals, thin_points
 
 STAGE = "body"
 """Name under which progress is reported."""
@@ -38,6 +39,12 @@ BARE_PARTS = ("head", "left_wrist", "right_wrist", "left_hand", "right_hand")
 SHOD_PARTS = ("left_ankle", "right_ankle", "left_foot", "right_foot")
 """Joints whose part of the surface may be shoes."""
 
+CROWD = 0.15
+"""Share of the scan's points far from the body above which there may be a second person: the widest skirt had 0.11."""
+
+FAR = 0.04
+"""Distance [m] beyond which what is nearest to a hand or a face is none: a skirt's folds beside the hand."""
+
 
 @dataclass(frozen=True)
 class PersonSettings:
@@ -48,7 +55,7 @@ class PersonSettings:
         surface_count: Points of the scan in the last stages: one every 2 cm.
         fine_count: Our points in the last stages: one every 3 cm.
         pull: Weight of cloth outside the body in the last stages.
-        worst_fit: Largest accepted RMS of skin, or of the bare fit, over the body's height.
+        gap: How far out cloth may lie and still pull, over what skin may.
         seed: Seeds the choice of points.
     """
 
@@ -56,7 +63,7 @@ class PersonSettings:
     surface_count: int = 5000
     fine_count: int = 1800
     pull: float = PULL
-    worst_fit: float = 0.02
+    gap: float = 2.0
     seed: int = 0
 
 
@@ -86,7 +93,7 @@ class PersonFit:
         state: The fit to go on from.
         skin_rms: RMS distance of what is taken for skin to the body [m].
         bare_residual: Robust two-way misfit of the fit as if bare [m].
-        coverage: Share of the body's surface that has a point of the scan within 5 cm.
+        coverage: Share of the body's vertices that have something of the scan on or over them.
         margin: By how much the next best other fit is worse than this one, over its own misfit.
     """
 
@@ -120,14 +127,35 @@ def fit_person(
     settings = settings or PersonSettings()
     template = load_template()
     surface = thin_points(points, normals, oriented, settings.surface_count, settings.seed)
-    if surface is None or not 0.8 <= np.ptp(surface.points[:, 1]) <= 2.8:
-        raise NotHuman()
+    height = 0.0 if surface is None else float(np.ptp(surface.points[:, 1]))
+    if surface is None or not 0.7 <= height <= 2.8:
+        raise NotHuman(f"The scan is {height:.2f} m high. {NotHuman().message}")
+    if surface.total < SPARSE:
+        raise TooSparse()
     found = find_start(template, surface, settings.search, settings.seed, hooks)
-    surface = orient_by(template, surface, found.state)
-    weights = guess_weights(template, surface, found.state)
+    presence = measure_presence(template, surface, found.state)
+    if presence.stray > CROWD and _is_pair(template, surface, settings, hooks):
+        raise SeveralPersons()
+    problem = refuse(presence, height)
+    if problem is not None:
+        raise problem
+    turned = orient_by(template, surface, found.state)
+    weights = guess_weights(template, turned, found.state)
     hooks.progress(STAGE, 0.6, "fitting the body below the clothes")
     fit = PersonFit(body_of_state(template, found.state, 0.0), found.state, 0.0, found.residual, 0.0, found.margin)
-    return refit_person(fit, surface.points, surface.normals, weights, hooks, settings)
+    return refit_person(fit, turned.points, turned.normals, weights, hooks, settings)
+
+
+def _is_pair(template: Template, surface: OrientedPoints, settings: PersonSettings, hooks: Hooks) -> bool:
+    """Check whether a scan is two persons beside each other: whether each half of the points is a person."""
+    second = split_in_two(surface.points)
+    for half in (surface.take(~second), surface.take(second)):
+        if np.ptp(half.points[:, 1]) < LOW:
+            return False
+        found = find_start(template, half, settings.search, settings.seed, hooks)
+        if not measure_presence(template, half, found.state).is_person:
+            return False
+    return True
 
 
 def refit_person(
@@ -151,22 +179,19 @@ def refit_person(
     settings = settings or PersonSettings()
     template = load_template()
     rng = np.random.default_rng(settings.seed)
-    surface = weigh_points(points, normals, weights)
-    if len(points) > settings.surface_count:
-        surface = surface.take(np.sort(rng.choice(len(points), settings.surface_count, replace=False)))
+    drawn = np.sort(rng.choice(len(points), min(settings.surface_count, len(points)), replace=False))
+    surface = replace(
+        weigh_points(points, normals, weights).take(drawn), normals=smooth_normals(points, normals, drawn)
+    )
     fitter = Fitter(template, spread_subset(template, settings.fine_count, rng), surface)
     state = fit.state
     for i, stage in enumerate(REFIT):
         hooks.progress(STAGE, 0.6 + 0.1 * i, "fitting the body below the clothes")
         free = max(stage.shape_count, len(state.shape))
-        state = fitter.fit(state, replace(stage, cloth_pull=settings.pull, shape_count=free))
+        state = fitter.fit(state, replace(stage, cloth_pull=settings.pull, cloth_gap=settings.gap, shape_count=free))
     model, _ = pose_model(template, state)
     rms = _skin_rms(model, template.faces, surface)
-    if rms > settings.worst_fit * np.ptp(template.shaped(state.shape)[0][:, 1]):
-        raise NotHuman(f"The built-in body stays {1e3 * rms:.0f} mm from the scan's skin. {NotHuman().message}")
-    covered = cKDTree(surface.points).query(model, distance_upper_bound=0.05)[0] < 0.05
-    area = np.bincount(template.faces.ravel(), np.repeat(_face_areas(model, template.faces), 3), len(model))
-    coverage = float(area[covered].sum() / area.sum())
+    coverage = 1.0 - measure_presence(template, surface, state).unseen
     return replace(fit, body=body_of_state(template, state, rms), state=state, skin_rms=rms, coverage=coverage)
 
 
@@ -196,17 +221,9 @@ def guess_weights(template: Template, surface: OrientedPoints, state: State) -> 
     bare = template.weights[:, [JOINTS.index(name) for name in BARE_PARTS]].sum(axis=1)
     shod = template.weights[:, [JOINTS.index(name) for name in SHOD_PARTS]].sum(axis=1)
     hairy = find_hairy(template)
-    cloth = np.where(hairy, 1.0, 1.0 - np.clip(bare + shod, 0.0, 1.0))
-    return PointWeights(cloth[near], np.maximum(0.7 * hairy, 0.7 * (shod > 0.5))[near])
-
-
-def find_hairy(template: Template) -> np.ndarray:
-    """Find the vertices of the head that hair may lie on: all but the face below the brow."""
-    head = template.joints[JOINTS.index("head")]
-    on_head = template.weights[:, JOINTS.index("head")] > 0.5
-    # The brow is 7 cm above the head's joint (the top of the neck), the ears 1 cm before it.
-    up, forward = (template.vertices - head)[:, 1], (template.vertices - head)[:, 2]
-    return np.asarray(on_head & ((up > 0.07) | (forward < 0.03)))
+    cloth = np.where(hairy, 1.0, 1.0 - np.clip(bare + shod, 0.0, 1.0))[near]
+    far = ((surface.points - model[near]) ** 2).sum(axis=1) > FAR**2
+    return PointWeights(np.where(far, 1.0, cloth), np.maximum(0.7 * hairy, 0.7 * (shod > 0.5))[near])
 
 
 def orient_by(template: Template, surface: OrientedPoints, state: State) -> OrientedPoints:
@@ -226,10 +243,5 @@ def _skin_rms(model: np.ndarray, faces: np.ndarray, surface: OrientedPoints) -> 
     skin = np.ones(len(surface.points), bool) if surface.cloth is None else surface.cloth < 0.5
     if not skin.any():
         return 0.0
-    return float(np.sqrt((TriangleSurface(model, faces).distance(surface.points[skin]) ** 2).mean()))
-
-
-def _face_areas(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    from ..mesh import face_areas
-
-    return face_areas(vertices, faces) / 3.0
+    distance = np.sort(TriangleSurface(model, faces).distance(surface.points[skin]))
+    return float(np.sqrt((distance[: max(int(0.9 * len(distance)), 1)] ** 2).mean()))

@@ -1,0 +1,141 @@
+"""Check that what was scanned is one whole person: what a fit as if bare says of a chair, a half and a pair."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..errors import BadInput
+from .body import JOINTS
+from .fit import OrientedPoints, State
+from .registration import NotHuman, pose_model
+from .template import Template
+
+SPARSE = 2500
+"""Cells of 12 mm with a point in them below which a scan is too sparse: 27 mm between points on a person's 1.9 m2, more
+than a cuff's hem."""
+LOW = 1.05
+"""Height [m] below which a scan is no whole person: a seated one is 1.2 m high, half a standing one 0.8 to 1.0."""
+
+CLOSE = 0.02
+"""Distance [m] up to which a point of the body is found in the scan where the normals agree too."""
+ALIKE = 0.7
+"""Cosine of 45 degrees: normals that agree."""
+OVER = (0.0, 0.05, 0.10, 0.15, 0.20, 0.25)
+"""Heights over the skin [m] at which the scan is looked for: a coat or a skirt lies over the body and hides it."""
+STRAY = 0.2
+"""Distance from the body [m] beyond which only a wide skirt, a thing, or somebody else is."""
+
+
+@dataclass(frozen=True)
+class Presence:
+    """Describe how a body and a scan cover each other.
+
+    Attributes:
+        unseen: Share of the body's vertices that have nothing of the scan on or over them: people 0.00 to 0.01, also in
+            coats and wide skirts; halves of people 0.04 to 0.41, chairs 0.09 to 0.24.
+        found: Share of the body's vertices with the scan within `CLOSE` and alike in normal: people 0.55 to 0.90 (in
+            coats too), chairs 0.39 to 0.42, animals 0.17 to 0.27, rooms 0.01 to 0.04.
+        head: The same of the head, or of the face where that is more: people 0.56 to 0.93, chairs at most 0.10, animals
+            0.25, halves without a head 0.
+        upper: The same of trunk and arms: people 0.55 to 0.95.
+        beside: Share of the scan further than 10 cm from the body: half a person at most 0.04, a chair 0.18.
+        stray: Share of the scan further than `STRAY`: people 0.00 to 0.11 (the wide skirt), two persons 0.29 to 0.45.
+    """
+
+    unseen: float
+    found: float
+    head: float
+    upper: float
+    beside: float
+    stray: float
+
+    @property
+    def is_person(self) -> bool:
+        """Check whether the scan shows a person: all of the body, or its head and upper part over a wide skirt."""
+        return self.unseen < 0.05 and (self.found > 0.48 or (self.head > 0.35 and self.upper > 0.40))
+
+
+class ScanPartial(BadInput):
+    """Only a part of a person is in the scan; scan all of the person, from head to feet and all around."""
+
+    code = "scan.partial"
+
+
+class SeveralPersons(BadInput):
+    """There is more than one person in the scan; cut it apart and submit each of them alone."""
+
+    code = "scan.several_persons"
+
+
+class TooSparse(BadInput):
+    """The scan has too few points to show a person's clothes; export it with at least 10,000 points."""
+
+    code = "scan.too_sparse"
+
+
+def measure_presence(template: Template, surface: OrientedPoints, state: State) -> Presence:
+    """Measure how a fit as if bare and the points it was fitted to cover each other."""
+    model, normals = pose_model(template, state)
+    tree = cKDTree(surface.points)
+    over = np.zeros(len(model), dtype=bool)
+    for height in OVER:
+        # The further out the wider is the cone that is looked into: 5 cm at the skin, 12 cm at 25 cm.
+        over |= tree.query(model + height * normals)[0] < 0.05 + 0.3 * height
+    length = 0.05
+    tree = cKDTree(surface.stack(length))
+    near = tree.query(np.hstack([model, length * normals]))[1] % len(surface.points)
+    cosine = np.einsum("na,na->n", surface.normals[near], normals)
+    cosine = cosine if surface.oriented else np.abs(cosine)
+    found = (cosine > ALIKE) & (((surface.points[near] - model) ** 2).sum(axis=1) < CLOSE**2)
+    away = cKDTree(model).query(surface.points)[0]
+    head = _weight_of(template, "head") > 0.5
+    face = head & ~find_hairy(template)
+    legs = _weight_of(template, "hip", "knee", "ankle", "foot") > 0.5
+    return Presence(
+        unseen=1.0 - float(over.mean()),
+        found=float(found.mean()),
+        head=max(float(found[head].mean()), float(found[face].mean())),
+        upper=float(found[~legs & ~head].mean()),
+        beside=float((away > 0.1).mean()),
+        stray=float((away > STRAY).mean()),
+    )
+
+
+def find_hairy(template: Template) -> np.ndarray:
+    """Find the vertices of the head that hair may lie on, shape [n]: all but the face below the brow."""
+    joint = template.joints[JOINTS.index("head")]
+    # The brow is 7 cm above the head's joint (the top of the neck), the ears are 1 cm before it.
+    up, forward = (template.vertices - joint)[:, 1], (template.vertices - joint)[:, 2]
+    return np.asarray((_weight_of(template, "head") > 0.5) & ((up > 0.07) | (forward < 0.03)))
+
+
+def split_in_two(points: np.ndarray, rounds: int = 10) -> np.ndarray:
+    """Split points into two by where they stand (2-means of x and z): True for the second, shape [n]."""
+    flat = points[:, [0, 2]] - points[:, [0, 2]].mean(axis=0)
+    _, vectors = np.linalg.eigh(flat.T @ flat)
+    second = flat @ vectors[:, -1] > 0
+    for _ in range(rounds):
+        if second.all() or not second.any():
+            break
+        centres = [flat[~second].mean(axis=0), flat[second].mean(axis=0)]
+        second = np.linalg.norm(flat - centres[1], axis=1) < np.linalg.norm(flat - centres[0], axis=1)
+    return np.asarray(second)
+
+
+def refuse(presence: Presence, height: float) -> BadInput | None:
+    """Return why a scan of this height [m] is not one whole person, or None; two persons are another question."""
+    if presence.is_person and height >= LOW:
+        return None
+    if presence.beside < 0.1 and presence.stray < 0.02:
+        return ScanPartial()
+    seen = f"Of a person's surface {100 * presence.found:.0f} % are found in the scan"
+    return NotHuman(f"{seen}. The scan does not look like a person; scan a whole wearer, head to feet, upright.")
+
+
+def _weight_of(template: Template, *parts: str) -> np.ndarray:
+    """Return the summed skinning weights of the joints named so or, with a side before it, so; shape [n]."""
+    names = [name for name in JOINTS if name in parts or name.split("_")[-1] in parts]
+    return np.asarray(template.weights[:, [JOINTS.index(name) for name in names]].sum(axis=1))
