@@ -25,7 +25,8 @@ $(VENV)/.installed-test: $(VENV)/.installed
 	touch $@
 
 demo: $(VENV)/.installed
-	$(BIN)/garmentq run examples/data/person.ply --keep 1 --keep 2 --cloth 3 --home demo --out demo/result; \
+	$(BIN)/python examples/remove_labels.py examples/data/person.ply demo/person.ply
+	$(BIN)/garmentq run demo/person.ply --home demo --out demo/result; \
 	status=$$?; $(BIN)/garmentq down --home demo; exit $$status
 
 # Two processes: the suite needs two cores. Each has an own PostgreSQL and brokers of its own.

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..service.order import GARMENT, GIVEN_AS, PERSON
 from .labels import LabelOptions, label_options
 from .options import json_option
+
+if TYPE_CHECKING:
+    from ..core.scan import Selection
 
 
 @click.command("inspect")
 @click.argument("file", type=click.Path(path_type=Path))
+@click.option(
+    "--as", "given_as", type=click.Choice(GIVEN_AS), help="What the file is.  [default: found, see docs/cli.md]"
+)
 @click.option("--body", help="The wearer's mesh file, or builtin:female,height=1.70.")
 @label_options
 @click.option("--units", type=click.Choice(["m", "cm", "mm"]), help="Unit of the files.  [default: found]")
@@ -20,6 +28,7 @@ from .options import json_option
 @json_option
 def command(
     file: Path,
+    given_as: str | None,
     body: str | None,
     part: LabelOptions,
     units: str | None,
@@ -28,17 +37,18 @@ def command(
 ) -> None:
     """Show how a file is understood, before anything is run.
 
-    Units, up axis, extent, what was repaired; with a body also its contours, holes and category. Of a dressed person's
-    scan the garment that --labels, --keep or --keep-colour says is cut out, and the body is estimated from the skin.
+    Whether it is taken for a whole person or for a garment; units, up axis, extent, what was repaired; with a body also
+    its contours, holes and category. Of a dressed person's scan the garment that --labels, --keep or --keep-colour says
+    is cut out, and the body is estimated from the skin. `garmentq segment` takes a person apart.
 
     \b
     Example:
+      garmentq inspect scan.ply
       garmentq inspect garment.ply --body body.ply
       garmentq inspect person.ply --labels labels.npz --keep 1
     """
     from ..core.body import is_builtin
     from ..core.recovery import make_selection
-    from ..core.segment import inspect_file
     from ..core.settings import RecoverySettings
     from .terminal import print_json, print_table
 
@@ -51,11 +61,48 @@ def command(
         colour_tolerance=part.colour_tolerance,
     )
     selection = make_selection(part.labels, chosen)
-    found = inspect_file(file, wearer, units=units, up=up, selection=selection).as_dict()
+    found = _understand(_Asked(file, wearer, given_as, units, up), selection)
     if as_json:
         print_json(found)
         return
     print_table(["", ""], _rows(found))
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """Hold what was typed: the file, its wearer, what it is said to be, its unit and axis."""
+
+    file: Path
+    body: Path | str | None
+    given_as: str | None
+    units: str | None
+    up: str | None
+
+
+def _understand(asked: _Asked, selection: Selection | None) -> dict[str, Any]:
+    """Return what is understood of a file, with what it is taken for.
+
+    Raises:
+        BadInput: where it cannot be used.
+    """
+    from ..core.errors import BadInput
+    from ..core.person.inspect import explain_garment, find_what, inspect_person
+    from ..core.segment import inspect_file
+    from .terminal import note
+
+    is_open = asked.body is None and selection is None and asked.given_as != GARMENT
+    if asked.given_as == PERSON or is_open:
+        try:
+            return inspect_person(asked.file, asked.units, asked.up)
+        except BadInput as error:
+            if asked.given_as == PERSON or not error.code.startswith("body."):
+                raise
+            note(explain_garment(error))
+    found = inspect_file(asked.file, asked.body, units=asked.units, up=asked.up, selection=selection).as_dict()
+    what = GARMENT
+    if asked.body is not None and selection is None and asked.given_as is None:
+        what = find_what(asked.file, asked.body, found, asked.units, asked.up)
+    return {"as": what, **found}
 
 
 def _rows(found: dict[str, Any], before: str = "") -> list[list[object]]:
