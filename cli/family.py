@@ -95,8 +95,13 @@ class FamilyEvents:
 
     @property
     def reports(self) -> list[JobReport]:
-        """Return the jobs that have ended, each parent before its children."""
-        return [self._reports[job] for job in self.names if job in self._reports]
+        """Return the jobs that have ended, each parent before its children, as they are by now."""
+        found = [self._reports[job] for job in self.names if job in self._reports]
+        states = {job.id: job.state for job in found}
+        return [
+            replace(job, children=[replace(one, state=states.get(one.job, one.state)) for one in job.children])
+            for job in found
+        ]
 
     @property
     def has_ended(self) -> bool:

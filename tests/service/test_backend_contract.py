@@ -18,11 +18,11 @@ from garmentq.service.families import make_children
 from garmentq.service.jobs import claim, fail, find_job, report
 from garmentq.service.kinds.kind import ChildRequest
 from garmentq.service.local import LocalBackend
+from garmentq.service.order import Order, PartOrder
 from garmentq.service.query import JobQuery
 from garmentq.service.records import Job, JobReport
 from garmentq.service.remote import RemoteBackend
 from garmentq.service.states import State
-from garmentq.service.submission import Order
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "api"))
@@ -146,6 +146,25 @@ def test_the_same_job_by_both_ways(local, remote, order, settings, database, sto
         assert sorted(path.name for path in paths) == ["metrics.txt", "pattern.svg"]
         (one,) = backend.export_files(first.job, tmp_path / f"{name}1", ["pattern.svg"])
         assert one.read_bytes() == (tmp_path / "made" / "pattern.svg").read_bytes()
+
+
+def test_the_same_person_by_both_ways(local, remote, order, database, tmp_path):
+    """Breaks where what is said of a person, or of one of the garments, is lost on the way over HTTP."""
+    choices = {
+        "upper": PartOrder(_write_template(tmp_path), fabric="denim", lock="panel:front"),
+        "lower": PartOrder(name="skirt", garment="skirt"),
+    }
+    said = {"wearing": "upper,lower", "marks": ("upper=0,1,0", "lower=0,0.5,0"), "choices": choices}
+    for asked in (Order(order.scan, None), Order(order.scan, order.body, given_as="person", **said)):
+        first, second = (backend.submit(backend.check_order(asked)) for backend in (local, remote))
+        assert first.is_new and not second.is_new and first.job == second.job
+        assert local.find_job(first.job).kind == "person"
+    request = find_job(database, first.job).request
+    assert request["choices"]["upper"]["template"]["name"] == "template.json" and request["given_as"] == "person"
+    garment = Order(order.scan, order.body, given_as="garment")
+    assert local.submit(local.check_order(garment)).job == remote.submit(remote.check_order(garment)).job
+    plain = Order(order.scan, order.body)
+    assert local.submit(local.check_order(plain)).job not in (first.job, local.submit(garment).job)
 
 
 def test_a_job_is_stopped_and_tried_again(backend, order, database):
