@@ -9,7 +9,7 @@ from .features import Features
 from .limbs import FOLDED, Limb
 from .part import PARTS, Part
 from .points import FittedPerson, PersonPoints
-from .prior import hair_probability, shoe_probability
+from .prior import hair_probability, long_hair, shoe_probability
 
 FLOOR = 0.005
 """Probability that every part keeps everywhere: rules do not know bags and coats."""
@@ -28,10 +28,10 @@ def predict_by_rules(points: PersonPoints, features: Features, fit: FittedPerson
     Returns:
         Probabilities in the order of `PARTS`, rows sum to 1, shape [n, 8].
     """
-    return combine(features, fit, find_rings(points, features, fit))
+    return combine(points, features, fit, find_rings(points, features, fit))
 
 
-def combine(features: Features, fit: FittedPerson, rings: PersonRings) -> np.ndarray:
+def combine(points: PersonPoints, features: Features, fit: FittedPerson, rings: PersonRings) -> np.ndarray:
     """Compute the posterior from the rings, as `predict_by_rules`."""
     count = len(features.values)
     cloth = cloth_probability(rings, features)
@@ -50,6 +50,9 @@ def combine(features: Features, fit: FittedPerson, rings: PersonRings) -> np.nda
     out[:, column[Part.UPPER]] = cloth * two * (1 - below)
     out[:, column[Part.LOWER]] = cloth * two * below
     out[:, column[Part.ONE_PIECE]] = cloth * (1 - two)
+    lock = long_hair(points, features, fit.body, hair * bare * (1 - shoe))
+    out *= (1 - lock)[:, None]
+    out[:, column[Part.HAIR]] += lock
     out += FLOOR
     return np.asarray(out / out.sum(axis=1, keepdims=True))
 
