@@ -88,8 +88,9 @@ def make_case(request: Request, clock: Clock) -> Case:
         body = find_body(request, pieces, hooks)
     with clock.stage("segment", "naming the open contours"):
         target = segment_garment(pieces.garment, body)
-        if settings.garment is not None:
-            target = replace(target, category=check_category(settings.garment))
+        category = settings.garment or (None if request.reading is None else request.reading.category)
+        if category is not None:
+            target = replace(target, category=check_category(category))
     template, base = find_template(request, target)
     base = replace(base, symmetric=settings.free != "symmetry")
     find_held(base, base, settings.locks)  # a lock of nothing is refused now, not after the drape

@@ -28,11 +28,13 @@ class Reading:
         pieces: The garment, and the wearer's mesh where there is one.
         body: The wearer, where its file is of SMPL's format and has its own skeleton; else None.
         pattern: The base pattern, where it is a file; else None.
+        category: The garment's category where it is known from what else the person wears; else None.
     """
 
     pieces: Pieces
     body: Body | None = None
     pattern: Pattern | None = None
+    category: str | None = None
 
 
 def describe_reading(reading: Reading) -> dict[str, Any]:

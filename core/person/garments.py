@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ..body import Body
 from ..errors import BadInput
@@ -14,6 +15,7 @@ from ..reading import Reading
 from ..scan import Pieces, Scan, cut_garment
 from ..scan.raw import RawScan
 from ..scan.reconstruct import reconstruct
+from ..scan.thin import thin
 from ..segment import Contour, choose_category, name_contours
 from .confidence import garment_confidence
 from .openings import Surroundings, find_openings
@@ -23,6 +25,14 @@ from .separation import FoundContour, FoundGarment, Separation
 
 LEAST_AREA = 0.02
 """Area below which what looks like a garment is none [m2]: a bandeau or a brief has 0.05."""
+
+
+CLOUD_FACES = 300_000
+"""Triangles, two a point, that a cloud's surface is made of at most: 4 mm of a person, where the noise of the points
+that are left is averaged away as well as by more of them, at a tenth of a million points' cost."""
+
+BORDERING = 0.015
+"""Median distance from a border to the points of another garment up to which that one covers it [m]: two samples."""
 
 
 class PartNotWorn(BadInput):
@@ -53,10 +63,12 @@ def cut_garment_of(raw: RawScan, separation: Separation, part: Part, hooks: Hook
     hooks.check()
     whole, label = as_scan(raw, label, separation.body)
     garment = cut_garment(whole, label == part)
-    contours, _ = name_contours(garment.vertices, garment.faces, separation.body, garment.unseen, scanned=True)
-    garment = replace(garment, hidden=_mark_hidden(garment, contours, found[0].contours))
+    contours, holes = name_contours(garment.vertices, garment.faces, separation.body, garment.unseen, scanned=True)
+    hidden = _mark_hidden(garment, contours, found[0].contours)
+    hidden |= mark_covered(garment, holes, whole.vertices[np.isin(label, GARMENTS) & (label != part)])
+    garment = replace(garment, hidden=hidden)
     pieces = Pieces(garment, whole, np.isin(label, CLOTH), label.astype(np.int64))
-    return Reading(pieces, body=separation.body)
+    return Reading(pieces, body=separation.body, category=found[0].category or None)
 
 
 def find_garments(raw: RawScan, label: np.ndarray, confidence: np.ndarray, body: Body) -> tuple[FoundGarment, ...]:
@@ -69,7 +81,8 @@ def find_garments(raw: RawScan, label: np.ndarray, confidence: np.ndarray, body:
         body: The wearer.
     """
     sure = {part: garment_confidence(label, confidence, part) for part in GARMENTS if (label == part).any()}
-    whole, label = as_scan(raw, label, body)
+    small = thin(raw)
+    whole, label = as_scan(small, label[raw.place[small.origin]], body)
     area = lump(face_areas(whole.vertices, whole.faces), whole.faces, len(whole.vertices))
     around = Surroundings.of(whole, label, body)
     found = []
@@ -79,10 +92,37 @@ def find_garments(raw: RawScan, label: np.ndarray, confidence: np.ndarray, body:
             continue
         garment = cut_garment(whole, own)
         contours, _ = name_contours(garment.vertices, garment.faces, body, garment.unseen, scanned=True)
-        category = choose_category(contours, garment.vertices, body) if contours else ""
+        category = choose_part_category(part, contours, garment, body)
         openings = find_openings(garment, contours, part, around)
         found.append(FoundGarment(part, sure[part], category, openings))
     return tuple(found)
+
+
+def choose_part_category(part: Part, contours: tuple[Contour, ...], garment: Scan, body: Body) -> str:
+    """Choose the category of a garment of which it is known whether it is a top, a bottom or one piece.
+
+    A top that is long enough for a dress is a long top, since something else is worn below it.
+    """
+    if not contours:
+        return ""
+    category = choose_category(contours, garment.vertices, body)
+    if category == "dress" and part is not Part.ONE_PIECE:
+        above = tuple(contour for contour in contours if contour.name != "hem")
+        return choose_category(above, garment.vertices, body)
+    return category
+
+
+def mark_covered(garment: Scan, holes: tuple[np.ndarray, ...], others: np.ndarray) -> np.ndarray:
+    """Mark the vertices of borders without a name along which another garment lies, bool, shape [vertex_count].
+
+    So the two tubes of trousers below a long top end above.
+    """
+    covered = np.zeros(len(garment.vertices), bool)
+    tree = cKDTree(others) if len(others) else None
+    for hole in holes:
+        if tree is not None and np.median(tree.query(garment.vertices[hole])[0]) < BORDERING:
+            covered[hole] = True
+    return covered
 
 
 def as_scan(raw: RawScan, label: np.ndarray, body: Body) -> tuple[Scan, np.ndarray]:
@@ -93,6 +133,9 @@ def as_scan(raw: RawScan, label: np.ndarray, body: Body) -> tuple[Scan, np.ndarr
         label: Of its points, shape [point_count].
         body: The wearer: its normals say which side of a cloud is outside where the file does not.
     """
+    if raw.is_cloud:
+        cloud, raw = raw, thin(raw, CLOUD_FACES)
+        label = label[cloud.place[raw.origin]]
     points, faces, colours = raw.points, raw.faces, raw.colours
     if raw.is_cloud:
         normals = estimate_normals(points) if raw.normals is None else raw.normals

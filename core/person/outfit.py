@@ -30,6 +30,9 @@ PATCHES = 12.0
 """Independent observations that all points of a scan count as: what the geometry takes for a dress it does so on all of
 it at once, so that thousands of points say little more than a dozen would."""
 
+FAINT = 0.05
+"""Probability of upper and lower together up to which the waist line decides where a dress is cut, and not they."""
+
 FLOOR = 0.01
 """Least probability of a point under a reading: a bag or a bad spot speaks against each alike."""
 
@@ -54,7 +57,7 @@ def read_as(posterior: np.ndarray, outfit: tuple[Part, ...], above: np.ndarray) 
         read[:, whole] = posterior[:, [upper, lower, whole]].sum(axis=1)
     else:
         both = posterior[:, upper] + posterior[:, lower]
-        share = (posterior[:, upper] + 1e-3 * above) / (both + 1e-3)
+        share = (posterior[:, upper] + FAINT * above) / (both + FAINT)
         read[:, upper] += posterior[:, whole] * share
         read[:, lower] += posterior[:, whole] * (1.0 - share)
     read[:, [COLUMN[part] for part in GARMENTS if part not in outfit]] = 0.0

@@ -63,7 +63,7 @@ def name_contours(
     | bones of both legs | away from the pelvis | waist |
     | bones of one arm, beyond 0.4 of the upper arm | | cuff.SIDE |
     | bones of one arm, otherwise | | armhole.SIDE |
-    | bones of one leg | | leg.SIDE |
+    | bones of one leg | towards the pelvis | leg.SIDE |
 
     A hole that broke through a contour is bridged at its mouth: the contour goes on across it. A loop that encircles no
     bone is a hole, and so is the shorter of two of one name, and a name that no category has
@@ -177,7 +177,7 @@ def name_crossings(crossings: tuple[Crossing, ...], body: Body) -> str | None:
         if arms[side]:
             return f"cuff.{side}" if limb_place(crossings, side, ARM) > ARMHOLE_END else f"armhole.{side}"
         if legs[side]:
-            return f"leg.{side}"
+            return None if all(crossing.distal for crossing in legs[side]) else f"leg.{side}"
     return None
 
 

@@ -68,7 +68,7 @@ def segment_garment(scan: Scan, body: Body) -> Target:
         raise NoContour(
             f"{scan.name} has no open contour: {found}; give one open surface (no thickness), worn by the given body."
         )
-    check_parts(contours, scan.name)
+    check_parts(contours, scan.name, is_covered=scan.hidden is not None and bool(scan.hidden.any()))
     vertices, spikes = flatten_spikes(scan.vertices, scan.faces)
     vertices, noise = smooth_noise(vertices, scan.faces)
     if noise > 0.0 or spikes.any():
@@ -84,18 +84,24 @@ def segment_garment(scan: Scan, body: Body) -> Target:
     )
 
 
-def check_parts(contours: tuple[Contour, ...], name: str) -> None:
+def check_parts(contours: tuple[Contour, ...], name: str, is_covered: bool = False) -> None:
     """Refuse openings that no worn garment has: a body that goes in comes out below, and above or at both arms.
 
     So half a shirt, a garment upside down or beside its body, and an open front (hem and neckline are one boundary) end
     in a clear line and not in a pattern of something else. One contour may be missing on a whole garment (a neckline
-    under a closed hood), so nothing more is asked.
+    under a closed hood), so nothing more is asked. Of one that goes on below another garment one end is not seen:
+    trousers below a long top are two tubes.
+
+    Args:
+        contours: The named openings.
+        name: The scan's, for people.
+        is_covered: Whether the garment goes on below another one.
 
     Raises:
         PartMissing: where nothing is open below or nothing above.
     """
     missing = _missing(contours)
-    if missing:
+    if missing and not (is_covered and len(missing) == 1):
         found = {contour.name for contour in contours}
         raise PartMissing(
             f"{name} is no whole garment on this body: of its openings only {', '.join(sorted(found))} could be named, "
