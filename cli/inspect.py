@@ -10,7 +10,7 @@ import click
 
 from ..service.order import GARMENT, GIVEN_AS, PERSON
 from .labels import LabelOptions, label_options
-from .options import json_option
+from .options import AXES, UNITS, json_option
 
 if TYPE_CHECKING:
     from ..core.scan import Selection
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 )
 @click.option("--body", help="The wearer's mesh file, or builtin:female,height=1.70.")
 @label_options
-@click.option("--units", type=click.Choice(["m", "cm", "mm"]), help="Unit of the files.  [default: found]")
-@click.option("--up", type=click.Choice(["y", "z"]), help="Up axis of the files.  [default: found]")
+@click.option("--units", type=click.Choice(UNITS), help="Unit of the files.  [default: found]")
+@click.option("--up", type=click.Choice(AXES), help="Up axis of the files.  [default: found]")
 @json_option
 def command(
     file: Path,
@@ -86,23 +86,23 @@ def _understand(asked: _Asked, selection: Selection | None) -> dict[str, Any]:
         BadInput: where it cannot be used.
     """
     from ..core.errors import BadInput
-    from ..core.person.inspect import explain_garment, find_what, inspect_person
+    from ..core.person.inspect import explain_garment, find_what, inspect_person, is_no_person
     from ..core.segment import inspect_file
     from .terminal import note
 
-    is_open = asked.body is None and selection is None and asked.given_as != GARMENT
-    if asked.given_as == PERSON or is_open:
+    what = asked.given_as or GARMENT
+    if asked.given_as is None and selection is None:
+        body = asked.body
+        what = PERSON if body is None else find_what(asked.file, body, asked.units, asked.up)
+    if what == PERSON:
         try:
             return inspect_person(asked.file, asked.units, asked.up)
         except BadInput as error:
-            if asked.given_as == PERSON or not error.code.startswith("body."):
+            if asked.given_as == PERSON or asked.body is not None or not is_no_person(error):
                 raise
             note(explain_garment(error))
     found = inspect_file(asked.file, asked.body, units=asked.units, up=asked.up, selection=selection).as_dict()
-    what = GARMENT
-    if asked.body is not None and selection is None and asked.given_as is None:
-        what = find_what(asked.file, asked.body, found, asked.units, asked.up)
-    return {"as": what, **found}
+    return {"as": GARMENT, **found}
 
 
 def _rows(found: dict[str, Any], before: str = "") -> list[list[object]]:

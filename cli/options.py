@@ -15,6 +15,12 @@ from ..service.order import GIVEN_AS
 
 Decorator = Callable[..., Any]
 
+UNITS = ("m", "cm", "mm", "inch", "foot")
+"""Units of files; the last two of persons only."""
+
+AXES = ("y", "z", "-y", "-z")
+"""Axes of files that may point up; the last two of persons only."""
+
 home_option = click.option(
     "--home",
     type=click.Path(file_okay=False, path_type=Path),
@@ -152,8 +158,8 @@ def order_options(function: Decorator) -> Decorator:
             show_default=True,
             help="Weights of the deformation.",
         ),
-        click.option("--units", type=click.Choice(["m", "cm", "mm"]), help="Unit of the files.  [default: found]"),
-        click.option("--up", type=click.Choice(["y", "z"]), help="Up axis of the files.  [default: found]"),
+        click.option("--units", type=click.Choice(UNITS), help="Unit of the files.  [default: found]"),
+        click.option("--up", type=click.Choice(AXES), help="Up axis of the files.  [default: found]"),
         click.option(
             "--vertices",
             type=click.IntRange(500, 20000),

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..core.errors import BadInput
 from ..core.limited import Bounds, call_limited
 from .order import GARMENT, PERSON
 
@@ -95,6 +96,7 @@ def check_person(request: dict[str, Any], files: str) -> dict[str, Any]:
         BadInput: where a file cannot be used.
     """
     from ..core.person.given import PersonFiles, describe_given, read_given, save_given
+    from ..core.person.inspect import explain_garment, is_no_person
     from ..core.scan import Limits
     from .kinds import FileRef
     from .kinds import read_request as parse_request
@@ -110,6 +112,11 @@ def check_person(request: dict[str, Any], files: str) -> dict[str, Any]:
         wanted.settings.units,
         wanted.settings.up,
     )
-    given = read_given(found, Limits(is_confined=True))
+    try:
+        given = read_given(found, Limits(is_confined=True))
+    except BadInput as error:
+        if is_no_person(error) and wanted.given_as is None and wanted.body is None:
+            error.message = explain_garment(error)
+        raise
     save_given(given, folder / GIVEN)
     return describe_given(given)

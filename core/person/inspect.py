@@ -7,12 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from ..body import Body, fit_person, is_builtin
+from ..body import Body, NotHuman, builtin_body, fit_person, is_builtin, is_smpl, load_smpl, register_body
+from ..body.presence import ScanPartial
 from ..errors import BadInput
-from ..scan import load_pieces
+from ..scan import Pieces, load_pieces
 from ..scan.load_raw import load_raw
+from ..scan.refusal import NoFaces
 from .given import Given, describe_given
-from .whole import TALL, shows_person
+from .whole import shows_person, stands_tall
 
 PERSON, GARMENT = "person", "garment"
 """What a file can be taken for."""
@@ -38,36 +40,40 @@ def inspect_person(path: Path, units: str | None = None, up: str | None = None) 
     return found | {"body": body}
 
 
-def find_what(path: Path, body: Path | str, found: dict[str, Any], units: str | None, up: str | None) -> str:
+def find_what(path: Path, body: Path | str, units: str | None = None, up: str | None = None) -> str:
     """Return what a file that came with a body is taken for, as a job does: who shows head, hands or feet is a person.
 
     Args:
         path: The file.
         body: The wearer's file, or the description of a built-in body.
-        found: What `inspect_file` understood of both.
         units: `m`, `cm` or `mm`, or None to find it.
         up: `y` or `z`, or None to find it.
+
+    Raises:
+        BadInput: where a file cannot be used.
     """
-    if found["body"] is None or found["extent_m"][1] < TALL * found["body"]["height_m"]:
+    try:
+        pieces = load_pieces(path, None if is_builtin(body) else Path(body), units=units, up=up)
+    except NoFaces:
+        return PERSON  # a garment is a surface
+    if not stands_tall(pieces.garment, pieces.wearer):
         return GARMENT
-    wearer = _find_body(path, body, units, up)
-    pieces = load_pieces(path, None if is_builtin(body) else Path(body), units=units, up=up)
-    return PERSON if shows_person(pieces.garment, wearer) else GARMENT
+    return PERSON if shows_person(pieces.garment, _find_body(body, pieces)) else GARMENT
+
+
+def is_no_person(error: BadInput) -> bool:
+    """Return whether a refusal may be of a garment that was scanned alone."""
+    return error.code in (NotHuman.code, ScanPartial.code)
 
 
 def explain_garment(error: BadInput) -> str:
-    """Return why a file that came without a body is no person, and what it needs then."""
+    """Return why a file that came without a body is no person, and what it needs where it is a garment."""
     return f"{error.message} A garment that was scanned alone needs its wearer: --body."
 
 
-def _find_body(path: Path, body: Path | str, units: str | None, up: str | None) -> Body:
-    from ..body import builtin_body, is_smpl, load_smpl, register_body
-
-    if is_builtin(body):
+def _find_body(body: Path | str, pieces: Pieces) -> Body:
+    if is_builtin(body) or pieces.wearer is None:
         return builtin_body(str(body))
     if is_smpl(body):
         return load_smpl(Path(body))
-    wearer = load_pieces(path, Path(body), units=units, up=up).wearer
-    if wearer is None:
-        raise ValueError(f"{body} is no body")
-    return register_body(wearer.vertices, wearer.faces, name=wearer.name)
+    return register_body(pieces.wearer.vertices, pieces.wearer.faces, name=pieces.wearer.name)

@@ -12,10 +12,7 @@ from ...core.errors import BadInput
 from .kind import Work
 from .person_found import PersonFound
 from .person_request import GIVEN, PersonRequest
-from .recover_request import READING
-
-ALONE = "A garment that was scanned alone needs its wearer: --body."
-"""Ends the refusal of what was taken for a person since nobody said that it is a garment."""
+from .recover_request import READING, TOLD
 
 if TYPE_CHECKING:
     from ...core.hooks import Hooks
@@ -31,6 +28,7 @@ def take_apart(request: PersonRequest, work: Work, hooks: Hooks) -> PersonFound:
     """
     from ...core.person.describe import describe_person
     from ...core.person.given import load_given
+    from ...core.person.inspect import explain_garment, is_no_person
     from ...core.person_pipeline import Wanted
     from ...core.person_pipeline import take_apart as run
 
@@ -39,8 +37,8 @@ def take_apart(request: PersonRequest, work: Work, hooks: Hooks) -> PersonFound:
     try:
         apart = run(given, Wanted(request.wearing, request.marks, builtin), hooks)
     except BadInput as error:
-        if error.code.startswith("body.") and request.given_as is None and request.body is None:
-            error.message = f"{error.message} {ALONE}"
+        if is_no_person(error) and request.given_as is None and request.body is None:
+            error.message = explain_garment(error)
         raise
     separation = apart.separation
     person = describe_person(apart.raw, separation)
@@ -88,7 +86,7 @@ def _write(apart: Apart, given: Given, found: PersonFound, folder: Path) -> None
     report = report_person(apart.raw, apart.separation, found.warnings, (folder / "picture.png").read_bytes())
     (folder / "report.html").write_text(report, encoding="utf-8")
     told = json.dumps(found.person | {"metrics": found.metrics}, indent=1, ensure_ascii=False)
-    (folder / "person.json").write_text(f"{told}\n", encoding="utf-8")
+    (folder / TOLD).write_text(f"{told}\n", encoding="utf-8")
     for word, reading in apart.readings.items():
         own = given.patterns.get(word)
         (folder / word).mkdir()

@@ -6,6 +6,7 @@ import hashlib
 import json
 import math
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from ..jobs import Claim
 from ..models import BodyRow, JobRow, MaterialRow, MetricRow, PanelRow, PatternRow, ScanRow
 from .kind import Kind, Outcome, Turned, Work
 from .person_request import make_person
-from .recover_request import AS_PERSON, PERSON, RecoverRequest
+from .recover_request import AS_PERSON, PERSON, TOLD, RecoverRequest
 from .request import pack_request
 
 if TYPE_CHECKING:
@@ -41,7 +42,10 @@ class Recover(Kind):
 
     def run(self, request: RecoverRequest, work: Work, hooks: Hooks) -> Recovery:
         """Run the pipeline and write its files."""
-        recovery: Recovery = work.settings.find("pipeline")(request.unpack(work.files, work.inputs.get(PERSON)), hooks)
+        person = work.inputs.get(PERSON)
+        recovery: Recovery = work.settings.find("pipeline")(request.unpack(work.files, person), hooks)
+        if request.part is not None and person is not None:
+            recovery.metrics["confidence"] = _read_confidence(person, request.part)
         work.settings.find("writer")(recovery, work.out)
         return recovery
 
@@ -75,6 +79,15 @@ class Recover(Kind):
             "fabric": material.name if material else None,
             "body": body.source if body else None,
         }
+
+
+def _read_confidence(person: Path, part: str) -> float | None:
+    """Return how sure it is that a garment's points are its own, as the job that took the person apart wrote it."""
+    try:
+        told = json.loads((person / TOLD).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return None
+    return next((one["confidence"] for one in told["garments"] if one["part"] == part), None)
 
 
 def _is_person(request: Request, hooks: Hooks) -> bool:

@@ -13,6 +13,9 @@ from .request import FileRef, RequestBad
 READING = "reading.npz"
 """Holds what was read of the files, beside their folders."""
 
+TOLD = "person.json"
+"""File of such a result that says what was found, and how surely."""
+
 AS_PERSON = "as-person"
 """Lies there instead where the files turned out to be a whole person's."""
 

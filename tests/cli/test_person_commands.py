@@ -7,8 +7,11 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
+import trimesh
 from garmentq.cli.order import split_choice, split_locks
+from garmentq.core.body import builtin_body
 from garmentq.core.settings import SettingsBad
 from garmentq.service.jobs import find_job
 from garmentq_family_home import pieces, work_off
@@ -144,3 +147,23 @@ def test_parts_in_front(tmp_path):
     }  # fmt: skip
     with pytest.raises(SettingsBad):
         split_choice("fabric", ("a", "b"))
+
+
+def test_inspect_says_what_a_file_is(cli, tmp_path, monkeypatch):
+    """Breaks where a whole person on a body is shown as a garment, or a suit from neck to ankles as a person."""
+    monkeypatch.setattr("garmentq.core.person.inspect.inspect_person", lambda *_: {"as": "person"})
+    wearer = "builtin:female,height=1.70"
+    body = builtin_body(wearer)
+    corners = body.vertices[body.faces]
+    is_suit = (corners[..., 1].max(axis=1) < body.joint("neck")[1]) & (np.abs(corners[..., 0]).max(axis=1) < 0.6)
+    is_suit &= corners[..., 1].min(axis=1) > body.joint("left_ankle")[1]
+    for name, faces, said, what in (
+        ("whole", body.faces, (), "person"), ("suit", body.faces[is_suit], (), "garment"),
+        ("suit", body.faces[is_suit], ("--as", "garment"), "garment"),
+    ):  # fmt: skip
+        mesh = trimesh.Trimesh(body.vertices, faces, process=False)
+        mesh.remove_unreferenced_vertices()
+        mesh.export(tmp_path / f"{name}.ply")
+        done = cli("inspect", tmp_path / f"{name}.ply", "--body", wearer, *said, "--json")
+        assert done.returncode == 0, done.stderr
+        assert json.loads(done.stdout)["as"] == what

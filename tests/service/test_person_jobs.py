@@ -64,12 +64,14 @@ def test_each_garment_is_a_job(queue_person, persons, settings, database, store,
     assert found["upper"].request["settings"]["fabric"] == "denim"
     assert found["lower"].request["settings"]["fabric"] == "cotton_poplin"
     assert found["lower"].request["settings"]["template"] == "trousers"
+    (told,) = report_jobs(database, [found["upper"]], settings)
+    assert told.metrics["confidence"] == 0.97
     (told,) = report_jobs(database, [find_job(database, root)], settings)
     assert told.body == "mesh:standin" and told.metrics["confidence.upper"] == 0.97
     assert [one["part"] for one in told.details["garments"]] == ["upper", "lower"]
     paths = export_files(database, store, root, tmp_path / "out")
     names = sorted(path.relative_to(tmp_path / "out").as_posix() for path in paths)
-    assert names == ["labels.npz", "lower/reading.npz", "report.html", "upper/reading.npz"]
+    assert names == ["labels.npz", "lower/reading.npz", "person.json", "report.html", "upper/reading.npz"]
 
 
 def test_who_is_unsure_keeps_what_there_is_to_see(queue_person, persons, database, store, settings):

@@ -7,6 +7,7 @@ within the transaction that stores the result. `recover` is the garments' own st
 
 from __future__ import annotations
 
+import json
 import os
 from dataclasses import replace
 
@@ -19,7 +20,7 @@ from garmentq.core.scan import Pieces, Scan
 from garmentq.service.kinds import Work
 from garmentq.service.kinds.person_found import PersonFound
 from garmentq.service.kinds.person_request import PersonRequest
-from garmentq.service.kinds.recover_request import READING
+from garmentq.service.kinds.recover_request import READING, TOLD
 from garmentq_family import die_once
 from garmentq_standin import make_recovery
 
@@ -66,12 +67,13 @@ def take_apart(request: PersonRequest, work: Work, hooks: Hooks) -> PersonFound:
     recovery = make_recovery(Request(work.files / "scan" / name), 1.0)
     (work.out / "labels.npz").write_bytes(b"labels")
     (work.out / "report.html").write_text("<html></html>")
+    garments = [{"part": part, "category": "tshirt", "confidence": 0.97, "contours": []} for part in parts]
+    (work.out / TOLD).write_text(json.dumps({"garments": garments}))
     nodes = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]])
     piece = Scan(nodes, np.array([[0, 1, 2], [0, 2, 3]]), name=name)
     for part in parts:
         (work.out / part).mkdir()
         save_reading(Reading(Pieces(piece, piece), recovery.body), work.out / part / READING)
-    garments = [{"part": part, "category": "tshirt", "confidence": 0.97, "contours": []} for part in parts]
     outfits = [{"parts": parts, "score": -1.0}, {"parts": ["one-piece"], "score": -4.0}]
     person = {"garments": garments, "outfits": outfits, "parts": dict.fromkeys(parts, 2)}
     problem = Unsure() if name.startswith("unsure") else None
