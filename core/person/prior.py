@@ -83,8 +83,8 @@ def long_hair(points: PersonPoints, features: Features, body: Body, hair: np.nda
 
 
 SOLE = 0.0065
-"""Height [m] of the feet's cover, below and around, beyond which they are shod: seven tenths of the samples of bare feet
-are fitted within 2 to 8 mm, of shod ones within 9 to 20 (simulated persons)."""
+"""Height [m] of the feet's cover, below and around, beyond which they are shod: seven tenths of the samples of bare
+feet are fitted within 2 to 8 mm, of shod ones within 9 to 20 (simulated persons)."""
 TOES = (0.11, 0.02)
 """Spread of normals within 2 cm in the foremost quarter of the feet from which toes are seen, and how sharply: bare
 0.13, shod 0.08 (the same)."""

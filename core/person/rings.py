@@ -17,6 +17,9 @@ STEEPEST = 3
 BEND_COST = 0.8
 """Log-probability that each row up or down costs: a ring that tilts by 10 cm and back pays what five columns of a
 clear step gain."""
+DOUBT = 8.0
+"""Margin at which a ring is as likely wrong as right. On simulated persons sleeves' and legs' rings of margins 0 to 5,
+5 to 15, 15 to 30 and beyond lay within 2 cm of the true end in 0.21, 0.65, 0.67 and 0.81 of cases."""
 CORRELATION = 4.0
 """Columns whose evidence is as good as one's: folds and the fit's errors are 3 to 8 cm wide."""
 APART = 0.04
@@ -52,8 +55,12 @@ class Ring:
 
     @property
     def confidence(self) -> float:
-        """Return the probability that there is a ring and that it lies here and not elsewhere."""
-        return float(1.0 / (1.0 + np.exp(-self.score) + np.exp(self.second - self.score)))
+        """Return the probability that it lies within 2 cm of the true one: m / (m + `DOUBT`), m the margin.
+
+        The margin is the score beyond the second best ring's, or beyond none's where that is better.
+        """
+        margin = max(self.score - max(self.second, 0.0), 0.0)
+        return margin / (margin + DOUBT)
 
     def beyond(self, rows: int) -> np.ndarray:
         """Compute the probability that each cell lies beyond the ring (at a larger station), shape [rows, ANGLES]."""
