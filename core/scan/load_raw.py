@@ -82,7 +82,7 @@ def _read(path: Path, limits: Limits) -> _File:
     declared = check_header(path, limits, needs_faces=False)
     with path.open("rb") as file:
         sha256 = hashlib.file_digest(file, "sha256").hexdigest()
-    arrays = parse_file(path, declared.format, limits)
+    arrays = parse_file(path, declared.format, limits, textures=True)
     _check_arrays(path.name, arrays, declared, limits)
     return _File(path.stem, sha256, arrays, declared)
 
@@ -124,6 +124,7 @@ def _build(file: _File, units: str | None, up: str | None) -> RawScan:
     if not finite.all():
         notes.append(_count(int((~finite).sum()), "point without a position", "points without a position"))
     mended = _mend(arrays, finite)
+    notes += [str(text) for text in arrays.get("told", ())]
     notes += mended.notes
     profiles = build_profiles()
     given = None if up is None else (up,)

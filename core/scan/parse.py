@@ -14,39 +14,41 @@ from . import refusal
 from .cloud import parse_pcd, parse_xyz
 from .columns import as_bytes, find_labels, read_fields
 from .limits import Limits
+from .texture import add_texture
 
 
-def parse_file(path: Path, form: str, limits: Limits) -> dict[str, np.ndarray]:
+def parse_file(path: Path, form: str, limits: Limits, textures: bool = False) -> dict[str, np.ndarray]:
     """Parse a file under its limits.
 
     Args:
         path: The file.
         form: One of `header.FORMATS` or `header.CLOUDS`.
         limits: What parsing may cost.
+        textures: Whether colours may come from a texture.
 
     Raises:
         BadInput: where the content cannot be read, or costs too much.
     """
     if limits.is_confined:
-        return _parse_or_refuse(path, form)
+        return _parse_or_refuse(path, form, textures)
     with tempfile.TemporaryDirectory(prefix="garmentq-parse-") as folder:
         target = Path(folder) / "arrays.npz"
-        names = {"source": str(path.resolve()), "form": form, "target": str(target)}
+        names = {"source": str(path.resolve()), "form": form, "target": str(target), "textures": textures}
         call_limited(f"{__name__}:write_arrays", names, limits)
         with np.load(target, allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
 
 
-def write_arrays(source: str, form: str, target: str) -> dict[str, Any]:
+def write_arrays(source: str, form: str, target: str, textures: bool = False) -> dict[str, Any]:
     """Parse a file and write its arrays without pickle; runs in a limited process."""
-    np.savez(target, **_parse_or_refuse(Path(source), form))  # type: ignore[arg-type]
+    np.savez(target, **_parse_or_refuse(Path(source), form, textures))  # type: ignore[arg-type]
     return {}
 
 
-def _parse_or_refuse(path: Path, form: str) -> dict[str, np.ndarray]:
+def _parse_or_refuse(path: Path, form: str, textures: bool = False) -> dict[str, np.ndarray]:
     """Parse a file; a parser fails in any way on a hostile one, and the user gets one line of it."""
     try:
-        return parse(path, form)
+        return parse(path, form, textures)
     except BadInput as error:
         error.message = f"{path.name} cannot be read: {error.message}; export the mesh again."
         raise
@@ -57,21 +59,27 @@ def _parse_or_refuse(path: Path, form: str) -> dict[str, np.ndarray]:
         raise refusal.Unreadable(f"{path.name} cannot be read: {first[:160]}; export the mesh again.") from error
 
 
-def parse(path: Path, form: str) -> dict[str, np.ndarray]:
-    """Parse a file into `vertices`, `faces` and, where it has them, `normals`, `colours` (RGB bytes) and `labels`."""
+def parse(path: Path, form: str, textures: bool = False) -> dict[str, np.ndarray]:
+    """Parse a file into `vertices`, `faces` and, where it has them, `normals`, `colours` (RGB bytes) and `labels`.
+
+    With `textures` colours may come from one, and `told` says why they do not.
+    """
     if form == "pcd":
         return parse_pcd(path)
     if form == "xyz":
         return parse_xyz(path)
     if form == "obj":
-        return _parse_obj(path)
+        arrays = _parse_obj(path)
+        return add_texture(arrays, path, form) if textures else arrays
     if form == "glb":
-        return _parse_glb(path)
+        return _parse_glb(path, textures)
     if form == "ply":
         from trimesh.exchange.ply import load_ply
 
         with path.open("rb") as file:
-            return _pick(load_ply(file, skip_materials=True, fix_texture=False))
+            loaded = load_ply(file, skip_materials=True, fix_texture=False)
+        arrays = _pick(loaded)
+        return add_texture(arrays, path, form, loaded) if textures else arrays
     if form == "stl":
         from trimesh.exchange.stl import load_stl
 
@@ -106,11 +114,11 @@ def _pick(loaded: dict[str, Any]) -> dict[str, np.ndarray]:
     return arrays
 
 
-def _parse_glb(path: Path) -> dict[str, np.ndarray]:
+def _parse_glb(path: Path, textures: bool) -> dict[str, np.ndarray]:
     import trimesh
 
     with path.open("rb") as file:
-        scene = trimesh.load_scene(file, file_type="glb", skip_materials=True, process=False)
+        scene = trimesh.load_scene(file, file_type="glb", skip_materials=not textures, process=False)
     dumped = scene.dump()
     parts = [part for part in dumped if isinstance(part, trimesh.Trimesh) and len(part.faces)]
     if not parts:
@@ -123,7 +131,7 @@ def _parse_glb(path: Path) -> dict[str, np.ndarray]:
     looks = [part.visual for part in parts if isinstance(part.visual, trimesh.visual.ColorVisuals)]
     if len(looks) == len(parts) and all(look.kind == "vertex" for look in looks):
         arrays["colours"] = as_bytes(np.concatenate([np.asarray(look.vertex_colors)[:, :3] for look in looks]))
-    return arrays
+    return add_texture(arrays, path, "glb", parts) if textures else arrays
 
 
 def _join_clouds(parts: list[Any]) -> dict[str, np.ndarray]:

@@ -1,0 +1,204 @@
+"""Sample a scan's texture at its vertices: image and coordinates of an OBJ, a PLY or a GLB.
+
+All of it is read where the mesh is, in the limited process, and the size of an image is known from its header before a
+pixel is decoded. A texture that cannot be had is no error: the scan is then one without colours, and that is told.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .columns import as_bytes
+
+PIXELS = 150_000_000
+"""Most pixels of an image that is read: two of 8K by 8K, 0.5 GB decoded."""
+SHARP = 4096
+"""Pixels of a side from which on a JPEG is decoded at half its size or less: on a person one every half millimetre."""
+WHITE = np.array([255, 255, 255])
+"""Colour of what has no material."""
+_FORMATS = ("PNG", "JPEG", "BMP", "WEBP", "TGA", "TIFF")
+_MTL_BYTES = 1 << 20
+"""Largest material file read."""
+
+
+class TextureBad(Exception):
+    """A texture cannot be used; the text says why, for the scan's notes."""
+
+
+def open_image(source: Path, name: str) -> np.ndarray:
+    """Decode an image to RGB, bytes, shape [height, width, 3]; one that is too large is not decoded.
+
+    Raises:
+        TextureBad: where it is none that is read.
+    """
+    from PIL import Image
+
+    try:
+        with Image.open(source, formats=_FORMATS) as image:
+            return decode(image, name)
+    except (MemoryError, TextureBad):
+        raise
+    except Exception as error:  # Pillow's readers fail in any way on a hostile file
+        raise TextureBad(f"{name} is no image that is read") from error
+
+
+def decode(image: Any, name: str) -> np.ndarray:
+    """Decode an image of which Pillow has read the header, as `open_image` does."""
+    width, height = image.size
+    if width * height > PIXELS:
+        raise TextureBad(f"{name} has {width} x {height} pixels, more than are read")
+    try:
+        image.draft("RGB", (SHARP, SHARP))
+        return np.asarray(image.convert("RGB"))
+    except MemoryError:
+        raise
+    except Exception as error:
+        raise TextureBad(f"{name} cannot be decoded") from error
+
+
+def sample_image(image: np.ndarray, uv: np.ndarray) -> np.ndarray:
+    """Sample an image at coordinates from its lower left corner, repeated beyond 0..1, bilinear; shape [n, 3]."""
+    height, width = image.shape[:2]
+    uv = np.nan_to_num(uv)
+    edge = (uv == 1.0) | ((uv > 0.0) & (uv < 1.0))
+    uv = np.where(edge, uv, uv - np.floor(uv))
+    x = np.clip(uv[:, 0] * width - 0.5, 0.0, width - 1.0)
+    y = np.clip((1.0 - uv[:, 1]) * height - 0.5, 0.0, height - 1.0)
+    left, top = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
+    right, low = np.minimum(left + 1, width - 1), np.minimum(top + 1, height - 1)
+    s, t = (x - left)[:, None], (y - top)[:, None]
+    above = (1.0 - s) * image[top, left] + s * image[top, right]
+    below = (1.0 - s) * image[low, left] + s * image[low, right]
+    return (1.0 - t) * above + t * below
+
+
+def add_texture(arrays: dict[str, np.ndarray], path: Path, form: str, loaded: Any = None) -> dict[str, np.ndarray]:
+    """Add `colours` from a texture, where a file has no others and names one; else `told`, why there are none."""
+    if "colours" in arrays or form not in ("obj", "ply", "glb"):
+        return arrays
+    try:
+        if form == "obj":
+            colours = _colour_obj(path, len(arrays["vertices"]))
+        elif form == "ply":
+            colours = _colour_ply(path, loaded)
+        else:
+            colours = _colour_glb(loaded)
+    except TextureBad as error:
+        text = f"Colours were not read: {error}; a GLB holds its texture itself."
+        return arrays | {"told": np.array([text])}
+    return arrays if colours is None else arrays | {"colours": as_bytes(np.round(colours).astype(np.int64))}
+
+
+def find_beside(path: Path, name: str) -> Path:
+    """Return the file of a name in a scan's folder or below it.
+
+    Raises:
+        TextureBad: where there is none, as in a job, which has the scan's own file alone.
+    """
+    name = name.strip().strip('"').replace("\\", "/")
+    folder = path.parent.resolve()
+    for wanted in (name, Path(name).name):
+        try:
+            found = (folder / wanted).resolve()
+            if found.is_relative_to(folder) and found.is_file():
+                return found
+        except (OSError, ValueError):
+            continue
+    raise TextureBad(f"its file '{Path(name).name[:60]}' is not beside the scan")
+
+
+def _colour_obj(path: Path, count: int) -> np.ndarray | None:
+    """Return the mean colour at the corners of each vertex, or None where no material has an image."""
+    uv, corners, materials, libraries = _read_obj_corners(path, count)
+    if not len(uv) or not libraries:
+        return None
+    images = {name: file for library in libraries for name, file in _read_mtl(find_beside(path, library)).items()}
+    sums, hits = np.zeros((count, 3)), np.zeros(count)
+    for name in sorted({material for material in materials if material in images}):
+        image = open_image(find_beside(path, images[name]), f"the texture '{Path(images[name]).name[:60]}'")
+        mine = corners[np.array(materials)[corners[:, 2]] == name]
+        found = sample_image(image, uv[mine[:, 1]])
+        hits += np.bincount(mine[:, 0], minlength=count)
+        sums += np.stack([np.bincount(mine[:, 0], found[:, k], count) for k in range(3)], axis=1)
+    if not hits.any():
+        return None
+    return sums / np.maximum(hits, 1.0)[:, None]
+
+
+def _read_obj_corners(path: Path, count: int) -> tuple[np.ndarray, np.ndarray, list[str], list[str]]:
+    """Read the texture coordinates [t, 2], of each corner vertex, coordinate and material [c, 3], and their names."""
+    uv: list[tuple[float, float]] = []
+    corners: list[tuple[int, int, int]] = []
+    materials, libraries = [""], []
+    seen = 0
+    with path.open("r", encoding="utf-8", errors="replace") as file:
+        for line in file:
+            if line.startswith("v "):
+                seen += 1
+            elif line.startswith("vt"):
+                words = line.split()
+                uv.append((float(words[1]), float(words[2])))
+            elif line.startswith("mtllib"):
+                libraries.append(line.split(None, 1)[1].strip())
+            elif line.startswith("usemtl"):
+                materials.append(line.split(None, 1)[1].strip())
+            elif line.startswith("f ") and "/" in line:
+                for word in line.split("#", 1)[0].split()[1:]:
+                    parts = word.split("/")
+                    if len(parts) > 1 and parts[1]:
+                        v, t = int(parts[0]), int(parts[1])
+                        own, place = v - 1 if v > 0 else seen + v, t - 1 if t > 0 else len(uv) + t
+                        corners.append((own, place, len(materials) - 1))
+    table = np.array(corners, np.int64).reshape(-1, 3)
+    if len(table) and (table[:, 1].max() >= len(uv) or table[:, 1].min() < 0 or table[:, 0].max() >= count):
+        raise TextureBad("its texture coordinates are not all there")
+    return np.array(uv, np.float64).reshape(-1, 2), table, materials, libraries
+
+
+def _read_mtl(path: Path) -> dict[str, str]:
+    """Read the name of the image of each material; options before it are left out."""
+    found, name = {}, ""
+    with path.open("rb") as file:
+        text = file.read(_MTL_BYTES).decode("utf-8", "replace")
+    for line in text.splitlines():
+        words = line.strip().split(None, 1)
+        if len(words) == 2 and words[0] == "newmtl":
+            name = words[1].strip()
+        elif len(words) == 2 and words[0].lower() == "map_kd":
+            found[name] = re.sub(r"^(-\w+(\s+[-+.\deE]+|\s+on|\s+off)*\s+)+", "", words[1]).strip()
+    return found
+
+
+def _colour_ply(path: Path, loaded: Any) -> np.ndarray | None:
+    with path.open("rb") as file:
+        head = file.read(65536)
+    named = re.search(rb"(?m)^comment[ \t]+TextureFile[ \t]+([^\r\n]+)", head[: head.find(b"end_header")])
+    uv = getattr(loaded.get("visual"), "uv", None)
+    if named is None or uv is None:
+        return None
+    name = named.group(1).decode("utf-8", "replace")
+    return sample_image(open_image(find_beside(path, name), f"the texture '{Path(name).name[:60]}'"), np.asarray(uv))
+
+
+def _colour_glb(parts: Any) -> np.ndarray | None:
+    """Return the colours of the vertices of all parts of a scene, from images within the file; a part may have none."""
+    decoded: dict[int, np.ndarray] = {}
+    colours, found = [], False
+    for part in parts:
+        uv, material = getattr(part.visual, "uv", None), getattr(part.visual, "material", None)
+        image = getattr(material, "baseColorTexture", None)
+        if image is None or uv is None or len(uv) != len(part.vertices):
+            factor = getattr(material, "baseColorFactor", None)
+            colours.append(
+                np.tile(WHITE if factor is None else as_bytes(np.asarray(factor)[:3]), (len(part.vertices), 1))
+            )
+            continue
+        if id(image) not in decoded:
+            decoded[id(image)] = decode(image, "the texture")
+        colours.append(sample_image(decoded[id(image)], np.asarray(uv)))
+        found = True
+    return np.concatenate(colours) if found else None
