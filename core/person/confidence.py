@@ -27,6 +27,9 @@ UNSURE_GARMENT = 0.6
 WARN_GARMENT = 0.8
 """The same, below which it is said."""
 
+UNSURE_OUTFIT = 0.7
+"""Log-odds of the two best readings below which a person should look first: two to one."""
+
 WARN_OUTFIT = 2.0
 """Log-odds of the two best readings below which both are named."""
 
@@ -92,11 +95,21 @@ def judge(
         hidden = [contour.name for contour in garment.contours if contour.is_inferred]
         if hidden:
             warnings.append(f"Nothing shows where the {garment.part.word} ends at {', '.join(hidden)}: inferred.")
-    weak = [garment for garment in garments if garment.confidence < UNSURE_GARMENT]
-    if weak and not told:
-        names = ", ".join(garment.part.word for garment in weak)
-        return tuple(warnings), Unsure(f"What was found of {names} is unsure. {Unsure().message}")
-    return tuple(warnings), None
+    return tuple(warnings), None if told else _find_problem(garments, outfits)
+
+
+def _find_problem(garments: tuple[FoundGarment, ...], outfits: tuple[Outfit, ...]) -> BadInput | None:
+    """Return why a person should look first, or None."""
+    weak = [garment.part.word for garment in garments if garment.confidence < UNSURE_GARMENT]
+    if weak:
+        return Unsure(f"What was found of {', '.join(weak)} is unsure. {Unsure().message}")
+    shapeless = [garment.part.word for garment in garments if not garment.category]
+    if shapeless:
+        return Unsure(f"The openings of {', '.join(shapeless)} could not be made out. {Unsure().message}")
+    if len(outfits) > 1 and outfits[0].score - outfits[1].score < UNSURE_OUTFIT:
+        first, second = (" and ".join(part.word for part in outfit.parts) for outfit in outfits[:2])
+        return Unsure(f"It may be {first}, or {second}. {Unsure().message}")
+    return None
 
 
 def garment_confidence(label: np.ndarray, confidence: np.ndarray, part: Part) -> float:

@@ -11,7 +11,7 @@ from ..body import Body, PersonFit, PointWeights, fit_person, refit_person
 from ..hooks import SILENT, Hooks
 from ..scan.raw import RawScan
 from .colour import use_colours
-from .confidence import judge
+from .confidence import judge, temper
 from .crumbs import give_crumbs
 from .diffusion import Links, diffuse, link_points
 from .features import Features, describe_points
@@ -89,7 +89,7 @@ def separate(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT) ->
     if told is None:
         column = give_crumbs(column, points.positions, area, links)
         column = apply_marks(column, hints.marks, raw, points, links)
-    posterior = _believe(posterior, column)
+    posterior = temper(_believe(posterior, column))
     fit = _refit(fit, points, posterior, hooks)
     carried = points.carry(posterior.astype(np.float32))
     at, sure = NUMBERS[carried.argmax(axis=1)], carried.max(axis=1)
