@@ -106,7 +106,7 @@ def _check_arrays(name: str, arrays: dict[str, np.ndarray], declared: Declared, 
         bad = int(faces.min() if faces.min() < 0 else faces.max())
         raise refusal.IndicesBroken(f"{name}: a face refers to vertex {bad} of {len(vertices)}; export the scan again.")
     finite = np.isfinite(vertices).all(axis=1)
-    if len(faces) and not finite[np.unique(faces)].all():
+    if len(faces) and not finite.all() and not finite[faces].all():
         raise refusal.NotFinite(f"{name}: vertices of faces are NaN or infinite; clean the scan and export it again.")
     if finite.sum() < LEAST:
         raise refusal.MeshEmpty(f"{name} holds {int(finite.sum())} points, too few for a person; export it again.")
