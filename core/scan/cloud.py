@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from . import refusal
-from .cloud_header import PcdHeader, read_pcd_header, split_row
+from .cloud_header import PcdHeader, read_pcd_header
 from .columns import as_bytes, find_labels
 
 _HEAD_BYTES = 65536
+_BLANKS = str.maketrans(",;", "  ")
 COLUMNS = (3, 4, 6, 7, 9, 10)
 """Numbers in a row of an XYZ: position, then perhaps an intensity, a colour or a normal, or both."""
 UNIT_SLACK = 0.05
@@ -36,24 +37,16 @@ def parse_pcd(path: Path) -> dict[str, np.ndarray]:
 
 def _read_ascii(header: PcdHeader, text: str) -> dict[str, np.ndarray]:
     width = sum(header.counts)
-    table = np.array(text.split(), dtype=np.str_)
-    if len(table) != width * header.points:
-        raise refusal.CountsDiffer(f"{header.points} points of {width} numbers are declared, and {len(table)} are held")
-    table = table.reshape(header.points, width)
+    table = np.loadtxt(text.splitlines(), dtype=np.float64, comments=None, ndmin=2)
+    if table.shape != (header.points, width):
+        held = " x ".join(str(side) for side in table.shape)
+        raise refusal.CountsDiffer(f"{header.points} x {width} numbers are declared, and {held} are held")
     first = np.cumsum((0, *header.counts))
     return {
-        name: _as_type(table[:, start], kind)
+        name: table[:, start].astype(kind) if kind[1] == "f" else table[:, start].astype(np.int64).astype(kind)
         for name, kind, start in zip(header.names, header.types, first[:-1].tolist(), strict=True)
         if name != "_"
     }
-
-
-def _as_type(words: np.ndarray, kind: str) -> np.ndarray:
-    """Return a column of words as numbers; a whole number may be written as a float."""
-    values = words.astype(np.float64)
-    if kind[1] == "f":
-        return values.astype(kind)
-    return values.astype(np.int64).astype(kind)
 
 
 def _read_rows(header: PcdHeader, content: bytes) -> dict[str, np.ndarray]:
@@ -152,12 +145,10 @@ def parse_xyz(path: Path) -> dict[str, np.ndarray]:
         lines = lines[1:]
     if not lines:
         raise refusal.MeshEmpty("it holds no points")
-    width = len(split_row(lines[0]))
-    joined = "\n".join(lines).replace(",", " ").replace(";", " ")
-    words = joined.split()
-    if width not in COLUMNS or len(words) != width * len(lines):
-        raise refusal.Unreadable(f"its rows have not all {width} numbers, or that is none of {COLUMNS}")
-    table = np.array(words, dtype=np.float64).reshape(-1, width)
+    table = np.loadtxt((line.translate(_BLANKS) for line in lines), dtype=np.float64, comments=None, ndmin=2)
+    width = table.shape[1]
+    if width not in COLUMNS:
+        raise refusal.Unreadable(f"its rows have {width} numbers, which is none of {COLUMNS}")
     arrays = {"vertices": table[:, :3].copy(), "faces": np.zeros((0, 3), np.int64)}
     rest = table[:, 3:]
     rest = rest[:, 1:] if width in (4, 7, 10) else rest
