@@ -12,7 +12,7 @@ class FileMissing(BadInput):
 
 
 class FormatUnknown(BadInput):
-    """This kind of file is not read; export the mesh as PLY, OBJ, STL, OFF or GLB."""
+    """This kind of file is not read; export the mesh as PLY, OBJ, STL, OFF or GLB, or a cloud as PLY, PCD or XYZ."""
 
     code = "scan.format"
 
