@@ -10,7 +10,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 export MKL_NUM_THREADS ?= 1
 export NUMBA_NUM_THREADS ?= 1
 
-.PHONY: demo test nightly lint types bench clean
+.PHONY: demo test nightly lint types bench persons train clean
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV) || python3 -m venv $(VENV)
@@ -49,6 +49,18 @@ types: $(VENV)/.installed-test
 
 bench: $(VENV)/.installed
 	$(BIN)/garmentq bench $(PACKS)
+
+# The set that weights are trained on, and the weights. A tiny run of all of it: make train PERSONS=3 EPOCHS=1
+PERSONS ?= 120
+EPOCHS ?= 30
+SET ?= out/persons
+persons: $(VENV)/.installed
+	$(BIN)/python -m garmentq.training.persons --out $(SET)/scans --count $(PERSONS)
+	$(BIN)/python -m garmentq.training.describe --persons $(SET)/scans --out $(SET)/samples
+
+train: persons
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[training]'
+	$(BIN)/python -m garmentq.training.train --samples $(SET)/samples --out $(SET)/weights --epochs $(EPOCHS) --boosted
 
 clean:
 	rm -rf $(VENV) demo build dist *.egg-info

@@ -13,6 +13,9 @@ from ..core.body import Body, register_body
 from ..core.body.skinning import skin, unskin
 from ..core.body.template import load_template
 
+Mesh = tuple[np.ndarray, np.ndarray]
+"""Vertices [m], shape [n, 3], and faces, shape [m, 3]."""
+
 DECIMETRE = 0.1
 """Metres per unit of the base mesh."""
 
@@ -28,19 +31,6 @@ class BaseMesh:
 
     vertices: np.ndarray
     body: Body
-
-
-@dataclass(frozen=True)
-class Worn:
-    """Hold a mesh that was made on the base mesh.
-
-    Attributes:
-        vertices: Positions around the built-in body's mean in its T-pose [m], shape [n, 3].
-        faces: Triangles, shape [m, 3].
-    """
-
-    vertices: np.ndarray
-    faces: np.ndarray
 
 
 def read_base_mesh(path: Path) -> BaseMesh:
@@ -71,8 +61,8 @@ def read_obj(path: Path) -> tuple[np.ndarray, list[tuple[str, np.ndarray]]]:
     return np.array(vertices), [(name, np.array(faces)) for name, faces in groups.items()]
 
 
-def read_worn(folder: Path, name: str, base: BaseMesh) -> Worn:
-    """Read a mesh with its ties to the base mesh and put it around the built-in body's mean in its T-pose.
+def read_worn(folder: Path, name: str, base: BaseMesh) -> Mesh:
+    """Read a mesh with its ties to the base mesh and put it around the built-in body's mean in its T-pose [m].
 
     A vertex lies at the weighted mean of three vertices of the base mesh plus an offset, which scales with the distance
     of two of its vertices along each axis (MakeHuman's `.mhclo`). From there it goes with the nearest skin.
@@ -86,7 +76,7 @@ def read_worn(folder: Path, name: str, base: BaseMesh) -> Worn:
     model = skin(body.rest_vertices, body.rest_weights, body.transforms)
     both = surface_values(model, body.rest_faces, np.hstack([body.rest_weights, to_mean]), tied)
     rest = unskin(tied, both[:, :24], body.transforms) + both[:, 24:]
-    return Worn(rest, np.concatenate([faces for _, faces in groups]))
+    return rest, np.concatenate([faces for _, faces in groups])
 
 
 def surface_values(vertices: np.ndarray, faces: np.ndarray, values: np.ndarray, points: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .base_mesh import Worn, read_base_mesh, read_worn
+from .base_mesh import Mesh, read_base_mesh, read_worn
 
 ASSET = Path(__file__).parent / "assets" / "accessories.npz"
 
@@ -34,10 +34,10 @@ def build(folder: Path, path: Path = ASSET) -> int:
     return len(arrays) // 2
 
 
-def keep(arrays: dict[str, np.ndarray], name: str, worn: Worn) -> None:
+def keep(arrays: dict[str, np.ndarray], name: str, worn: Mesh) -> None:
     """Add a mesh to the arrays of a file."""
-    arrays[f"{name}.vertices"] = np.round(worn.vertices / STEP).astype(np.int16)
-    arrays[f"{name}.faces"] = worn.faces.astype(np.uint16)
+    arrays[f"{name}.vertices"] = np.round(worn[0] / STEP).astype(np.int16)
+    arrays[f"{name}.faces"] = worn[1].astype(np.uint16)
 
 
 def main() -> None:

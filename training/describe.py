@@ -11,16 +11,22 @@ import argparse
 import json
 import time
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ..core.body.fit import State
 from ..core.body.person import PersonFit, PointWeights, fit_person, refit_person
+from ..core.body.registration import body_of_state
+from ..core.body.template import load_template
 from ..core.errors import GarmentqError
 from ..core.person import CLOTH, Part
 from ..core.person.features import VERSION, describe_points
 from ..core.person.points import PersonPoints, sample_person
+from ..core.person.rules import predict_by_rules
+from .runtime import network_inputs
 from .shards import Shard, load_shard
 
 WRONG = (0.02, 0.2)
@@ -37,21 +43,32 @@ class Described:
         values: Features, float32, shape [n, F].
         positions: Positions [m], shape [n, 3].
         normals: Unit normals, shape [n, 3].
-        parts: Share of each folded part of the body, shape [n, 11].
+        limb: The `Limb` of each sample, shape [n].
+        station: Length along it [m], shape [n].
+        rules: The rules' posterior in the order of `PARTS`, shape [n, 8].
         label: `Part` numbers, shape [n].
         tightness: Distance to the true body [m], shape [n].
         border: Distance to another label [m], shape [n].
+        state: The fit: shape coefficients, rotations [24 * 9] and translation [3], one after the other.
         about: The scan's, with `body_error`, the mean distance of the true body to the fitted one [m].
     """
 
     values: np.ndarray
     positions: np.ndarray
     normals: np.ndarray
-    parts: np.ndarray
+    limb: np.ndarray
+    station: np.ndarray
+    rules: np.ndarray
     label: np.ndarray
     tightness: np.ndarray
     border: np.ndarray
+    state: np.ndarray
     about: dict
+
+    @cached_property
+    def inputs(self) -> np.ndarray:
+        """Return what the learners read, shape [n, F + 8]."""
+        return network_inputs(self.values, self.rules)
 
 
 def describe(shard: Shard, rounds: int) -> Described:
@@ -74,12 +91,27 @@ def describe(shard: Shard, rounds: int) -> Described:
         features.values,
         points.positions,
         points.normals,
-        features.place.parts,
+        features.place.limb,
+        features.place.station,
+        predict_by_rules(points, features, fit),
         shard.label[near],
         shard.tightness[near],
         shard.border[near],
+        pack_state(fit.state),
         about,
     )
+
+
+def pack_state(state: State) -> np.ndarray:
+    """Return a fit as one row of numbers."""
+    return np.concatenate([state.shape, state.rotations.ravel(), state.translation])
+
+
+def unpack_fit(packed: np.ndarray) -> PersonFit:
+    """Return the fit of a row of numbers, without its figures."""
+    packed = packed.astype(np.float64)
+    state = State(packed[:-219], packed[-219:-3].reshape(24, 3, 3), packed[-3:])
+    return PersonFit(body_of_state(load_template(), state, 0.0), state, 0.0, 0.0, 0.0, 0.0)
 
 
 def nearest_points(points: PersonPoints, shard: Shard) -> np.ndarray:
@@ -103,12 +135,12 @@ def _refit(fit: PersonFit, points: PersonPoints, label: np.ndarray, seed: int) -
 def save_described(described: Described, path: Path) -> None:
     """Write the samples of a scan."""
     started = path.with_suffix(".part")
-    arrays = {k: v for k, v in described.__dict__.items() if k != "about"}
+    arrays = {k: v for k, v in described.__dict__.items() if k not in ("about", "inputs")}
     with started.open("wb") as file:
         np.savez(
             file,
             about=json.dumps(described.about),
-            **{k: v.astype(np.float32) if v.dtype == np.float64 else v for k, v in arrays.items()},
+            **{k: v.astype(np.float32) if v.dtype == np.float64 and k != "state" else v for k, v in arrays.items()},
         )
     started.replace(path)
 

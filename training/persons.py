@@ -8,15 +8,18 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from ..core.body import Body, DistanceGrid
 from ..core.body.template import Template, load_template
 from ..core.person import Part
 from .accessories import bare_skin, draw_accessories
+from .outfits import Outfit, load_outfits, wear_outfit
 from .scanner import draw_scanner, scan_person
 from .shards import Shard, save_shard
 from .wardrobe import Layer, draw_outfit, grid_of, put_on, take_pose
@@ -43,16 +46,36 @@ def simulate(seed: int, scans: int, held_out: bool = False) -> Iterator[Shard]:
         return
     for scan in range(scans):
         own = np.random.default_rng([REVISION, seed, scan])
-        shard, about = _scan(template, shape, worn, own)
+        shard, about = _scan(template, shape, partial(take_pose, worn), own)
         about |= {"seed": seed, "scan": scan, "gender": gender, "held_out": held_out}
         about["garments"] = [one.piece.template for one in worn]
         yield replace(shard, about=about)
 
 
-def _scan(template: Template, shape: np.ndarray, worn: list, rng: np.random.Generator) -> tuple[Shard, dict]:
-    """Pose, finish and scan a person who is dressed in the T-pose."""
+def simulate_outfit(seed: int, scans: int, outfits: dict[str, Outfit]) -> Iterator[Shard]:
+    """Yield the scans of one person in an outfit that was modelled by hand."""
+    template = load_template()
+    rng = np.random.default_rng([REVISION, seed])
+    gender, shape = draw_shape(template, rng)
+    name = sorted(outfits)[seed % len(outfits)]
+
+    def wear(body: Body, grid: DistanceGrid, rng: np.random.Generator) -> list[Layer]:
+        return wear_outfit(template, body, outfits[name])
+
+    for scan in range(scans):
+        shard, about = _scan(template, shape, wear, np.random.default_rng([REVISION, seed, scan]))
+        about |= {"seed": seed, "scan": scan, "gender": gender, "held_out": True, "garments": [name]}
+        yield replace(shard, about=about)
+
+
+Wear = Callable[[Body, DistanceGrid, np.random.Generator], list[Layer]]
+"""From a body in its pose, the distance to it and a generator to what is worn."""
+
+
+def _scan(template: Template, shape: np.ndarray, wear: Wear, rng: np.random.Generator) -> tuple[Shard, dict]:
+    """Pose, dress and scan a person."""
     pose, body = draw_pose(template, shape, rng)
-    layers = take_pose(worn, body, grid_of(body), rng)
+    layers = wear(body, grid_of(body), rng)
     layers += draw_accessories(template, body, layers, rng)
     layers.append(Layer(Part.SKIN, bare_skin(body, layers)))
     scanner = draw_scanner(rng)
@@ -61,14 +84,18 @@ def _scan(template: Template, shape: np.ndarray, worn: list, rng: np.random.Gene
     return shard, {"pose": pose, "parts": parts, "scanner": scanner.__dict__}
 
 
-def write_persons(out: Path, seeds: range, scans: int, held_out: bool, limit: float | None = None) -> int:
+Simulate = Callable[[int, int], Iterator[Shard]]
+"""From a seed and a number of scans to these."""
+
+
+def write_persons(out: Path, seeds: range, scans: int, simulate: Simulate, limit: float | None = None) -> int:
     """Write the scans of some persons that are not there yet, and return their number.
 
     Args:
         out: The folder.
         seeds: Which persons.
         scans: Scans of each.
-        held_out: Dress them in designs kept for measuring.
+        simulate: How a person is simulated.
         limit: Stop after so many seconds.
     """
     out.mkdir(parents=True, exist_ok=True)
@@ -79,7 +106,7 @@ def write_persons(out: Path, seeds: range, scans: int, held_out: bool, limit: fl
         if (out / f"{seed:05d}_{scans - 1}.npz").exists() or (out / f"{seed:05d}.none").exists():
             continue
         cpu = time.process_time()
-        made = list(simulate(seed, scans, held_out))
+        made = list(simulate(seed, scans))
         for shard in made:
             save_shard(shard, out / f"{seed:05d}_{shard.about['scan']}.npz")
         if not made:
@@ -97,10 +124,14 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=100, help="persons")
     parser.add_argument("--scans", type=int, default=2, help="scans of each")
     parser.add_argument("--held-out", action="store_true", help="jumpsuits and pencil skirts, kept for measuring")
+    parser.add_argument("--outfits", type=Path, help="folder of CC0 outfits to wear instead: base.obj and clothes")
     parser.add_argument("--limit", type=float, help="stop after so many seconds")
     options = parser.parse_args()
     seeds = range(options.first, options.first + options.count)
-    write_persons(options.out, seeds, options.scans, options.held_out, options.limit)
+    how: Simulate = partial(simulate, held_out=options.held_out)
+    if options.outfits:
+        how = partial(simulate_outfit, outfits=load_outfits(options.outfits))
+    write_persons(options.out, seeds, options.scans, how, options.limit)
 
 
 if __name__ == "__main__":

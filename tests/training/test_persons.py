@@ -73,3 +73,22 @@ def test_a_person_is_dressed_and_the_same_again():
     assert parts & set(GARMENTS)
     garment = np.isin(first.label, [int(part) for part in GARMENTS])
     assert first.tightness[garment].mean() > first.tightness[first.label == 0].mean()
+
+
+@pytest.mark.nightly
+def test_all_of_it_runs_on_a_tiny_set(tmp_path):
+    """Broken where a fresh clone cannot repeat the training: persons, their fits and features, weights that load."""
+    from garmentq.training.describe import describe_folder
+    from garmentq.training.network import save_weights
+    from garmentq.training.persons import write_persons
+    from garmentq.training.runtime import load_network
+    from garmentq.training.train import load_set, train_network
+
+    assert write_persons(tmp_path / "scans", range(1, 3), 1, simulate) == 2
+    assert write_persons(tmp_path / "scans", range(1, 3), 1, simulate) == 0
+    assert describe_folder(tmp_path / "scans", tmp_path / "samples") >= 1
+    scans = load_set(tmp_path / "samples")
+    network = train_network(scans, 1)
+    save_weights(network, 1.0, tmp_path / "weights.npz", {"persons": 2})
+    assert load_network(tmp_path / "weights.npz") is not None
+    assert (tmp_path / "weights.npz").stat().st_size < 1e6

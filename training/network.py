@@ -1,0 +1,103 @@
+"""The network of `runtime.py` in torch, to be trained, and its weights as a file."""
+
+from __future__ import annotations
+
+import json
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from torch import nn
+
+from ..core.person import GARMENTS, PARTS
+from ..core.person.features import VERSION
+from ..core.person.limbs import Limb
+from .runtime import CELLS, DILATIONS, GROUPS, PARTNER, REACH, ROUNDS, SECTORS, SLOPE, STATIONS, Cells
+
+WIDTH = 48
+"""Numbers that a sample and a cell keep: 120,000 parameters in all, 0.25 MB in half precision."""
+
+
+class PersonNetwork(nn.Module):
+    """Predict part, tightness, distance to a border, and the garments that are worn."""
+
+    def __init__(self, mean: np.ndarray, spread: np.ndarray) -> None:
+        """Take mean and spread of the features, shape [F] each."""
+        super().__init__()
+        self.register_buffer("mean", torch.from_numpy(mean.astype(np.float32)))
+        self.register_buffer("spread", torch.from_numpy(spread.astype(np.float32)))
+        self.first, self.second = nn.Linear(len(mean), WIDTH), nn.Linear(WIDTH, WIDTH)
+        for turn in range(ROUNDS):
+            self.add_module(f"round{turn}", Exchange())
+        self.part = nn.Linear(WIDTH, len(PARTS))
+        self.tightness = nn.Linear(WIDTH, 2)
+        self.border = nn.Linear(WIDTH, 1)
+        self.present = nn.Linear(WIDTH, len(GARMENTS))
+        self.bend = nn.LeakyReLU(SLOPE)
+
+    def forward(self, values: torch.Tensor, cells: tuple[torch.Tensor, ...]) -> tuple[torch.Tensor, ...]:
+        """Return logits [n, 8], log tightness and its log spread [n, 2], border distance [n], garments' logits [4]."""
+        hidden = ((values - self.mean) / self.spread).clamp(-REACH, REACH)
+        hidden = self.bend(self.second(self.bend(self.first(hidden))))
+        for turn in range(ROUNDS):
+            hidden = hidden + getattr(self, f"round{turn}")(hidden, cells)
+        return self.part(hidden), self.tightness(hidden), self.border(hidden)[:, 0], self.present(hidden.mean(dim=0))
+
+
+class Exchange(nn.Module):
+    """Pool samples to cells, filter along limbs, join with the other side and the whole, and hand back."""
+
+    def __init__(self) -> None:
+        """Make the layers, named as the file names them."""
+        super().__init__()
+        self.pool, self.mix = nn.Linear(2 * WIDTH + 1, WIDTH), nn.Linear(3 * WIDTH, WIDTH)
+        for i, dilation in enumerate(DILATIONS):
+            self.add_module(f"along{i}", nn.Conv1d(WIDTH, WIDTH, 5, dilation=dilation, padding=2 * dilation))
+        self.whole0, self.whole1 = nn.Linear(len(GROUPS) * WIDTH, WIDTH), nn.Linear(WIDTH, WIDTH)
+        self.back0, self.back1 = nn.Linear(3 * WIDTH, WIDTH), nn.Linear(WIDTH, WIDTH)
+        self.bend = nn.LeakyReLU(SLOPE)
+
+    def forward(self, hidden: torch.Tensor, cells: tuple[torch.Tensor, ...]) -> torch.Tensor:
+        """Return what is added to the samples, shape [n, width]."""
+        index, low, high, share = cells
+        count = torch.zeros(CELLS).index_add_(0, index, torch.ones(len(index)))
+        full = (count > 0).float()[:, None]
+        mean = torch.zeros(CELLS, WIDTH).index_add_(0, index, hidden) / count.clamp(min=1)[:, None]
+        spot = index[:, None].expand_as(hidden)
+        highest = torch.zeros(CELLS, WIDTH).scatter_reduce(0, spot, hidden, "amax", include_self=False)
+        cell = self.bend(self.pool(torch.cat([mean, highest, full], dim=1)))
+        cell = cell.reshape(len(Limb), SECTORS, STATIONS, WIDTH)
+        slices = cell.mean(dim=1, keepdim=True).expand_as(cell)
+        cell = self.bend(self.mix(torch.cat([cell, slices, slices[list(PARTNER)]], dim=-1)))
+        row = cell.reshape(-1, STATIONS, WIDTH).transpose(1, 2)
+        for i in range(len(DILATIONS)):
+            row = row + self.bend(getattr(self, f"along{i}")(row))
+        cell = row.transpose(1, 2).reshape(len(Limb), SECTORS, STATIONS, WIDTH)
+        weight = full.reshape(len(Limb), SECTORS, STATIONS, 1)
+        whole = torch.cat(
+            [
+                (cell[list(group)] * weight[list(group)]).sum(dim=(0, 1, 2)) / weight[list(group)].sum().clamp(min=1)
+                for group in GROUPS
+            ]
+        )
+        whole = self.bend(self.whole1(self.bend(self.whole0(whole))))
+        flat = cell.reshape(-1, WIDTH)
+        near = flat[low] * (1 - share[:, None]) + flat[high] * share[:, None]
+        return self.back1(self.bend(self.back0(torch.cat([hidden, near, whole.expand_as(hidden)], dim=1))))
+
+
+def to_torch(cells: Cells) -> tuple[torch.Tensor, ...]:
+    """Return cells as tensors."""
+    return tuple(torch.from_numpy(np.ascontiguousarray(a)) for a in (cells.index, cells.low, cells.high, cells.share))
+
+
+def save_weights(network: PersonNetwork, temperature: float, path: Path, about: dict[str, Any]) -> None:
+    """Write the weights in half precision, and beside them what is known of them with the file's hash."""
+    arrays: dict[str, Any] = {name: value.numpy().astype(np.float16) for name, value in network.state_dict().items()}
+    arrays |= {name: network.state_dict()[name].numpy() for name in ("mean", "spread")}
+    np.savez_compressed(path, version=VERSION, temperature=temperature, **arrays)
+    count = sum(value.numel() for value in network.parameters())
+    about = {"sha256": sha256(path.read_bytes()).hexdigest(), "features": VERSION, "parameters": count, **about}
+    path.with_suffix(".json").write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
