@@ -80,9 +80,7 @@ def drape_as_scanned(
 
     def drape_at(rotation: SteadyRotation | None, stop: Stop | None = None) -> tuple[Garment, Drape]:
         quiet = hooks if rotation is None else hooks.quiet()
-        return drape_graded(
-            mesh, wearer, fabric, target, rotation=rotation, stop=stop, settings=settings, hooks=quiet
-        )
+        return drape_graded(mesh, wearer, fabric, target, rotation=rotation, stop=stop, settings=settings, hooks=quiet)
 
     def moves(legs: int, nodes: np.ndarray) -> bool:
         if legs != motion.patience or (away := miss(mesh.at(nodes), target)) <= motion.hopeless * motion.missed:

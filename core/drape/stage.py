@@ -142,9 +142,7 @@ def _take_pose(
     if waist is not None and target is not None:
         nodes[waist] = place_waist(nodes[waist], target)
         start, steps = PbdState.at_rest(nodes), settings.pose_steps
-        nodes = follow(
-            threads, start, wearer.grid, steps, settings=settings.follow, gravity=9.81, held=waist
-        ).nodes
+        nodes = follow(threads, start, wearer.grid, steps, settings=settings.follow, gravity=9.81, held=waist).nodes
     return garment.at(nodes, name_contours(nodes, garment.faces, body)[0])
 
 

@@ -49,9 +49,7 @@ def orientation(cosines: np.ndarray) -> float:
     return -1.0 if np.sum(cosines < 0.0) > np.sum(cosines > 0.0) else 1.0
 
 
-def meshing_floor(
-    vertices: np.ndarray, faces: np.ndarray, vertex_count: int, generator: np.random.Generator
-) -> tuple[float, float]:
+def meshing_floor(surface: TriangleSurface, vertex_count: int, generator: np.random.Generator) -> tuple[float, float]:
     """Measure what two even triangulations of one surface score against each other.
 
     No registration can be told from a perfect one below this value: on a plane with edges of length h it is
@@ -59,24 +57,20 @@ def meshing_floor(
     triangles around a vertex, taken as the samples that have the vertex among their three nearest.
 
     Args:
-        vertices: The surface's positions [m], shape [n, 3].
-        faces: Its faces, shape [m, 3].
+        surface: The surface.
         vertex_count: Vertices of each triangulation.
         generator: The source of chance.
 
     Returns:
         Floor of the Chamfer distance [m2] and of the normal similarity.
     """
-    first = _spread(vertices, faces, vertex_count, generator)
-    second = _spread(vertices, faces, vertex_count, generator)
+    first = _spread(surface, vertex_count, generator)
+    second = _spread(surface, vertex_count, generator)
     return chamfer_and_normals(*first, *second)
 
 
-def _spread(
-    vertices: np.ndarray, faces: np.ndarray, count: int, generator: np.random.Generator
-) -> tuple[np.ndarray, np.ndarray]:
+def _spread(surface: TriangleSurface, count: int, generator: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     """Spread points evenly over a surface by Lloyd's sweeps; give them and their normals."""
-    surface = TriangleSurface(vertices, faces)
     samples, face = surface.sample(SAMPLES_PER_SITE * count, generator)
     sites = samples[generator.permutation(len(samples))[:count]]
     for _ in range(LLOYD_ITERATIONS):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -48,6 +49,11 @@ class Reference:
     seed: int = 0
     samples: int = SURFACE_SAMPLES
 
+    @cached_property
+    def surface(self) -> TriangleSurface:
+        """The truth's surface; its search tree, which takes seconds for a million faces, is built once."""
+        return TriangleSurface(self.vertices, self.faces)
+
 
 def measure_fit(garment: Garment, meshes: Meshes, truth: Reference) -> dict[str, float | None]:
     """Measure the detail mesh, and with a prefix: simulation mesh `sim.`, re-draped `redrape.`, graded drape `graded.`.
@@ -62,7 +68,7 @@ def measure_fit(garment: Garment, meshes: Meshes, truth: Reference) -> dict[str,
     """
     found: dict[str, float | None] = {"vertices": float(len(meshes.detail)), "faces": float(len(garment.faces))}
     found |= _measure_mesh(garment, meshes.detail, truth)
-    floors = meshing_floor(truth.vertices, truth.faces, len(meshes.detail), np.random.default_rng(truth.seed))
+    floors = meshing_floor(truth.surface, len(meshes.detail), np.random.default_rng(truth.seed))
     found["chamfer_vertex_floor_m2e3"] = 1e3 * floors[0]
     found["normal_cosine_floor"] = floors[1]
     for prefix, nodes in (("sim.", meshes.simulation), ("redrape.", meshes.redraped)):
@@ -88,8 +94,15 @@ def measure_distance(
 
     s2t is from ours to the truth, t2s from the truth to ours: a missing sleeve shows only in t2s.
     """
+    return _measure_distance(
+        TriangleSurface(vertices, faces), TriangleSurface(truth_vertices, truth_faces), seed, samples
+    )
+
+
+def _measure_distance(
+    ours: TriangleSurface, theirs: TriangleSurface, seed: int, samples: int
+) -> dict[str, float | None]:
     generator = np.random.default_rng(seed)
-    ours, theirs = TriangleSurface(vertices, faces), TriangleSurface(truth_vertices, truth_faces)
     samples_of = [surface.sample(samples, generator)[0] for surface in (ours, theirs)]
     distances = {"s2t": theirs.distance(samples_of[0]), "t2s": ours.distance(samples_of[1])}
     found: dict[str, float | None] = {}
@@ -103,7 +116,7 @@ def measure_distance(
 def _measure_mesh(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict[str, float | None]:
     """Return every metric of one mesh that has the garment's topology."""
     faces = garment.faces
-    normals, truth_normals = vertex_normals(nodes, faces), vertex_normals(truth.vertices, truth.faces)
+    normals, truth_normals = vertex_normals(nodes, faces), truth.surface.vertex_normals
     # A vertex that no face uses is no part of the surface, neither ours nor the truth's.
     used, truth_used = np.unique(faces), np.unique(truth.faces)
     chamfer, cosine = chamfer_and_normals(
@@ -114,7 +127,7 @@ def _measure_mesh(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict
     stretch = principal_stretches(deformation_gradients(nodes, faces, garment.rest))
     found["stretch_p001"] = float(np.quantile(stretch[:, 1], 0.001))
     found["stretch_p999"] = float(np.quantile(stretch[:, 0], 0.999))
-    found["flipped_faces"] = float(count_flipped(nodes, faces, truth.vertices, truth.faces))
+    found["flipped_faces"] = float(count_flipped(nodes, faces, truth.surface))
     found["self_intersecting_faces"] = float(len(self_intersections(nodes, faces)))
     found["min_angle_deg"] = float(np.degrees(np.quantile(corner_angles(nodes, faces).min(axis=1), 0.01)))
     found["body_penetration_mm"] = _penetration(nodes, faces, truth.skin)
@@ -123,17 +136,18 @@ def _measure_mesh(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict
 
 def _measure_place(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict[str, float | None]:
     """Return how far surface and contours are from the truth's."""
-    found = measure_distance(nodes, garment.faces, truth.vertices, truth.faces, seed=truth.seed, samples=truth.samples)
+    ours = TriangleSurface(nodes, garment.faces)
+    found = _measure_distance(ours, truth.surface, truth.seed, truth.samples)
     contours = contour_rms(nodes, garment.contours, truth.vertices, truth.contours)
     return found | {f"contour_rms_mm.{name}": MM * value for name, value in contours.items()}
 
 
-def count_flipped(vertices: np.ndarray, faces: np.ndarray, truth_vertices: np.ndarray, truth_faces: np.ndarray) -> int:
+def count_flipped(vertices: np.ndarray, faces: np.ndarray, truth: TriangleSurface) -> int:
     """Count faces whose normal points against the truth's at the point closest to their centre.
 
     Which way the truth as a whole is wound is settled by vote first.
     """
-    ours, truth = TriangleSurface(vertices, faces), TriangleSurface(truth_vertices, truth_faces)
+    ours = TriangleSurface(vertices, faces)
     closest = truth.closest(vertices[faces].mean(axis=1)).face
     cosines = np.einsum("ij,ij->i", ours.face_normals, truth.face_normals[closest])
     return int(np.sum(orientation(cosines) * cosines < 0.0))

@@ -128,6 +128,7 @@ def _collapse(points, faces, weights, stands, fixed, edges, most, turn):  # type
     alive = np.ones(len(faces), np.bool_)
     moved = np.zeros(count, np.bool_)
     seen = np.full(count, -1)
+    goal = np.zeros(3)
     gone = 0
     for e in range(len(edges)):
         if gone >= most:
@@ -140,7 +141,9 @@ def _collapse(points, faces, weights, stands, fixed, edges, most, turn):  # type
         if not _has_two_common(faces, alive, first, following, seen, u, v, e):
             continue
         total = weights[u] + weights[v]
-        goal = points[v].copy() if fixed[v] else (weights[u] * points[u] + weights[v] * points[v]) / total
+        share = 0.0 if fixed[v] else weights[u] / total
+        for k in range(3):
+            goal[k] = share * points[u, k] + (1.0 - share) * points[v, k]
         if not _keeps_shape(points, faces, alive, first, following, u, v, goal, turn):
             continue
         if not fixed[v] and not _keeps_shape(points, faces, alive, first, following, v, u, goal, turn):
@@ -159,7 +162,8 @@ def _collapse(points, faces, weights, stands, fixed, edges, most, turn):  # type
             corner = following[corner]
         following[last] = first[v]
         first[v] = first[u]
-        points[v] = goal
+        for k in range(3):
+            points[v, k] = goal[k]
         weights[v] = total
         stands[u] = v
         moved[u] = moved[v] = True
@@ -199,20 +203,23 @@ def _keeps_shape(points, faces, alive, first, following, u, v, goal, turn):  # t
         k = corner % 3
         b, c = faces[face, (k + 1) % 3], faces[face, (k + 2) % 3]
         if alive[face] and b != v and c != v:
-            old, slim = _normal(points[u], points[b], points[c])
-            new, thin = _normal(goal, points[b], points[c])
-            if old @ new < turn or thin < min(SHAPE, slim):
+            x, y, z, slim = _normal(points[u, 0], points[u, 1], points[u, 2], points, b, c)
+            p, q, r, thin = _normal(goal[0], goal[1], goal[2], points, b, c)
+            if x * p + y * q + z * r < turn or thin < min(SHAPE, slim):
                 return False
         corner = following[corner]
     return True
 
 
 @njit(cache=True)
-def _normal(a, b, c):  # type: ignore[no-untyped-def]
-    """Return a triangle's unit normal, and its height over its longest side."""
-    p, q, r = b - a, c - b, a - c
-    n = np.array([p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]])
-    size = np.sqrt(n @ n)
+def _normal(x, y, z, points, b, c):  # type: ignore[no-untyped-def]
+    """Return the unit normal of a triangle from (x, y, z) to vertices b and c, and its height over its longest side."""
+    px, py, pz = points[b, 0] - x, points[b, 1] - y, points[b, 2] - z
+    qx, qy, qz = points[c, 0] - x, points[c, 1] - y, points[c, 2] - z
+    rx, ry, rz = qx - px, qy - py, qz - pz
+    nx, ny, nz = py * qz - pz * qy, pz * qx - px * qz, px * qy - py * qx
+    size = np.sqrt(nx * nx + ny * ny + nz * nz)
     if size == 0.0:
-        return n, 0.0
-    return n / size, size / max(p @ p, q @ q, r @ r)
+        return 0.0, 0.0, 0.0, 0.0
+    longest = max(px * px + py * py + pz * pz, qx * qx + qy * qy + qz * qz, rx * rx + ry * ry + rz * rz)
+    return nx / size, ny / size, nz / size, size / longest

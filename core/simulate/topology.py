@@ -101,9 +101,7 @@ class Hinges:
     def edges(self, rest: RestShape) -> np.ndarray:
         """Return each hinge's edge in the flat triangles of both its faces [m], shape [2, hinge_count, 2]."""
         flat = rest.corners
-        return np.stack(
-            [flat[f, (c + 1) % 3] - flat[f, c] for f, c in zip(self.faces.T, self.corners.T, strict=True)]
-        )
+        return np.stack([flat[f, (c + 1) % 3] - flat[f, c] for f, c in zip(self.faces.T, self.corners.T, strict=True)])
 
     def scale(self, rest: RestShape) -> np.ndarray:
         """Return |e|^2 / (A1 + A2) (eq. 3.4), |e|^2 the mean of both sides', shape [hinge_count]."""

@@ -12,7 +12,13 @@ from garmentq.core.measure import Reference, carry_contours, measure_distance, m
 from garmentq.core.measure.chamfer import chamfer_and_normals, meshing_floor
 from garmentq.core.measure.contours import contour_rms, loop_rms
 from garmentq.core.measure.fit import count_flipped
-from garmentq.core.mesh import corner_angles, deformation_gradients, principal_stretches, vertex_normals
+from garmentq.core.mesh import (
+    TriangleSurface,
+    corner_angles,
+    deformation_gradients,
+    principal_stretches,
+    vertex_normals,
+)
 from garmentq.core.meshes import Meshes
 from garmentq.core.segment import Contour, find_loops
 
@@ -86,7 +92,7 @@ def test_normals_are_voted_on_and_keep_their_angle() -> None:
 def test_the_floor_is_that_of_a_hexagonal_lattice() -> None:
     """Fails if the floor were counted once, or spread unevenly: on a plane it is 2 (5 / 36) h^2."""
     count = 800
-    floor, cosine = meshing_floor(*grid(), count, np.random.default_rng(0))
+    floor, cosine = meshing_floor(TriangleSurface(*grid()), count, np.random.default_rng(0))
     lattice = 2.0 * 5.0 / 36.0 * 2.0 / (np.sqrt(3.0) * count)
     assert 0.95 * lattice < floor < 1.15 * lattice
     assert cosine == pytest.approx(0.0, abs=1e-9)
@@ -148,8 +154,8 @@ def test_flipped_faces_are_counted_but_not_a_mesh_turned_inside_out() -> None:
     vertices, faces = sphere(0.1, 2)
     wrong = faces.copy()
     wrong[[3, 50, 70]] = wrong[[3, 50, 70]][:, ::-1]
-    assert count_flipped(vertices, wrong, vertices, faces) == 3
-    assert count_flipped(vertices, wrong[:, ::-1], vertices, faces) == 3
+    assert count_flipped(vertices, wrong, TriangleSurface(vertices, faces)) == 3
+    assert count_flipped(vertices, wrong[:, ::-1], TriangleSurface(vertices, faces)) == 3
 
 
 def test_penetration_sees_vertices_and_face_centres() -> None:
