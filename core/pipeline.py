@@ -19,7 +19,7 @@ from .fit import METHODS, Fit, find_held
 from .grade import choose_template, grade_pattern, slide_seams
 from .hooks import SILENT, Hooks
 from .inputs import read_body, read_files, read_template
-from .measure import Reference, judge, measure_fit, measure_knowledge, measure_seams
+from .measure import Reference, judge, measure_fit, measure_knowledge, measure_seams, measure_wear
 from .pattern import Garment, Pattern, list_templates, load_template, mesh_pattern
 from .recovery import Recovery, Request
 from .scan import Pieces
@@ -206,6 +206,7 @@ def measure(case: Case, drape: GradedDrape, fit: Fit) -> dict[str, float | None]
         metrics |= {"redrape.residual": fit.redrape.residual, "redrape.iterations": float(fit.redrape.iterations)}
     metrics |= measure_fit(fit.garment, fit.meshes, truth)
     metrics |= measure_seams(fit.garment.pattern)
+    metrics |= measure_wear(case.target, case.body, fit.meshes.detail, fit.garment.faces, case.settings.seed)
     metrics["drape.residual"] = drape.drape.residual
     metrics["drape.iterations"] = float(drape.drape.iterations)
     metrics["drape.spin_rad_s"] = 0.0 if drape.drape.rotation is None else drape.drape.rotation.rate

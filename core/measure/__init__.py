@@ -34,6 +34,7 @@ from .raw_states import STATES, State, worsen
 from .true_pattern import TruePanel, TruePattern, TrueSeam
 from .truth import measure_fabric, measure_recovery
 from .turning import turning_distance
+from .wear import measure_wear
 
 __all__ = [
     "DAMAGES",
@@ -81,6 +82,7 @@ __all__ = [
     "measure_seams",
     "measure_true_body",
     "measure_visible",
+    "measure_wear",
     "overall",
     "product_of",
     "read_cover",

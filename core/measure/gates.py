@@ -109,6 +109,24 @@ RULES = (
         "Folds of one garment in two drapes differ by up to 10 mm; at 30 mm it hangs or stands out another way.",
     ),
     Rule(
+        "rest", _read("wear.rest_gap_mm"), 25.0, 50.0,
+        "The uppermost cloth stays {value:.0f} mm away from the body",
+        "nothing bears it there; check that the scan is a garment, worn by this body, in its place.",
+        "Worn cloth lies on shoulders or waist, 1 to 5 mm away; padding adds 2 or 3 cm; curtains and balls had 88 mm.",
+    ),
+    Rule(
+        "layers", _read("wear.layers"), 1.3, 1.6,
+        "The scan has {value:.1f} times the area of the detail mesh",
+        "it has several layers, or parts that the template lacks; give the outer layer alone, or another template.",
+        "Pockets, facings and ruffles add up to a third; from 1.6 on more than half of the garment is there twice.",
+    ),
+    Rule(
+        "upright", _read("wear.waist_by_hem"), 1.0, 1.25,
+        "The waist is {value:.2f} times as long as the hem",
+        "turn the scan over if it hangs upside down, or check --up.",
+        "A waist bears and a hem leaves room to step: skirts have 0.3 to 0.8, a hem drawn together at the knees 1.2.",
+    ),
+    Rule(
         "drape_residual", _first("redrape.residual", "drape.residual"), 1.0, 100.0,
         "The drape's least balanced node feels {value:.1f} times its own weight",
         "the drape is not at rest; settle it before simulating on. The detail mesh is judged by the surface fit.",

@@ -20,6 +20,9 @@ GOOD = {
     "drape.residual": 0.001,
     "sim.surface_rms_mm.s2t": 3.0,
     "sim.surface_rms_mm.t2s": 4.0,
+    "wear.rest_gap_mm": 4.0,
+    "wear.layers": 1.02,
+    "wear.waist_by_hem": 0.7,
 }
 
 
