@@ -26,7 +26,7 @@ def measure_wear(
 ) -> dict[str, float | None]:
     """Measure whether a surface is worn as a garment is.
 
-    `wear.rest_gap_mm` is the distance from the body within which a quarter (`BORNE`) of the scan's uppermost cloth lies.
+    `wear.rest_gap_mm` is the distance from the body within which a quarter (`BORNE`) of the uppermost cloth lies.
     `wear.layers` is the scan's area over the detail mesh's; the scan is thinned to as many faces first, so that noise
     adds none. `wear.waist_by_hem` is the length of a skirt's waist over its hem's; None for other garments.
 
