@@ -2,20 +2,19 @@
 
 `dress...` wears a one-piece, `unsure...` is refused with everything written, `bare...` is refused at once; everybody
 else wears top and trousers. Where STANDIN_KILLS is set, the process is killed once before it writes anything, and once
-within the transaction that stores the result. `recover` is the garments' own stand-in, killed once each.
+within the transaction that stores the result.
 """
 
 from __future__ import annotations
 
 import json
 import os
-from dataclasses import replace
 
 import numpy as np
 from garmentq.core.errors import BadInput
 from garmentq.core.hooks import Hooks
 from garmentq.core.reading import Reading, save_reading
-from garmentq.core.recovery import Recovery, Request
+from garmentq.core.recovery import Request
 from garmentq.core.scan import Pieces, Scan
 from garmentq.service.kinds import Work
 from garmentq.service.kinds.person_found import PersonFound
@@ -79,13 +78,3 @@ def take_apart(request: PersonRequest, work: Work, hooks: Hooks) -> PersonFound:
     problem = Unsure() if name.startswith("unsure") else None
     metrics = {f"confidence.{part}": 0.97 for part in parts}
     return Found(recovery.body, person, metrics, ("this is a stand-in",), problem, {"separate": 0.1}, 0.1, 100.0)
-
-
-def recover(request: Request, hooks: Hooks) -> Recovery:
-    """Recover a garment of a person: its reading is what it goes by."""
-    assert request.reading is not None
-    name = request.scan.name
-    for stage in ("scan", "drape"):
-        hooks.progress(stage, 0.5)
-    kill(name, "drape")
-    return replace(make_recovery(request, 2.0), template=request.template.stem if request.template else "tshirt")
