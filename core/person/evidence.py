@@ -6,8 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
+from scipy.spatial import cKDTree
 
 from ..body import JOINTS
+from ..mesh import unit
 from .features import LENGTH, Features
 from .limbs import Limb
 from .points import FittedPerson, PersonPoints
@@ -97,9 +99,10 @@ class _Cells:
     is_near: np.ndarray
     known: np.ndarray | None
 
-    def edge(self, sign: float) -> np.ndarray:
+    def edge(self, sign: float, use_colours: bool = False) -> np.ndarray:
         """Return the evidence for a garment's end whose side before (+1) or beyond (-1) is the higher."""
-        return np.where(self.is_near, edge_evidence(sign * self.step, sign * self.ridge, self.contrast), 0.0)
+        contrast = self.contrast if use_colours else None
+        return np.where(self.is_near, edge_evidence(sign * self.step, sign * self.ridge, contrast), 0.0)
 
     def region(self, limb: Limb) -> np.ndarray:
         """Return the log-probability of cloth against skin by what is known, or else by the offset."""
@@ -118,20 +121,18 @@ def find_rings(
     features: Features,
     fit: FittedPerson,
     known: np.ndarray | None = None,
-    use_colours: bool = False,
 ) -> PersonRings:
-    """Find all rings.
+    """Find all rings; colours, where there are some, count for the ring between upper and lower alone.
 
     Args:
         points: The samples.
         features: Their description.
         fit: The body fitted to them.
         known: Log-odds of clothes against the rest where something has told them, shape [n]; else the offset does.
-        use_colours: Whether contrast of colour counts, where there are colours.
     """
     body = fit.body
     grids = {limb: unroll(features.place, body, limb) for limb in Limb}
-    colours = _lab_of(points.colours) if use_colours and points.colours is not None else None
+    colours = None if points.colours is None else _lab_of(points.colours) * LAB_WEIGHTS
     cells = {limb: _measure(grid, features, colours, known) for limb, grid in grids.items()}
     joints = dict(zip(JOINTS, body.rest_joints, strict=True))
     wrist = float(np.abs(joints["left_wrist"] - joints["left_shoulder"])[0])
@@ -227,6 +228,8 @@ def _find_neckline(grid: UnrolledGrid, cells: _Cells) -> Ring:
 
 WAIST_FROM = 0.22
 """Station on the trunk [m below the neck joint] where waists begin: below the bust's middle."""
+LAB_WEIGHTS = np.array([0.4, 1.0, 1.0])
+"""Lightness counts less than hue: shade changes it."""
 WAIST_PRIOR = -26.0
 """Log-probability of a ring against none that the best one of noise and folds gains by itself."""
 
@@ -240,11 +243,11 @@ def _find_waists(
     crotch = trunk.stations[-1] - np.ptp(grids[legs[0]].stations) + 0.10
     outside = (trunk.stations < WAIST_FROM) | (trunk.stations > crotch)
     for sign in (1.0, -1.0):
-        edge = cells[Limb.TRUNK].edge(sign)
+        edge = cells[Limb.TRUNK].edge(sign, True)
         edge[outside] = -50.0
         ring = find_ring(edge, None, WARMTH)
         found.append(Waist((Limb.TRUNK,), (ring,), sign > 0, ring.score + WAIST_PRIOR))
-    edges = _couple(*((grids[limb], cells[limb].edge(1.0)) for limb in legs))
+    edges = _couple(*((grids[limb], cells[limb].edge(1.0, True)) for limb in legs))
     rings = []
     for limb, edge in zip(legs, edges, strict=True):
         stations = grids[limb].stations
@@ -259,6 +262,10 @@ TUBE_FROM_TO = (0.14, 0.34)
 """Stations of the legs [m] between which a skirt spans from leg to leg: from 5 cm below the crotch."""
 
 
+NORMALS_AROUND = 16
+"""Samples whose normals are averaged: a disk of 1.5 cm radius."""
+
+
 def _tube(points: PersonPoints, features: Features) -> float:
     """Measure how much of the height below the crotch has cloth from leg to leg, in front and behind.
 
@@ -269,9 +276,11 @@ def _tube(points: PersonPoints, features: Features) -> float:
     gap = points.positions - place.foot
     side = np.cross(place.along, place.front)
     inward = np.einsum("na,na->n", gap, side) * np.where(place.limb == Limb.LEFT_LEG, 1.0, -1.0)
-    across = np.abs(np.einsum("na,na->n", points.normals, side))
+    _, near = cKDTree(points.positions).query(points.positions, k=NORMALS_AROUND)
+    normals = unit(points.normals[near].sum(axis=1))  # noise must not turn an inner thigh's normal to the front
+    across = np.abs(np.einsum("na,na->n", normals, side))
     spans = leg & (inward > 0.015) & (across < 0.6)
-    ahead = np.einsum("na,na->n", points.normals, place.front) > 0
+    ahead = np.einsum("na,na->n", normals, place.front) > 0
     rows = np.arange(*TUBE_FROM_TO, 0.02)
     here = [
         min((spans & ahead & near).sum(), (spans & ~ahead & near).sum()) >= 2

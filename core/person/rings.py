@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
-from scipy.ndimage import correlate1d
+from scipy.ndimage import correlate1d, uniform_filter1d
 
 from .unrolled import ANGLES, STATION_STEP
 
@@ -30,7 +30,7 @@ STEP_NOISE = 0.001
 RIDGE_NOISE = 0.05
 """Least noise of a difference of curvature between rows, times 2 cm."""
 CONTRAST_NOISE = 6.0
-"""Difference of colour (CIE76) that shade makes over 3 cm."""
+"""Difference of mean colour (CIE76, lightness by 0.4) that shade and prints make over 10 cm."""
 QUIET = 0.6
 """Share of a limb's cells that have no edge: their size gives the noise, so that a frilled limb asks for more."""
 
@@ -156,14 +156,21 @@ def _around(values: np.ndarray) -> np.ndarray:
     return np.asarray(correlate1d(values, np.array([1.0, 2.0, 3.0, 2.0, 1.0]) / 9, axis=1, mode="wrap"))
 
 
+WINDOW = (12, 17)
+"""Rows on either side and columns around, 10 cm and a third of the way, whose colours are averaged before they are
+compared: wider than stripes and most prints, so that they are no edge."""
+
+
 def contrasts(colours: np.ndarray) -> np.ndarray:
-    """Compute the difference of colour between 3 cm before and beyond each cell, shape [rows, ANGLES].
+    """Compute the difference of mean colour before and beyond each cell, shape [rows, ANGLES].
 
     Args:
         colours: CIE Lab, shape [rows, ANGLES, 3].
     """
-    kernel = np.concatenate([np.full(4, 0.25), np.full(4, -0.25)])
-    return np.asarray(np.linalg.norm(correlate1d(colours, kernel, axis=0, mode="nearest", origin=0), axis=2))
+    rows, columns = WINDOW
+    kernel = np.concatenate([np.full(rows, 1 / rows), np.full(rows, -1 / rows)])
+    difference = correlate1d(colours, kernel, axis=0, mode="nearest", origin=0)
+    return np.asarray(np.linalg.norm(uniform_filter1d(difference, columns, axis=1, mode="wrap"), axis=2))
 
 
 def edge_evidence(step: np.ndarray, ridge: np.ndarray, contrast: np.ndarray | None = None) -> np.ndarray:

@@ -13,7 +13,7 @@ from garmentq.core.person.limbs import Limb
 from garmentq.core.person.part import PARTS, Part
 from garmentq.core.person.points import sample_person
 from garmentq.core.person.refine import refine_by_rings
-from garmentq.core.person.rings import APART, BEND_COST, SIDE, edge_evidence, find_ring, step_heights
+from garmentq.core.person.rings import APART, BEND_COST, SIDE, contrasts, edge_evidence, find_ring, step_heights
 from garmentq.core.person.rules import predict_by_rules
 from garmentq.core.person.unrolled import ANGLES, STATION_STEP
 from garmentq.core.scan.raw import RawScan
@@ -167,3 +167,17 @@ def test_rings_sharpen_a_doubtful_posterior(dressed):
 def points_near(raw: RawScan, positions: np.ndarray) -> np.ndarray:
     """Return the raw point nearest to each position."""
     return np.asarray(cKDTree(raw.points).query(positions)[1])
+
+
+def test_two_colours_are_an_edge_and_stripes_are_none():
+    """Broken where stripes or a print pass for the border of two garments, or two fabrics for one."""
+    row = np.arange(80)[:, None, None]
+    red, cream = np.array([20.0, 50.0, 30.0]), np.array([36.0, 2.0, 8.0])
+    two = np.where(row < 40, red, cream) * np.ones((80, ANGLES, 1))
+    found = contrasts(two)
+    assert (found.argmax(axis=0) == 40).all()
+    assert found.max() == pytest.approx(np.linalg.norm(red - cream))
+    stripes = np.where(row // 3 % 2 == 0, red, cream) * np.ones((80, ANGLES, 1))
+    assert contrasts(stripes)[15:-15].max() < 0.1 * found.max()
+    blobs = np.random.default_rng(0).random((8, 8)).repeat(10, axis=0).repeat(ANGLES // 8, axis=1) > 0.5
+    assert np.median(contrasts(np.where(blobs[:, :, None], red, cream))) < 0.4 * found.max()
