@@ -23,6 +23,8 @@ from .upright import AXES_UP, LENGTHS, Profile, build_profiles, find_length, fin
 
 LEAST = 100
 """Fewest points that can be a person; far too few to be taken apart, but that is for others to say."""
+BESIDE = 0.01
+"""A vertex without a face, or a crumb beside the surface, is of what lies so near [m]: two spacings of a usual scan."""
 
 
 @dataclass(frozen=True)
@@ -177,6 +179,19 @@ def _settle(
     return turned, scale, units, found.up, notes
 
 
+def _stand_in(place: np.ndarray, given: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Let the nearest kept point stand for one of the file that no face of a mesh has, where it is within `BESIDE`."""
+    from scipy.spatial import cKDTree
+
+    lost = np.flatnonzero((place < 0) & np.isfinite(given).all(axis=1))
+    if not len(lost):
+        return place
+    distance, nearest = cKDTree(points).query(given[lost])
+    place = place.copy()
+    place[lost] = np.where(distance < BESIDE, nearest, -1)
+    return place
+
+
 def _gather(file: _File, mended: Mended, cleaned: Cleaned, how: tuple[np.ndarray, float, str]) -> RawScan:
     """Pick what was kept of the file's arrays, in metres, y up."""
     arrays = file.arrays
@@ -189,6 +204,7 @@ def _gather(file: _File, mended: Mended, cleaned: Cleaned, how: tuple[np.ndarray
     origin = mended.origin[kept]
     place = np.where(mended.place >= 0, index[mended.place], -1)
     points = turn_upright(mended.points[kept], axis) * scale
+    place = _stand_in(place, turn_upright(arrays["vertices"], axis) * scale, points) if len(faces) else place
     colours, labels, normals = (arrays.get(name) for name in ("colours", "labels", "normals"))
     is_oriented = True
     if len(faces):

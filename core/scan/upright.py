@@ -7,7 +7,7 @@ for each of the six ways in which a file's axis may point up.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -70,6 +70,16 @@ POSES: dict[str, dict[str, tuple[float, float, float]]] = {
     },
 }  # fmt: skip
 """Poses that a scan is compared with, as axis-angles [rad] of the joints that differ from the T-pose."""
+
+LEGS = ("left_hip", "right_hip", "left_knee", "right_knee", "left_ankle", "right_ankle", "left_foot", "right_foot")
+"""Joints whose skin a skirt covers."""
+SKIRTS = ((0.02, 0.24), (0.02, 0.15), (0.28, 0.16))
+"""Skirts that a scan is compared with: height of the hem and its radius, in statures: a gown, a long dress, one to the
+knee. Without them a gown is more like a person head down with arms spread."""
+SKIRTED = ("T", "A", "arms down", "on hips")
+"""Poses of `POSES` that are tried with each of `SKIRTS`."""
+WAIST = (0.62, 0.08)
+"""Height and radius of a skirt's upper end, in statures."""
 
 
 @dataclass(frozen=True)
@@ -135,21 +145,45 @@ def measure_profile(points: np.ndarray, weights: np.ndarray | None = None) -> Pr
 
 
 def build_profiles() -> list[Profile]:
-    """Build the profiles of the built-in body, both mean shapes, in every pose of `POSES`."""
+    """Build the profiles of the built-in body, both mean shapes, in every pose of `POSES`, in some with skirts."""
     template = load_template()
     found = []
     for mean in template.means.values():
         rest, joints = template.shaped(mean)
         areas = vertex_areas(rest, template.faces)
-        for pose in POSES.values():
+        stature = float(np.ptp(rest[:, 1]))
+        legs = template.weights[:, [JOINTS.index(name) for name in LEGS]].sum(axis=1) > 0.5
+        for name, pose in POSES.items():
             vectors = np.zeros((24, 3))
             for joint, vector in pose.items():
                 vectors[JOINTS.index(joint)] = vector
             world, posed = articulate(rotations_of(vectors), joints, np.zeros(3))
-            profile = measure_profile(skin(rest, template.weights, transforms_of(world, posed, joints)), areas)
-            ratio = float(np.ptp(rest[:, 1])) / profile.height
-            found.append(Profile(profile.share, profile.spread, profile.height, ratio))
+            points = skin(rest, template.weights, transforms_of(world, posed, joints))
+            found.append(_measure(points, areas, stature))
+            for hem, radius in SKIRTS if name in SKIRTED else ():
+                low = points[:, 1].min() + hem * stature
+                cone, own = _build_skirt(points[legs, 1].min(), hem, radius, stature)
+                bare = np.where(legs & (points[:, 1] > low), 0.0, areas)
+                found.append(_measure(np.concatenate([points, cone]), np.r_[bare, own], stature))
     return found
+
+
+def _measure(points: np.ndarray, areas: np.ndarray, stature: float) -> Profile:
+    profile = measure_profile(points, areas)
+    return replace(profile, ratio=stature / profile.height)
+
+
+def _build_skirt(floor: float, hem: float, radius: float, stature: float) -> tuple[np.ndarray, np.ndarray]:
+    """Build points on a cone from the waist to the hem around the y axis, and their areas."""
+    share = (np.arange(40) + 0.5) / 40
+    height = floor + stature * (hem + share * (WAIST[0] - hem))
+    wide = stature * (radius + share * (WAIST[1] - radius))
+    angle = 2.0 * np.pi * np.arange(16) / 16
+    points = np.stack(
+        [np.outer(wide, np.cos(angle)), np.repeat(height[:, None], 16, axis=1), np.outer(wide, np.sin(angle))], axis=2
+    )
+    slant = float(np.hypot(WAIST[0] - hem, radius - WAIST[1])) * stature
+    return points.reshape(-1, 3), np.repeat(2.0 * np.pi * wide * slant / 640, 16)
 
 
 def compare_profiles(first: Profile, second: Profile) -> float:
