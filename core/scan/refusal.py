@@ -72,7 +72,7 @@ class Unreadable(BadInput):
 
 
 class NoFaces(BadInput):
-    """The file holds no triangles; reconstruct a surface from its points (Poisson reconstruction) and give that."""
+    """The file holds no triangles, and only a whole person may be points alone; give the garment or body as a mesh."""
 
     code = "scan.no_faces"
 
