@@ -130,6 +130,7 @@ def _collapse(points, faces, weights, stands, fixed, edges, most, turn):  # type
     seen = np.full(count, -1)
     goal = np.zeros(3)
     gone = 0
+    fans = faces, alive, first, following
     for e in range(len(edges)):
         if gone >= most:
             break
@@ -138,15 +139,15 @@ def _collapse(points, faces, weights, stands, fixed, edges, most, turn):  # type
             continue
         if fixed[u]:
             u, v = v, u
-        if not _has_two_common(faces, alive, first, following, seen, u, v, e):
+        if not _has_two_common(fans, seen, u, v, e):
             continue
         total = weights[u] + weights[v]
         share = 0.0 if fixed[v] else weights[u] / total
         for k in range(3):
             goal[k] = share * points[u, k] + (1.0 - share) * points[v, k]
-        if not _keeps_shape(points, faces, alive, first, following, u, v, goal, turn):
+        if not _keeps_shape(points, fans, u, v, goal, turn):
             continue
-        if not fixed[v] and not _keeps_shape(points, faces, alive, first, following, v, u, goal, turn):
+        if not fixed[v] and not _keeps_shape(points, fans, v, u, goal, turn):
             continue
         last = -1
         corner = first[u]
@@ -171,8 +172,9 @@ def _collapse(points, faces, weights, stands, fixed, edges, most, turn):  # type
 
 
 @njit(cache=True)
-def _has_two_common(faces, alive, first, following, seen, u, v, token):  # type: ignore[no-untyped-def]
+def _has_two_common(fans, seen, u, v, token):  # type: ignore[no-untyped-def]
     """Check the link condition: exactly two vertices are neighbours of both ends."""
+    faces, alive, first, following = fans
     corner = first[u]
     while corner >= 0:
         face = corner // 3
@@ -195,8 +197,9 @@ def _has_two_common(faces, alive, first, following, seen, u, v, token):  # type:
 
 
 @njit(cache=True)
-def _keeps_shape(points, faces, alive, first, following, u, v, goal, turn):  # type: ignore[no-untyped-def]
+def _keeps_shape(points, fans, u, v, goal, turn):  # type: ignore[no-untyped-def]
     """Check that no face of u that lacks v turns over or gets thin where u moves to the goal."""
+    faces, alive, first, following = fans
     corner = first[u]
     while corner >= 0:
         face = corner // 3
