@@ -47,6 +47,15 @@ HINGE_SLACK = 0.1
 """Overextension [rad] that a hinge allows for free, and the spread of what goes beyond."""
 
 
+def find_forearms(weights: np.ndarray) -> np.ndarray:
+    """Find the vertices of forearms and hands by skinning weights, shape [n, 24]: 1 the left, 2 the right, else 0."""
+    limb = np.zeros(len(weights), dtype=np.int64)
+    for number, side in enumerate(("left", "right"), 1):
+        columns = [JOINTS.index(f"{side}_{name}") for name in ("elbow", "wrist", "hand")]
+        limb[weights[:, columns].sum(axis=1) > 0.5] = number
+    return limb
+
+
 @dataclass(frozen=True)
 class OrientedPoints:
     """Points of a surface with outward unit normals.
@@ -59,6 +68,8 @@ class OrientedPoints:
         weight: How much the point counts, shape [n]; None: all count 1.
         spread: Standard deviation of where the body's surface is about the point [m], shape [n]; None: 0.
         oriented: Whether the normals are known to point outward; else their signs do not count.
+        limb: Forearm that the point lies on, as `find_forearms`, shape [n], or None where that is not known. A forearm
+            is not paired with cloth elsewhere: beside a coat it sticks out of cloth, and was pulled in by 30 cm.
     """
 
     points: np.ndarray
@@ -67,11 +78,16 @@ class OrientedPoints:
     weight: np.ndarray | None = None
     spread: np.ndarray | None = None
     oriented: bool = True
+    limb: np.ndarray | None = None
 
     def take(self, index: np.ndarray | slice) -> OrientedPoints:
         """Return some of the points."""
-        cloth, weight, spread = (None if v is None else v[index] for v in (self.cloth, self.weight, self.spread))
-        return OrientedPoints(self.points[index], self.normals[index], cloth, weight, spread, self.oriented)
+        known = {
+            name: getattr(self, name)[index]
+            for name in ("points", "normals", "cloth", "weight", "spread", "limb")
+            if getattr(self, name) is not None
+        }
+        return OrientedPoints(**known, oriented=self.oriented)
 
     def stack(self, length: float) -> np.ndarray:
         """Return positions and normals times a length [m], shape [n, 6]; with both signs, [2 n, 6], if not oriented."""
@@ -120,7 +136,6 @@ CLOTH_REACH = 3.0
 """A point of the body that sticks out of cloth is believed up to so many times the scale of a stage: unlike a gap, it
 is never what the wearer looks like."""
 
-
 CALM = 0.02
 """A stage ends early where a step moves the points by less than this share of its scale (RMS): what is left of its way
 is then a fraction of what the next, nearer stage corrects, or in the last one 0.2 mm."""
@@ -135,6 +150,7 @@ class Fitter:
         self.vertices = template.vertices[subset]
         self.directions = np.ascontiguousarray(template.directions[:, subset].transpose(1, 2, 0))
         self.weights = template.weights[subset]
+        self.limb = find_forearms(self.weights)
         normals = vertex_normals(template.vertices, template.faces)
         self.normals = normals[subset]
         self.surface = surface
@@ -185,7 +201,7 @@ class Fitter:
         row, chosen = self._pairs(points, normals, stage, tree)
         direction = self.surface.normals[chosen]
         offset = points[row] - self.surface.points[chosen]
-        weight = self._trust(offset, direction, chosen, stage) * (EVIDENCE / len(row) / stage.scale**2)
+        weight = self._trust(offset, direction, (row, chosen), stage) * (EVIDENCE / len(row) / stage.scale**2)
         slopes = np.concatenate(
             [
                 self._turn_slopes(moved, world, posed),
@@ -233,13 +249,15 @@ class Fitter:
             back = np.where(distance[: len(s.points)] <= distance[len(s.points) :], *back.reshape(2, -1))
         return np.concatenate([np.arange(len(points)), back]), np.concatenate([there, np.arange(len(s.points))])
 
-    def _trust(self, offset: np.ndarray, direction: np.ndarray, chosen: np.ndarray, stage: Stage) -> np.ndarray:
+    def _trust(
+        self, offset: np.ndarray, direction: np.ndarray, pairs: tuple[np.ndarray, np.ndarray], stage: Stage
+    ) -> np.ndarray:
         """Give the weight of each pair by its offset [m], shape [n, 3]: pairs far beyond the scale stop pulling.
 
         Geman-McClure, (s^2 / (s^2 + |offset|^2))^2. Cloth hides a body that may lie well below it: there a pair counts
         in full where the body is outside the cloth, and little where it is inside.
         """
-        s = self.surface
+        s, (row, chosen) = self.surface, pairs
         length2, scale2 = (offset**2).sum(axis=1), np.full(len(offset), stage.scale**2)
         weight = np.ones(len(offset)) if s.weight is None else s.weight[chosen]
         if s.spread is not None:
@@ -252,6 +270,8 @@ class Fitter:
             reach2 = np.where(outside, CLOTH_REACH**2, stage.cloth_gap**2)
             scale2 *= (1.0 - cloth) + cloth * reach2
             weight = weight * np.where(outside, 1.0, (1.0 - cloth) + cloth * stage.cloth_pull)
+            if s.limb is not None:
+                weight = weight * (1.0 - cloth * ((self.limb[row] > 0) & (s.limb[chosen] != self.limb[row])))
         return np.asarray(weight * (scale2 / (scale2 + length2)) ** 2)
 
     def _turn_slopes(self, moved: np.ndarray, world: np.ndarray, posed: np.ndarray) -> np.ndarray:

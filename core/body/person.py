@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from ..hooks import SILENT, Hooks
 from .body import JOINTS, Body
-from .fit import Fitter, OrientedPoints, Stage, State
+from .fit import Fitter, OrientedPoints, Stage, State, find_forearms
 from .person_search import PersonSearch, find_start, spread_subset
 from .presence import LOW, SPARSE, SeveralPersons, TooSparse, find_hairy, measure_presence, refuse, split_in_two
 from .registration import NotHuman, body_of_state, pose_model
@@ -38,6 +38,16 @@ BARE_PARTS = ("head", "left_wrist", "right_wrist", "left_hand", "right_hand")
 """Joints whose part of the surface is seen bare unless somebody says otherwise: face and hands."""
 SHOD_PARTS = ("left_ankle", "right_ankle", "left_foot", "right_foot")
 """Joints whose part of the surface may be shoes."""
+
+CONTACTS = (("spine3", "left_collar", "right_collar"), ("pelvis", "spine1"))
+"""Joints of what clothes rest on: shoulders and upper back, waist and hips."""
+CONTACT = 0.008
+"""Offset [m] up to which the lowest tenth of cloth rests on the body: its thickness, and a fit's error of 5 mm."""
+CONTACT_ROUNDS = 2
+"""Times that a body which does not reach its clothes is fitted again, each time with a fifth more of them as skin."""
+
+SLEEVE = 0.06
+"""Distance [m] up to which a forearm's sleeve lies from it."""
 
 CROWD = 0.15
 """Share of the scan's points far from the body above which there may be a second person: the widest skirt had 0.11."""
@@ -180,19 +190,61 @@ def refit_person(
     template = load_template()
     rng = np.random.default_rng(settings.seed)
     drawn = np.sort(rng.choice(len(points), min(settings.surface_count, len(points)), replace=False))
-    surface = replace(
-        weigh_points(points, normals, weights).take(drawn), normals=smooth_normals(points, normals, drawn)
-    )
-    fitter = Fitter(template, spread_subset(template, settings.fine_count, rng), surface)
-    state = fit.state
-    for i, stage in enumerate(REFIT):
-        hooks.progress(STAGE, 0.6 + 0.1 * i, "fitting the body below the clothes")
-        free = max(stage.shape_count, len(state.shape))
-        state = fitter.fit(state, replace(stage, cloth_pull=settings.pull, cloth_gap=settings.gap, shape_count=free))
+    surface = weigh_points(points, normals, weights).take(drawn)
+    surface = replace(surface, normals=smooth_normals(points, normals, drawn))
+    surface = replace(surface, limb=_find_limbs(template, surface, fit.state))
+    subset = spread_subset(template, settings.fine_count, rng)
+    state = _go_through(Fitter(template, subset, surface), fit.state, REFIT, settings, hooks)
+    for _ in range(CONTACT_ROUNDS):
+        touching = require_contact(template, surface, state)
+        if touching is None:
+            break
+        surface = touching
+        state = _go_through(Fitter(template, subset, surface), state, REFIT[1:], settings, hooks)
     model, _ = pose_model(template, state)
     rms = _skin_rms(model, template.faces, surface)
     coverage = 1.0 - measure_presence(template, surface, state).unseen
     return replace(fit, body=body_of_state(template, state, rms), state=state, skin_rms=rms, coverage=coverage)
+
+
+def _find_limbs(template: Template, surface: OrientedPoints, state: State) -> np.ndarray:
+    """Find the points that lie on a forearm of a fit, within `SLEEVE`: numbers of `find_forearms`, shape [n]."""
+    model, normals = pose_model(template, state)
+    _, near = cKDTree(np.hstack([model, 0.05 * normals])).query(np.hstack([surface.points, 0.05 * surface.normals]))
+    close = ((surface.points - model[near]) ** 2).sum(axis=1) < SLEEVE**2
+    return np.where(close, find_forearms(template.weights)[near], 0)
+
+
+def _go_through(
+    fitter: Fitter, state: State, stages: tuple[Stage, ...], settings: PersonSettings, hooks: Hooks
+) -> State:
+    """Improve a state by stages; what is free of its shape stays free."""
+    for i, stage in enumerate(stages):
+        hooks.progress(STAGE, 1.0 - 0.1 * (len(stages) - i), "fitting the body below the clothes")
+        free = max(stage.shape_count, len(state.shape))
+        state = fitter.fit(state, replace(stage, cloth_pull=settings.pull, cloth_gap=settings.gap, shape_count=free))
+    return state
+
+
+def require_contact(template: Template, surface: OrientedPoints, state: State) -> OrientedPoints | None:
+    """Make the cloth over shoulders or hips count more where the body does not reach it, or return None where it does.
+
+    Whatever is worn above the waist rests on shoulders and upper back, whatever is below on waist or hips; else it
+    would fall. So in each of the two the lowest tenth of the cloth is on the body.
+    """
+    if surface.cloth is None:
+        return None
+    model, normals = pose_model(template, state)
+    tree = cKDTree(np.hstack([model, 0.05 * normals]))
+    _, near = tree.query(np.hstack([surface.points, 0.05 * surface.normals]))
+    offset = np.einsum("na,na->n", surface.points - model[near], normals[near])
+    cloth = np.asarray(surface.cloth, dtype=np.float64).copy()
+    for names in CONTACTS:
+        part = template.weights[:, [JOINTS.index(name) for name in names]].sum(axis=1) > 0.5
+        mine = part[near] & (cloth > 0)
+        if mine.sum() >= 50 and np.quantile(offset[mine], 0.1) > CONTACT:
+            cloth[mine] *= 0.8
+    return None if np.array_equal(cloth, surface.cloth) else replace(surface, cloth=cloth)
 
 
 def weigh_points(points: np.ndarray, normals: np.ndarray, weights: PointWeights) -> OrientedPoints:
