@@ -27,6 +27,12 @@ UNSURE_GARMENT = 0.6
 WARN_GARMENT = 0.8
 """The same, below which it is said."""
 
+SHAPING = ("cuff", "armhole", "leg")
+"""Openings that a garment's category hangs on; of a skirt and a dress the hem is one more. A top's may be tucked."""
+
+GUESSED = 0.4
+"""Confidence of an opening below which it is a guess: half of the step that shows one."""
+
 UNSURE_OUTFIT = 0.7
 """Log-odds of the two best readings below which a person should look first: two to one."""
 
@@ -106,10 +112,21 @@ def _find_problem(garments: tuple[FoundGarment, ...], outfits: tuple[Outfit, ...
     shapeless = [garment.part.word for garment in garments if not garment.category]
     if shapeless:
         return Unsure(f"The openings of {', '.join(shapeless)} could not be made out. {Unsure().message}")
+    guessed = [garment.part.word for garment in garments if _is_guessed(garment)]
+    if guessed:
+        return Unsure(f"Nothing shows where sleeves or legs of {', '.join(guessed)} end. {Unsure().message}")
     if len(outfits) > 1 and outfits[0].score - outfits[1].score < UNSURE_OUTFIT:
         first, second = (" and ".join(part.word for part in outfit.parts) for outfit in outfits[:2])
         return Unsure(f"It may be {first}, or {second}. {Unsure().message}")
     return None
+
+
+def _is_guessed(garment: FoundGarment) -> bool:
+    """Return whether nothing shows at least half of the openings that a garment's category hangs on."""
+    stems = SHAPING if garment.part is Part.UPPER else (*SHAPING, "hem")
+    shaping = [contour for contour in garment.contours if contour.name.partition(".")[0] in stems]
+    weak = [contour for contour in shaping if contour.is_inferred and contour.confidence < GUESSED]
+    return bool(shaping) and 2 * len(weak) >= len(shaping)
 
 
 def garment_confidence(label: np.ndarray, confidence: np.ndarray, part: Part) -> float:
