@@ -34,15 +34,15 @@ class Presence:
     """Describe how a body and a scan cover each other.
 
     Attributes:
-        unseen: Share of the body's vertices that have nothing of the scan on or over them: people 0.00 to 0.01, also in
-            coats and wide skirts; halves of people 0.04 to 0.41, chairs 0.09 to 0.24.
-        found: Share of the body's vertices with the scan within `CLOSE` and alike in normal: people 0.55 to 0.90 (in
-            coats too), chairs 0.39 to 0.42, animals 0.17 to 0.27, rooms 0.01 to 0.04.
-        head: The same of the head, or of the face where that is more: people 0.56 to 0.93, chairs at most 0.10, animals
+        unseen: Share of the body's vertices that have nothing of the scan on or over them: people 0.00 to 0.03, also in
+            coats and wide skirts; left halves of people 0.10 to 0.20, others up to 0.41, chairs 0.09 to 0.24.
+        found: Share of the body's vertices with the scan within `CLOSE` and alike in normal: people 0.53 to 0.82 (in
+            coats too), chairs 0.29 to 0.38, animals 0.20 to 0.34, rooms 0.02 to 0.05.
+        head: The same of the head, or of the face where that is more: people 0.64 to 0.90, chairs at most 0.10, animals
             0.25, halves without a head 0.
-        upper: The same of trunk and arms: people 0.55 to 0.95.
+        upper: The same of trunk and arms: people 0.52 to 0.86.
         beside: Share of the scan further than 10 cm from the body: half a person at most 0.04, a chair 0.18.
-        stray: Share of the scan further than `STRAY`: people 0.00 to 0.11 (the wide skirt), two persons 0.29 to 0.45.
+        stray: Share of the scan further than `STRAY`: people 0.00 to 0.12 (the wide skirt), two persons 0.29 to 0.45.
     """
 
     unseen: float
@@ -55,7 +55,7 @@ class Presence:
     @property
     def is_person(self) -> bool:
         """Check whether the scan shows a person: all of the body, or its head and upper part over a wide skirt."""
-        return self.unseen < 0.05 and (self.found > 0.48 or (self.head > 0.35 and self.upper > 0.40))
+        return self.unseen < 0.08 and (self.found > 0.48 or (self.head > 0.35 and self.upper > 0.40))
 
 
 class ScanPartial(BadInput):
