@@ -100,6 +100,7 @@ def sample_person(raw: RawScan, fit: FittedPerson, seed: int = 0) -> PersonPoint
 
     centres, outward = average(positions), unit(average(normals))
     outward = np.where(np.isfinite(outward).all(axis=1, keepdims=True), outward, normals[chosen])
+    outward = calm_normals(centres, outward)
     nearest, weights = _interpolation(centres, outward, raw)
     return PersonPoints(
         positions=centres,
@@ -110,6 +111,23 @@ def sample_person(raw: RawScan, fit: FittedPerson, seed: int = 0) -> PersonPoint
         nearest=nearest,
         weights=weights,
     )
+
+
+ROUGH = 0.08
+"""Spread of normals (1 - length of the mean of `CALMED`) from which they are noise: 0.01 to 0.02 with the scanner's
+noise of 1 to 2 mm, 0.21 with 5 mm."""
+CALMED = 8
+"""Samples whose normals are averaged where they are noise: a disk of 1 cm radius."""
+
+
+def calm_normals(positions: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """Average unit normals, shape [n, 3], over their neighbours of the same side where they are mostly noise."""
+    _, near = cKDTree(positions).query(positions, k=min(CALMED, len(positions)))
+    around = normals[near]
+    if np.median(1.0 - np.linalg.norm(around.mean(axis=1), axis=1)) < ROUGH:
+        return normals
+    same = np.einsum("nka,na->nk", around, normals) > 0
+    return np.asarray(unit((around * same[:, :, None]).sum(axis=1)))
 
 
 def _draw_candidates(

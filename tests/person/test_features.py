@@ -11,7 +11,7 @@ from garmentq.core.mesh import vertex_normals
 from garmentq.core.person.features import LENGTH, NAMES, describe_points
 from garmentq.core.person.limbs import Limb, closest_in_triangles, place_on_body
 from garmentq.core.person.neighbourhood import RADII, gather
-from garmentq.core.person.points import BORDER_REACH, SPACING, PersonPoints, orient_normals, sample_person
+from garmentq.core.person.points import BORDER_REACH, SPACING, PersonPoints, calm_normals, orient_normals, sample_person
 from garmentq.core.scan.raw import RawScan
 from scipy.spatial import cKDTree
 
@@ -86,6 +86,18 @@ def test_normals_of_a_cloud_point_outward(fit):
     flipped = dense.normals * np.random.default_rng(0).choice([-1.0, 1.0], len(dense.normals))[:, None]
     turned = orient_normals(dense.positions, flipped, body)
     assert (np.einsum("na,na->n", turned, dense.normals) > 0).mean() > 0.99
+
+
+def test_normals_that_are_noise_are_averaged_and_others_are_kept(fit):
+    """Broken where a noisy scan's normals point anywhere, or a clean one's edges are rounded."""
+    body = fit.body
+    points = sample_person(raw_of(body.vertices, body.faces), fit)
+    assert calm_normals(points.positions, points.normals) is points.normals
+    noisy = points.normals + np.random.default_rng(0).normal(scale=0.5, size=points.normals.shape)
+    noisy /= np.linalg.norm(noisy, axis=1, keepdims=True)
+    calm = calm_normals(points.positions, noisy)
+    off = [np.median(np.arccos(np.einsum("na,na->n", found, points.normals))) for found in (noisy, calm)]
+    assert off[1] < 0.6 * off[0]
 
 
 def test_offsets_and_steps_of_a_sleeve(fit):
