@@ -113,7 +113,8 @@ def _garments(separation: Separation) -> str:
 
 def _openings(separation: Separation) -> str:
     rows = "".join(
-        f"<tr><td>{garment.part.word}</td><td>{escape(contour.name)}</td><td class=num>{contour.confidence:.2f}</td>"
+        f"<tr><td>{garment.part.word}</td><td>{escape(contour.name)}</td>"
+        f"<td class=num>{'–' if contour.is_inferred else f'{contour.confidence:.2f}'}</td>"
         f"<td>{'nothing shows it: neither fitted nor measured' if contour.is_inferred else 'seen'}</td></tr>"
         for garment in separation.garments
         for contour in garment.contours
