@@ -15,7 +15,7 @@ RUN pip install -c constraints.txt ".[postgres,s3]"
 FROM python:3.11-slim-bookworm
 # What the open3d wheel expects of the system (`garmentq doctor` names what is missing).
 RUN apt-get update \
-    && apt-get install -y --no-install-recommends libegl1 libgl1 libx11-6 libudev1 libusb-1.0-0 libidn2-0 \
+    && apt-get install -y --no-install-recommends libegl1 libgl1 libx11-6 libudev1 libidn2-0 \
     && rm -rf /var/lib/apt/lists/* \
     && useradd --uid 10001 --create-home garmentq \
     && install -d -o garmentq -g garmentq -m 0700 /data

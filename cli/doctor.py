@@ -27,8 +27,8 @@ PACKAGES = (
 FREE_BYTES = 1 << 30
 """Room that a home should have left [bytes]; a job keeps about 20 MB."""
 
-OPEN3D_LIBRARIES = ("libEGL.so.1", "libGL.so.1", "libX11.so.6", "libudev.so.1", "libusb-1.0.so.0", "libidn2.so.0")
-"""System libraries that the open3d wheel for Linux expects and does not bring."""
+OPEN3D_LIBRARIES = ("libEGL.so.1", "libGL.so.1", "libX11.so.6", "libudev.so.1", "libidn2.so.0")
+"""System libraries that the open3d wheel for Linux expects and neither it nor `libusb-package` brings."""
 
 
 @click.command("doctor")
@@ -105,7 +105,7 @@ def _check_open3d(settings: ServiceSettings) -> Iterator[Finding]:
             missing.append(name)
     text = "all there"
     if missing:
-        debian = "apt install libegl1 libgl1 libx11-6 libudev1 libusb-1.0-0 libidn2-0"
+        debian = "apt install libegl1 libgl1 libx11-6 libudev1 libidn2-0"
         text = f"not found: {', '.join(missing)}; on Debian: {debian}"
     yield "open3d's system libraries", not missing, text
 

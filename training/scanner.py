@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import igl
 import numpy as np
-import open3d
 from scipy.spatial import cKDTree
 
 from ..core.body import Body
 from ..core.mesh import face_areas, face_normals
 from ..core.person import Part
+from ..core.scan.open3d_library import load_open3d
 from .cloth import wave_field
 from .shards import Shard
 from .wardrobe import Layer
@@ -129,6 +129,7 @@ def scan_person(layers: list[Layer], body: Body, scanner: Scanner, rng: np.rando
 
 def see(layers: list[Layer], rng: np.random.Generator) -> Seen:
     """Return the points of some surfaces that are seen from enough views, their normals towards these, and labels."""
+    open3d = load_open3d()
     scene = open3d.t.geometry.RaycastingScene(nthreads=1)
     every = []
     for layer in layers:
@@ -185,6 +186,7 @@ def _sample(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -
 def fuse(seen: Seen, scanner: Scanner) -> Seen:
     """Return a surface through what was seen (screened Poisson, Kazhdan and Hoppe 2013): vertices, normals, faces."""
     points, normals, _ = seen
+    open3d = load_open3d()
     cloud = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(points))
     cloud.normals = open3d.utility.Vector3dVector(normals)
     mesh, _ = open3d.geometry.TriangleMesh.create_from_point_cloud_poisson(cloud, depth=scanner.depth, n_threads=1)

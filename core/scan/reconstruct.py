@@ -16,6 +16,7 @@ from ..errors import GarmentqError
 from ..limited import Bounds, call_limited, is_memory_short
 from ..mesh import HalfEdges, face_areas, face_normals, find_components, unit
 from .mend import mend_mesh
+from .open3d_library import load_open3d
 
 REACH = 2.5
 """Median spacings up to which the surface is believed beyond a point: in a grid without gaps no place is farther from
@@ -144,7 +145,7 @@ def _solve(points: np.ndarray, normals: np.ndarray, depth: int, is_confined: boo
 def solve_poisson(source: str, target: str, depth: int) -> dict[str, float]:
     """Make the closed surface of the points in a file, and write it to another; runs in a limited process."""
     try:
-        import open3d
+        open3d = load_open3d()
     except ImportError as error:
         if is_memory_short(error):
             raise MemoryError from error

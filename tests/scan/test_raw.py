@@ -6,10 +6,9 @@ import trimesh
 from garmentq.core.body import builtin_body
 from garmentq.core.errors import BadInput
 from garmentq.core.scan import Limits, load_raw
+from garmentq.core.scan.open3d_library import load_open3d
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-
-open3d = pytest.importorskip("open3d", reason="open3d writes the files", exc_type=ImportError)
 
 INSIDE = Limits(is_confined=True)
 """Parsing here: a process for each file would take most of the time."""
@@ -43,6 +42,7 @@ def read(path, **how):
 
 def write_cloud(path, points=P, colours=COLOURS, normals=NORMALS, **how):
     """Write a cloud by open3d."""
+    open3d = load_open3d()
     cloud = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(points))
     if colours is not None:
         cloud.colors = open3d.utility.Vector3dVector(colours / 255.0)

@@ -9,8 +9,6 @@ from garmentq.core.scan import RawScan, orient_normals, reconstruct, thin
 from garmentq.core.scan.normals import find_normals, thin_points
 from garmentq.core.scan.reconstruct import SurfaceFailed, measure_spacing
 
-pytest.importorskip("open3d", reason="open3d makes the surfaces", exc_type=ImportError)
-
 BODY = builtin_body("builtin:female,height=1.70")
 MESH = trimesh.Trimesh(BODY.vertices, BODY.faces, process=False)
 POINTS, FACE = trimesh.sample.sample_surface(MESH, 12_000, seed=0)
