@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sqlite3
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -27,6 +29,9 @@ CONNECT_SECONDS = 10
 
 BUSY_SECONDS = 30
 """How long SQLite waits for another writer [s]; a write here takes milliseconds, so this outlasts any queue of them."""
+
+WAL_SECONDS = 0.05
+"""Pause between two tries to enter the write-ahead log [s]: a connection opens or closes in less."""
 
 
 class DatabaseUnreachable(GarmentqError):
@@ -197,8 +202,24 @@ def _make_engine(url: str, pooled: bool) -> Engine:
 
 def _prepare_sqlite(connection: Any, record: Any) -> None:
     connection.isolation_level = None  # the driver starts no transaction of its own; `_begin_sqlite` does
-    connection.execute("pragma journal_mode = wal")
+    _enter_wal(connection)
     connection.execute("pragma foreign_keys = on")
+
+
+def _enter_wal(connection: Any) -> None:
+    """Turn the write-ahead log on; where another process opens or leaves the log just then, wait for it.
+
+    SQLite refuses that at once as locked, instead of waiting as it does for a writer.
+    """
+    deadline = time.monotonic() + BUSY_SECONDS
+    while True:
+        try:
+            connection.execute("pragma journal_mode = wal")
+            return
+        except sqlite3.OperationalError as error:
+            if "locked" not in str(error) or time.monotonic() > deadline:
+                raise
+            time.sleep(WAL_SECONDS)
 
 
 def _begin_sqlite(connection: Connection) -> None:

@@ -100,7 +100,7 @@ def test_every_command_works_or_says_why_not(remote, cli, settings):
         "run", "submit", "status", "logs", "result", "export", "query", "cancel", "retry", "templates", "materials",
         "keys", "doctor",
     }  # fmt: skip
-    files_only = {"inspect", "bodies", "bench"}  # of this machine, as they are
+    files_only = {"inspect", "segment", "bodies", "bench"}  # of this machine, as they are
     assert asked | files_only | set(LOCAL) == set(COMMANDS) and not (asked | files_only) & set(LOCAL)
     words = {"db": ["db", "upgrade"], "backup": ["backup", "x.tar"], "restore": ["restore", "x.tar"]}
     before = sorted(settings.home.rglob("*"))
