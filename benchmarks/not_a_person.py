@@ -37,7 +37,7 @@ ROOM_STEP = 0.025
 
 @dataclass(frozen=True)
 class Result:
-    """Tell what became of one scan: a code, or none where it was taken for a person; CPU seconds and a message."""
+    """Find what became of one scan: a code, or none where it was taken for a person; CPU seconds and a message."""
 
     code: str | None
     seconds: float

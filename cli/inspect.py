@@ -70,7 +70,7 @@ def command(
 
 @dataclass(frozen=True)
 class _Asked:
-    """Hold what was typed: the file, its wearer, what it is said to be, its unit and axis."""
+    """What was typed: the file, its wearer, what it is said to be, its unit and axis."""
 
     file: Path
     body: Path | str | None

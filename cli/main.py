@@ -23,7 +23,7 @@ COMMANDS = {
     "query": "Search completed jobs by their results.",
     "cancel": "Stop a job.",
     "retry": "Queue an ended job again.",
-    "segment": "Tell skin, hair, shoes and garments of a person's scan apart, and find the body under the clothes.",
+    "segment": "Separate skin, hair, shoes and garments of a person's scan, and find the body under the clothes.",
     "inspect": "Show how a file is understood, before anything is run.",
     "templates": "List, show, import and export template patterns.",
     "bodies": "List the built-in bodies, and write one as a mesh.",

@@ -45,7 +45,7 @@ def hint_options(function: Decorator) -> Decorator:
 @hint_options
 @json_option
 def command(scan: Path, out: Path, options: HintOptions, as_json: bool) -> None:
-    """Tell skin, hair, shoes and garments of a person's scan apart, and find the body under the clothes.
+    """Separate skin, hair, shoes and garments of a person's scan, and find the body under the clothes.
 
     Writes labels.npz, segmented.ply, body.ply and picture.png. Where it is too unsure to recover anything it writes
     them too, and ends with status 4 and a code. Labels that were mended come back with --labels.

@@ -24,7 +24,7 @@ STAGES = ("body", "separate", "garments")
 
 @dataclass(frozen=True)
 class Wanted:
-    """Hold what the user says of a person beyond the files.
+    """What the user says of a person beyond the files.
 
     Attributes:
         wearing: Exactly these garments, `upper,lower`, or None.
@@ -39,7 +39,7 @@ class Wanted:
 
 @dataclass(frozen=True)
 class Apart:
-    """Hold a person taken apart, and what each garment's recovery starts from.
+    """A person taken apart, and what each garment's recovery starts from.
 
     Attributes:
         raw: The scan.

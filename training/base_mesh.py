@@ -22,7 +22,7 @@ DECIMETRE = 0.1
 
 @dataclass(frozen=True)
 class BaseMesh:
-    """Hold the base mesh and the built-in body that was fitted to its skin.
+    """The base mesh and the built-in body that was fitted to its skin.
 
     Attributes:
         vertices: All vertices, helpers included [m], shape [19158, 3].

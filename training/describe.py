@@ -37,7 +37,7 @@ PATCH = 0.05
 
 @dataclass(frozen=True)
 class Described:
-    """Hold the samples of one scan, described.
+    """The samples of one scan, described.
 
     Attributes:
         values: Features, float32, shape [n, F].

@@ -20,7 +20,7 @@ NUMBERS = np.array([int(part) for part in PARTS])
 
 @dataclass(frozen=True)
 class Judged:
-    """Hold figures of one or several scans.
+    """Figures of one or several scans.
 
     Attributes:
         accuracy: Share of samples with the right part.

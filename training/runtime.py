@@ -1,4 +1,4 @@
-"""Tell the parts of a person apart by a small trained network, in numpy, as a separation would run it.
+"""Predict the parts of a person by a small trained network, in numpy, as a separation would run it.
 
 Every sample's features and what the rules say of it go through a perceptron; what comes out is pooled over the cells of
 the unrolled limbs (stations of 2 cm, four sectors around), filtered along the limbs, joined with the limb on the other
@@ -41,7 +41,7 @@ SLOPE = 0.1
 
 @dataclass(frozen=True)
 class Cells:
-    """Say in which cell of the unrolled limbs each sample lies.
+    """Describe in which cell of the unrolled limbs each sample lies.
 
     Attributes:
         index: The cell, int64, shape [n].
@@ -83,7 +83,7 @@ def network_inputs(values: np.ndarray, rules: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Network:
-    """Hold trained weights.
+    """Trained weights.
 
     Attributes:
         weights: Arrays by name: `mean` and `spread` of the features, matrices and biases of the layers.
@@ -149,7 +149,7 @@ class Network:
 
 @dataclass(frozen=True)
 class _Pooling:
-    """Hold how samples are summed up in cells: their order by cell, where each cell begins, and which there are."""
+    """How samples are summed up in cells: their order by cell, where each cell begins, and which there are."""
 
     order: np.ndarray
     begin: np.ndarray

@@ -18,7 +18,7 @@ VERSION = 1
 
 @dataclass(frozen=True)
 class Shard:
-    """Hold one scan of a simulated person.
+    """One scan of a simulated person.
 
     Attributes:
         points: Positions [m], y up, shape [n, 3].

@@ -57,7 +57,7 @@ class Piece:
 
 @dataclass(frozen=True)
 class Worn:
-    """Hold a garment that hangs on the wearer in the T-pose.
+    """A garment that hangs on the wearer in the T-pose.
 
     Attributes:
         piece: What it is.
@@ -76,7 +76,7 @@ class Worn:
 
 @dataclass(frozen=True)
 class Layer:
-    """Hold one surface of a dressed person in its pose.
+    """One surface of a dressed person in its pose.
 
     Attributes:
         part: What it is.

@@ -83,7 +83,7 @@ class PersonSettings:
 
 @dataclass(frozen=True)
 class PointWeights:
-    """Tell what is known of the points that a body is fitted to.
+    """What is known of the points that a body is fitted to.
 
     Attributes:
         cloth: How surely each lies on cloth, 0 to 1, shape [n].
@@ -105,7 +105,7 @@ class PointWeights:
 
 @dataclass(frozen=True)
 class PersonFit:
-    """Hold a body fitted to a dressed person.
+    """A body fitted to a dressed person.
 
     Attributes:
         body: The wearer; its vertices are the fitted model's [m].

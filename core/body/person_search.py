@@ -55,7 +55,7 @@ class PersonSearch:
 
 @dataclass(frozen=True)
 class FoundStart:
-    """Hold the best fit as if bare.
+    """The best fit as if bare.
 
     Attributes:
         state: The fit.
@@ -71,7 +71,7 @@ class FoundStart:
 def find_start(
     template: Template, surface: OrientedPoints, search: PersonSearch, seed: int, hooks: Hooks
 ) -> FoundStart:
-    """Let all poses at all headings compete, and return the best fit."""
+    """Compare all poses at all headings, and return the best fit."""
     rng = np.random.default_rng(seed)
     few = surface.take(slice(search.coarse_count))
     subset = spread_subset(template, search.fine_count, rng)

@@ -15,7 +15,7 @@ CELL = 0.012
 
 @dataclass(frozen=True)
 class ThinnedPoints(OrientedPoints):
-    """Hold some of a scan's cells, in random order.
+    """Some of a scan's cells, in random order.
 
     Attributes:
         total: Number of cells that the scan has points in, drawn or not.

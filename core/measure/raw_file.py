@@ -13,7 +13,7 @@ from .packs import PackBad
 
 @dataclass(frozen=True)
 class RawFile:
-    """Hold what a raw scan's file holds, in its own unit and axes.
+    """What a raw scan's file holds, in its own unit and axes.
 
     Attributes:
         points: Positions, float64, shape [n, 3].

@@ -12,7 +12,7 @@ from ..scan.raw import RawScan
 
 @dataclass(frozen=True)
 class TruthFrame:
-    """Hold the way from the coordinates of a `RawScan` to those of the truth, both in metres.
+    """The way from the coordinates of a `RawScan` to those of the truth, both in metres.
 
     Attributes:
         rotation: R, shape [3, 3].

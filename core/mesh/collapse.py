@@ -28,7 +28,7 @@ ROUNDS = 200
 
 @dataclass(frozen=True)
 class CollapsedMesh:
-    """Hold a mesh with fewer faces.
+    """A mesh with fewer faces.
 
     Attributes:
         vertices: Positions, shape [vertex_count, 3]: on a border those of the mesh, elsewhere the mean of the vertices

@@ -71,7 +71,7 @@ def to_lab(rgb: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class ColourModels:
-    """Hold how likely each colour is in each part.
+    """How likely each colour is in each part.
 
     Attributes:
         evidence: log p(colour | part) - log p(colour) of each cell, shape [part_count, *BINS]; 0 for a part without a

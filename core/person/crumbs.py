@@ -1,4 +1,4 @@
-"""Give pieces of a part that are too small to be one to what is around them."""
+"""Assign pieces of a part that are too small to be one to what is around them."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ become 1 % at 4, and the border between two parts is 4 samples, 3 cm, wide befor
 
 @dataclass(frozen=True)
 class Links:
-    """Hold which points are neighbours, and how freely belief passes between them.
+    """Which points are neighbours, and how freely belief passes between them.
 
     Attributes:
         pairs: Indices of two points, each pair once, int64, shape [link_count, 2].

@@ -50,7 +50,7 @@ WARMTH = 3.0
 
 @dataclass(frozen=True)
 class Waist:
-    """Hold the ring between an upper and a lower garment.
+    """The ring between an upper and a lower garment.
 
     Attributes:
         limbs: The limbs it lies on: the trunk, or both legs where a long top ends there.
@@ -67,7 +67,7 @@ class Waist:
 
 @dataclass(frozen=True)
 class PersonRings:
-    """Hold what the rings of a person say.
+    """What the rings of a person say.
 
     Attributes:
         grids: Each limb rolled out.
@@ -90,7 +90,7 @@ class PersonRings:
 
 @dataclass(frozen=True)
 class _Cells:
-    """Hold what is measured on a limb's cells: step [m], ridge, contrast, offset [m], log-odds of cloth where known."""
+    """What is measured on a limb's cells: step [m], ridge, contrast, offset [m], log-odds of cloth where known."""
 
     step: np.ndarray
     ridge: np.ndarray

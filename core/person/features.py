@@ -43,7 +43,7 @@ LENGTH = 0.02
 
 @dataclass(frozen=True)
 class Features:
-    """Hold the description of a person's samples.
+    """The description of a person's samples.
 
     Attributes:
         values: One row for each sample, float32, shape [n, F].

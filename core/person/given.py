@@ -47,7 +47,7 @@ class PersonFiles:
 
 @dataclass(frozen=True)
 class Given:
-    """Hold what the files of a person hold.
+    """What the files of a person hold.
 
     Attributes:
         raw: The scan.

@@ -32,7 +32,7 @@ class Mark:
 
 @dataclass(frozen=True)
 class Hints:
-    """Hold what the user says.
+    """What the user says.
 
     Attributes:
         label: A `Part` for each point of the file, shape [file_count], or None to find them.

@@ -42,7 +42,7 @@ TRIED = 12
 
 @dataclass(frozen=True)
 class BodyPlace:
-    """Say where on the fitted body each point lies.
+    """Describe where on the fitted body each point lies.
 
     Attributes:
         foot: The body's point below it [m], shape [n, 3].

@@ -44,7 +44,7 @@ over the band, so that the step alone would say that it hangs."""
 
 @dataclass(frozen=True)
 class Surroundings:
-    """Hold a person's scan with what each point is, to look at both sides of a border.
+    """A person's scan with what each point is, to look at both sides of a border.
 
     Attributes:
         points: Positions [m], shape [n, 3].
@@ -74,7 +74,7 @@ class Surroundings:
 
 @dataclass(frozen=True)
 class _Sides:
-    """Hold what lies beyond a border, place by place.
+    """What lies beyond a border, place by place.
 
     Attributes:
         step: By how much the garment stands out over it [m], shape [n].

@@ -41,7 +41,7 @@ class FittedPerson(Protocol):
 
 @dataclass(frozen=True)
 class PersonPoints:
-    """Hold even samples of a raw scan, and how values at them are carried back.
+    """Even samples of a raw scan, and how values at them are carried back.
 
     Attributes:
         positions: Positions [m], shape [n, 3].

@@ -37,7 +37,7 @@ QUIET = 0.6
 
 @dataclass(frozen=True)
 class Ring:
-    """Hold the best ring and how sure it is.
+    """The best ring and how sure it is.
 
     Attributes:
         rows: Row of its first cell beyond, for each column, shape [ANGLES].

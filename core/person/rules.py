@@ -1,4 +1,4 @@
-"""Tell the parts of a person apart without learning: rings on unrolled limbs, anatomy, offsets."""
+"""Predict the parts of a person without learning: rings on unrolled limbs, anatomy, offsets."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ class Outfit:
 
 @dataclass(frozen=True)
 class Separation:
-    """Hold a person taken apart.
+    """A person taken apart.
 
     Attributes:
         body: The wearer under the clothes, in the scan's place and pose [m].

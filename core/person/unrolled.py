@@ -22,7 +22,7 @@ FILL_ROUNDS = 12
 
 @dataclass(frozen=True)
 class Chart:
-    """Say where samples lie on one unrolled limb.
+    """Describe where samples lie on one unrolled limb.
 
     Attributes:
         limb: Which one.
@@ -40,7 +40,7 @@ class Chart:
 
 @dataclass(frozen=True)
 class UnrolledGrid:
-    """Hold a chart cut into cells.
+    """A chart cut into cells.
 
     Attributes:
         chart: The chart.

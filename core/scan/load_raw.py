@@ -29,7 +29,7 @@ BESIDE = 0.01
 
 @dataclass(frozen=True)
 class _File:
-    """Hold what a file has, in its own unit and axes: one entry for each of its vertices."""
+    """What a file has, in its own unit and axes: one entry for each of its vertices."""
 
     name: str
     sha256: str
@@ -180,7 +180,7 @@ def _settle(
 
 
 def _stand_in(place: np.ndarray, given: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Let the nearest kept point stand for one of the file that no face of a mesh has, where it is within `BESIDE`."""
+    """Take the nearest kept point for one of the file that no face of a mesh has, where it is within `BESIDE`."""
     from scipy.spatial import cKDTree
 
     lost = np.flatnonzero((place < 0) & np.isfinite(given).all(axis=1))

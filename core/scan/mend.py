@@ -12,7 +12,7 @@ from .repair import MERGE, RepairedMesh, boundary_pieces, mend_surface
 
 @dataclass(frozen=True)
 class Mended:
-    """Hold points, and perhaps faces, in the file's unit.
+    """Points, and perhaps faces, in the file's unit.
 
     Attributes:
         points: Positions, shape [n, 3].

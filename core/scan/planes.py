@@ -31,7 +31,7 @@ as bare floor or wall, and to be dropped once there is one. What is in front of 
 
 @dataclass(frozen=True)
 class Plane:
-    """Hold a plane and what it takes away.
+    """A plane and what it takes away.
 
     Attributes:
         normal: Unit normal, towards the person, shape [3].

@@ -9,7 +9,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class RawScan:
-    """Hold a raw scan in metres, y up.
+    """A raw scan in metres, y up.
 
     Attributes:
         points: Positions [m], float64, shape [n, 3].
@@ -48,5 +48,5 @@ class RawScan:
 
     @property
     def is_cloud(self) -> bool:
-        """Tell whether there are only points."""
+        """Return whether there are only points."""
         return len(self.faces) == 0

@@ -47,7 +47,7 @@ class SurfaceLibraryMissing(GarmentqError):
 
 @dataclass(frozen=True)
 class Reconstructed:
-    """Hold the surface of a cloud.
+    """The surface of a cloud.
 
     Attributes:
         vertices: Positions [m], shape [n, 3].

@@ -18,7 +18,7 @@ on a garment, a third of the detail mesh's own."""
 
 @dataclass(frozen=True)
 class ThinMesh:
-    """Hold a thinned mesh.
+    """A thinned mesh.
 
     Attributes:
         vertices: Positions [m], shape [n, 3].

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class PersonFound:
-    """Hold what was found of a person.
+    """What was found of a person.
 
     Attributes:
         body: The wearer.

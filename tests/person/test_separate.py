@@ -32,7 +32,7 @@ COLOURS = {Part.SKIN: (200, 165, 140), Part.UPPER: (60, 90, 180), Part.LOWER: (7
 
 @dataclass(frozen=True)
 class Run:
-    """Hold the scan's file, the true label of each vertex, the folder that was written, and the printed answer."""
+    """The scan's file, the true label of each vertex, the folder that was written, and the printed answer."""
 
     path: Path
     label: np.ndarray

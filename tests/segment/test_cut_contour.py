@@ -67,7 +67,7 @@ def make_fine(vertices, faces, times):
 
 @pytest.fixture(scope="module")
 def dense(wearers, hung):
-    """Give a short tube with edges of 1.5 to 2.5 mm and 0.2 mm of noise, whose hem waves."""
+    """Return a short tube with edges of 1.5 to 2.5 mm and 0.2 mm of noise, whose hem waves."""
     vertices, faces = hung(wearers["T"], 0.6, 0.55, around=1000, rows=40, wave=0.05)
     return vertices + 2e-4 * np.random.default_rng(0).standard_normal(vertices.shape), faces
 

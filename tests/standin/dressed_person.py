@@ -55,7 +55,7 @@ skirt or coat the flare (radius per height) and the hem's height over the body's
 
 @dataclass(frozen=True)
 class Dressed:
-    """Hold a dressed person.
+    """A dressed person.
 
     Attributes:
         vertices: Positions [m], shape [n, 3].
