@@ -150,9 +150,7 @@ def measure(name: str) -> dict[str, float]:
         found["longest" + change] = float(np.sum(times, axis=1).max())
     for share in (1.0, 0.1):
         way = f", {10 * share:.0f} mm"
-        found[f"6 shapes to 1 %{way} [s]"], found[f"their error{way}"] = recover_shape(
-            laid, rest.nodes, share * CHANGE
-        )
+        found[f"6 shapes to 1 %{way} [s]"], found[f"their error{way}"] = recover_shape(laid, rest.nodes, share * CHANGE)
     found["gradient / goal"] = found["gradient [ms]"] / GOALS[name][0]
     for change in (", 10 mm", ", 1 mm"):
         ours = (found[f"forward{change} [s]"], found[f"reverse{change} [s]"])

@@ -75,6 +75,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         estimates=fit.estimates,
         nearest_fabrics=fit.nearest,
         point_std=fit.point_std,
+        rotation=drape.drape.rotation,
     )
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:  # so that a refusal of a bad file need not wait for the other
     from .reading import Reading
     from .scan import Scan
     from .segment import Target
-    from .simulate import Fabric, FabricEstimate
+    from .simulate import Fabric, FabricEstimate, SteadyRotation
 
 STAGES = ("scan", "body", "segment", "template", "grade", "drape", "deform", "fit", "redrape", "measure")
 """The stages of a recovery in order; progress and seconds are reported by these names. Only methods that recover the
@@ -108,6 +108,7 @@ class Recovery:
         estimates: What the fit knows of each parameter of the fabric; empty where the method fits none.
         nearest_fabrics: Fabrics of the library that bend most alike, by name; empty likewise.
         point_std: Posterior standard deviation of the control points [m], shape [point_count, 2], or None.
+        rotation: The rotation in which the cloth was found to turn with its wearer, or None for cloth at rest.
     """
 
     scan: Scan
@@ -128,3 +129,4 @@ class Recovery:
     estimates: tuple[FabricEstimate, ...] = ()
     nearest_fabrics: tuple[str, ...] = ()
     point_std: np.ndarray | None = None
+    rotation: SteadyRotation | None = None

@@ -18,7 +18,7 @@ LAYERS = ("core", "service", "workers", "cli")
 ROOMS = (
     "lazy", "errors", "hooks", "clock", "checkpoints", "settings", "limited", "npy", "mesh", "body", "scan",
     "segment", "pattern", "simulate", "drape", "grade", "deform", "meshes", "reading", "recovery", "inputs", "person",
-    "case", "fit", "measure", "export", "pipeline", "person_pipeline",
+    "case", "fit", "wear", "measure", "export", "pipeline", "person_pipeline",
 )  # fmt: skip
 """The rooms of core, from the lowest to the highest; a new one takes its place here."""
 

@@ -12,6 +12,7 @@ import numpy as np
 from ..body import JOINTS, PARENTS, Body
 from ..pattern import write_pattern
 from ..recovery import Recovery
+from ..wear import save_worn, worn_of
 from .meshes import KINDS, write_meshes, write_ply
 from .pattern_svg import write_svg
 from .report import report_html
@@ -27,7 +28,7 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
     Returns:
         The files: graded.ply, detail.ply, detail.obj, detail.glb, simulation.ply and redrape.ply (if the method makes
         them), body.ply, body_joints.json, pattern.json, pattern.svg, fit.json (likewise), metrics.json, manifest.json,
-        report.html.
+        worn.npz, report.html.
     """
     folder.mkdir(parents=True, exist_ok=True)
     files: list[Path] = []
@@ -43,6 +44,7 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
         files.append(_write_json(describe_fit(recovery), folder / "fit.json"))
     files.append(_write_json(recovery.metrics, folder / "metrics.json"))
     files.append(_write_json(recovery.manifest, folder / "manifest.json"))
+    files.append(save_worn(worn_of(recovery), folder))
     report = folder / "report.html"
     report.write_text(report_html(recovery), encoding="utf-8")
     return [*files, report]

@@ -42,4 +42,3 @@ def list_all(rooms: RoomsOf, caller: Admin) -> Any:
 def revoke(key: KeyId, rooms: RoomsOf, caller: Admin) -> Any:
     """Take a key back; its jobs stay."""
     return KeyRecord.from_row(revoke_key(rooms.database, key)).as_json()
-

@@ -1,0 +1,24 @@
+"""A recovered garment worn again: on another body, made to measure, with what it needs of a stored result."""
+
+from .dressing import STAGES, Dressed, dress_body, is_sound, measure_worn
+from .verdicts import judge_wear
+from .waist import carry_curve, match_models
+from .worn import WORN, ResultOld, Worn, hang_from, load_worn, save_worn, worn_of
+
+__all__ = [
+    "STAGES",
+    "WORN",
+    "Dressed",
+    "ResultOld",
+    "Worn",
+    "carry_curve",
+    "dress_body",
+    "hang_from",
+    "is_sound",
+    "judge_wear",
+    "load_worn",
+    "match_models",
+    "measure_worn",
+    "save_worn",
+    "worn_of",
+]

@@ -1,0 +1,111 @@
+"""Dress a body in a recovered garment, the pattern unchanged: drape it from its rest placement, and judge it."""
+
+from __future__ import annotations
+
+import resource
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from ..body import Body, penetration_depth
+from ..clock import Clock
+from ..drape import WearerGeometry, redrape
+from ..mesh import self_intersections
+from ..recovery import Gate
+from ..segment import name_contours
+from ..simulate import Drape, Fabric
+from .verdicts import judge_wear
+from .waist import carry_curve
+from .worn import Worn, hang_from
+
+STAGES = ("drape", "measure")
+"""Stages of dressing, after those that read its input."""
+
+
+@dataclass(frozen=True)
+class Dressed:
+    """Hold a garment on another body.
+
+    Attributes:
+        before: The garment on the wearer that it was recovered from.
+        worn: The garment at rest on the other body.
+        drape: The equilibrium.
+        metrics: Flat dotted names to numbers; None where a metric does not apply.
+        gates: The verdicts.
+        warnings: What the user should know, one sentence each.
+        stage_seconds: CPU seconds by stage name.
+        cpu_seconds: CPU seconds of the whole.
+        peak_mb: Largest resident memory of the process [MB].
+        manifest: What reproduces the result.
+    """
+
+    before: Worn
+    worn: Worn
+    drape: Drape
+    metrics: dict[str, float | None]
+    gates: tuple[Gate, ...]
+    warnings: tuple[str, ...] = ()
+    stage_seconds: dict[str, float] = field(default_factory=dict)
+    cpu_seconds: float = 0.0
+    peak_mb: float = 0.0
+    manifest: dict[str, Any] = field(default_factory=dict)
+
+
+def dress_body(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:
+    """Dress a body in a worn garment, with its own cloth or another one, at rest under its weight.
+
+    Args:
+        worn: The garment as a result keeps it.
+        body: Who wears it now.
+        fabric: The cloth, or None for the garment's own.
+        clock: Times the stages.
+
+    Raises:
+        Cancelled: as soon as the clock's hooks say so.
+    """
+    cloth, wearer = fabric or worn.fabric, WearerGeometry(body)
+    with clock.stage("drape", "dressing the body in the pattern") as hooks:
+        waist = None if worn.waist is None else carry_curve(worn.waist, worn.body, body)
+        target = hang_from(waist, worn.category)
+        nodes, drape = redrape(worn.garment, wearer, cloth, target, hooks=hooks)
+    with clock.stage("measure", "measuring how it fits"):
+        contours, _ = name_contours(nodes, worn.garment.faces, body)
+        garment = worn.garment.at(nodes, contours or worn.garment.contours)
+        now = replace(worn, garment=garment, fabric=cloth, body=body, waist=waist, rotation=None)
+        metrics = measure_worn(now, wearer, drape)
+    warnings = [] if drape.converged else [f"the garment is {drape.outcome.advice}"]
+    if worn.rotation is not None:
+        warnings.append("the scanned cloth was in motion; here it hangs at rest.")
+    return Dressed(
+        before=worn,
+        worn=now,
+        drape=drape,
+        metrics=metrics,
+        gates=judge_wear(metrics),
+        warnings=tuple(warnings),
+        stage_seconds=clock.seconds,
+        cpu_seconds=clock.total,
+        peak_mb=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
+        manifest={"body": body.source, "fabric": cloth.name, "template": worn.template, "category": worn.category},
+    )
+
+
+def measure_worn(worn: Worn, wearer: WearerGeometry, drape: Drape) -> dict[str, float | None]:
+    """Measure rest, depth and crossings of a garment on its wearer; units in the names."""
+    nodes, faces = worn.garment.nodes, worn.garment.faces
+    return {
+        "vertices": float(len(nodes)),
+        "faces": float(len(faces)),
+        "drape.residual": drape.residual,
+        "drape.iterations": float(drape.iterations),
+        "drape.at_rest": float(drape.converged),
+        "body_penetration_mm": 1e3 * penetration_depth(nodes, faces, wearer.exposed),
+        "self_intersecting_faces": float(len(self_intersections(nodes, faces))),
+    }
+
+
+def is_sound(metrics: dict[str, float | None]) -> bool:
+    """Return whether a garment is at rest, crosses itself nowhere, and is at most 1 mm inside the body."""
+    values = [metrics[name] for name in ("body_penetration_mm", "self_intersecting_faces", "drape.at_rest")]
+    return bool(np.all([values[0] <= 1.0, values[1] == 0.0, values[2] == 1.0]))  # type: ignore[operator]

@@ -1,0 +1,64 @@
+"""What a stored result hands to later jobs: it comes back bit for bit, and what is not whole is refused."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+from garmentq.core.body import builtin_body
+from garmentq.core.pattern import load_draped_template
+from garmentq.core.simulate import SteadyRotation, get_fabric
+from garmentq.core.wear import WORN, ResultOld, Worn, load_worn, save_worn
+
+
+@pytest.fixture(scope="module")
+def worn() -> Worn:
+    """Return a skirt as it hangs on the body that it was drafted for."""
+    garment = load_draped_template("skirt")
+    assert garment is not None
+    garment = replace(garment, pattern=replace(garment.pattern, extra={"note": ["kept", 1]}))
+    waist = garment.contour("waist")
+    assert waist is not None
+    turning = SteadyRotation(5.0, (0.0, 1.0, 0.0))
+    body = builtin_body("builtin:female,height=1.70")
+    return Worn(garment, get_fabric("denim"), body, garment.nodes[waist.vertices], turning, "skirt", "skirt")
+
+
+def test_comes_back_bit_for_bit(worn, tmp_path):
+    """Broken where an array is rounded, or a field of garment, body or fabric is forgotten."""
+    save_worn(worn, tmp_path)
+    back = load_worn(tmp_path)
+    for name in ("nodes", "faces", "uv", "uv_faces", "uv_node", "panel_of_face", "panel_of_uv"):
+        np.testing.assert_array_equal(getattr(back.garment, name), getattr(worn.garment, name))
+    assert back.garment.edge_uv.keys() == worn.garment.edge_uv.keys()
+    for edge, along in worn.garment.edge_uv.items():
+        np.testing.assert_array_equal(back.garment.edge_uv[edge], along)
+    for field in fields(worn.body):
+        if isinstance(value := getattr(worn.body, field.name), np.ndarray):
+            np.testing.assert_array_equal(getattr(back.body, field.name), value)
+    np.testing.assert_array_equal(back.pattern.points, worn.pattern.points)
+    np.testing.assert_array_equal(back.waist, worn.waist)
+    assert back.pattern.extra == {"note": ["kept", 1]}
+    assert (back.fabric, back.rotation, back.template, back.category) == (
+        worn.fabric, worn.rotation, "skirt", "skirt",
+    )  # fmt: skip
+    assert [contour.name for contour in back.garment.contours] == [c.name for c in worn.garment.contours]
+
+
+def test_result_without_it_is_refused(worn, tmp_path):
+    """Broken where a result of an earlier version, or a cut file, is a traceback."""
+    with pytest.raises(ResultOld):
+        load_worn(tmp_path)
+    path = save_worn(worn, tmp_path)
+    assert path.name == WORN
+    path.write_bytes(path.read_bytes()[:1000])
+    with pytest.raises(ResultOld):
+        load_worn(tmp_path)
+
+
+def test_hangs_from_its_waist(worn):
+    """Broken where the curve that a skirt hangs from is lost, or a shirt gets one."""
+    waist = worn.target.contour("waist")
+    np.testing.assert_array_equal(worn.target.vertices[waist.vertices], worn.waist)
+    assert replace(worn, waist=None).target.contours == ()
