@@ -9,11 +9,12 @@ from .fabric import Fabric, FabricEstimate
 from .fabrics import FabricUnknown, get_fabric, load_fabrics
 from .locking import soften
 from .outcome import Outcome
-from .settings import GRAVITY, ContactSettings, SettingsBad, SolveSettings
+from .settings import GRAVITY, ContactSettings, SelfContactSettings, SettingsBad, SolveSettings
 
 if TYPE_CHECKING:
     from .bending_friction import BendingFriction
     from .block_pattern import BlockPattern
+    from .collision.self_contact import SelfContact
     from .contact import contact_forces
     from .derivative import AtRest, Derivative, Implicit, Response, linearise_at
     from .dynamics import State, settle
@@ -51,6 +52,7 @@ _LAZY = {
     "PinsBad": "pins",
     "Response": "derivative",
     "Scene": "scene",
+    "SelfContact": "collision.self_contact",
     "Sensitivity": "sensitivity",
     "Solver": "solver",
     "State": "dynamics",
@@ -101,6 +103,8 @@ __all__ = [
     "PinsBad",
     "Response",
     "Scene",
+    "SelfContact",
+    "SelfContactSettings",
     "Sensitivity",
     "SettingsBad",
     "SolveSettings",

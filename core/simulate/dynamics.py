@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .collision.coupling import couple
 from .energy import Energy, Inertia
 from .factorisation import factor_regularised
 from .friction import lag_friction
@@ -52,25 +53,31 @@ def settle(
     velocities = np.zeros_like(nodes) if velocities is None else np.asarray(velocities, dtype=np.float64)
     anchors = nodes.copy() if anchors is None else anchors
     solver = solver or make_solver(scene.topology.pattern)
+    energy = Energy(scene)
     for _ in range(steps):
         start = nodes
         friction = lag_friction(scene, nodes, anchors)
         inertia = Inertia(nodes + settings.damping * dt * velocities, 1.0 / dt**2)
         pinned = move_pins(nodes, scene.pins, settings.max_step)
-        nodes = _step(Energy(scene, friction, inertia), solver, pinned, settings)
+        energy, free = replace(energy, friction=friction, inertia=inertia).free_share(nodes, pinned - nodes)
+        pinned = pinned if free == 1.0 else nodes + free * (pinned - nodes)
+        energy, solver, nodes = _step(energy, solver, pinned, settings)
         velocities = (nodes - start) / dt
         anchors = nodes if friction is None else friction.slide(nodes)
     return State(nodes, velocities, anchors)
 
 
-def _step(energy: Energy, solver: Solver, nodes: np.ndarray, settings: SolveSettings) -> np.ndarray:
+def _step(
+    energy: Energy, solver: Solver, nodes: np.ndarray, settings: SolveSettings
+) -> tuple[Energy, Solver, np.ndarray]:
     """Take the Newton iterations of one time step from nodes [m], shape [node_count, 3], with the PSD Hessian."""
     for _ in range(settings.newton_per_step):
+        energy, solver = couple(energy, solver, nodes)
         start, gradient, blocks = energy.hessian(nodes, False)
         if factor_regularised(energy, solver, nodes, blocks, 0.0) < 0:
             break
         leg = descend(energy, solver, nodes, start, gradient, steps=1, residual=0.0, max_step=settings.max_step)
-        nodes = leg.nodes
+        energy, nodes = leg.energy, leg.nodes
         if leg.motion < settings.still:
             break
-    return nodes
+    return energy, solver, nodes

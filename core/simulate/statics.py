@@ -10,6 +10,7 @@ import numpy as np
 
 from ..errors import BadInput
 from ..hooks import SILENT, Hooks
+from .collision.coupling import couple
 from .energy import Energy
 from .factorisation import factor_regularised
 from .friction import lag_friction
@@ -151,7 +152,11 @@ def equilibrium(
     while outcome is None:
         hooks.check()
         pinned = move_pins(nodes, scene.pins, settings.max_step)
-        arrived, nodes = bool((pinned == nodes).all()), pinned
+        arrived = bool((pinned == nodes).all())
+        if not arrived:
+            energy, free = energy.free_share(nodes, pinned - nodes)
+            nodes = pinned if free == 1.0 else nodes + free * (pinned - nodes)
+        energy, solver = couple(energy, solver, nodes)
         if progress.follows:
             energy = replace(energy, friction=lag_friction(scene, nodes, anchors))
         start, gradient, blocks = energy.hessian(nodes, False)
@@ -166,7 +171,7 @@ def equilibrium(
                 energy, solver, nodes, start, gradient,
                 steps=settings.steps_per_factor, residual=settings.tolerance, max_step=settings.max_step,
             )  # fmt: skip
-            nodes, outcome = leg.nodes, progress.judge(leg, arrived)
+            nodes, outcome, energy = leg.nodes, progress.judge(leg, arrived), leg.energy
     end, gradient = energy.gradient(nodes)
     slid = anchors if energy.friction is None else energy.friction.slide(nodes)
     return Drape(nodes, scene.relative_residual(gradient), progress.legs, end, outcome, slid, scene.rotation)
