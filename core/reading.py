@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import zipfile
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -11,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from .body import Body
-from .checkpoints import pack, unpack
 from .limited import ReaderCrashed
 from .pattern import Pattern, load_pattern
+from .record_file import read_record, write_record
 from .scan import Pieces, describe_scan
 
 MOST_LABELS = 50
@@ -81,8 +80,7 @@ def save_reading(reading: Reading, path: Path) -> None:
     extra, pattern = "", reading.pattern
     if pattern is not None:
         extra, reading = json.dumps(pattern.extra), replace(reading, pattern=replace(pattern, extra={}))
-    with path.open("wb") as file:
-        np.savez(file, **pack(_Kept(reading, extra)))  # type: ignore[arg-type]
+    write_record(_Kept(reading, extra), path)
 
 
 def load_reading(path: Path) -> Reading:
@@ -91,16 +89,10 @@ def load_reading(path: Path) -> Reading:
     Raises:
         ReaderCrashed: where it is something else.
     """
+    kept = read_record(_Kept, path)
+    if kept.reading.pattern is None:
+        return kept.reading
     try:
-        with zipfile.ZipFile(path) as archive:
-            if any(entry.compress_type != zipfile.ZIP_STORED for entry in archive.infolist()):
-                raise ValueError("compressed")
-        with np.load(path, allow_pickle=False) as arrays:
-            kept = unpack(_Kept, {name: arrays[name] for name in arrays.files})
-        if kept is None:
-            raise ValueError("not whole")
-        if kept.reading.pattern is None:
-            return kept.reading
         return replace(kept.reading, pattern=replace(kept.reading.pattern, extra=json.loads(kept.extra)))
-    except (ValueError, KeyError, TypeError, OSError, EOFError, zipfile.BadZipFile, RecursionError) as error:
+    except (ValueError, RecursionError) as error:
         raise ReaderCrashed() from error

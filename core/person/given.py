@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -12,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from ..body import Body, is_smpl, load_smpl
-from ..checkpoints import pack, unpack
 from ..limited import ReaderCrashed
 from ..pattern import Pattern, load_pattern
+from ..record_file import read_record, write_record
 from ..scan import Limits, Scan, load_scan
 from ..scan.raw import RawScan
 from ..scan.refusal import LabelsMismatch
@@ -120,8 +119,7 @@ def save_given(given: Given, path: Path) -> None:
     """Write what was read as plain arrays."""
     extras = tuple(json.dumps(pattern.extra) for pattern in given.patterns.values())
     bare = {word: replace(pattern, extra={}) for word, pattern in given.patterns.items()}
-    with path.open("wb") as file:
-        np.savez(file, **pack(_Kept(replace(given, patterns=bare), extras)))  # type: ignore[arg-type]
+    write_record(_Kept(replace(given, patterns=bare), extras), path)
 
 
 def load_given(path: Path) -> Given:
@@ -130,18 +128,12 @@ def load_given(path: Path) -> Given:
     Raises:
         ReaderCrashed: where it is something else.
     """
+    kept = read_record(_Kept, path)
     try:
-        with zipfile.ZipFile(path) as archive:
-            if any(entry.compress_type != zipfile.ZIP_STORED for entry in archive.infolist()):
-                raise ValueError("compressed")
-        with np.load(path, allow_pickle=False) as arrays:
-            kept = unpack(_Kept, {name: arrays[name] for name in arrays.files})
-        if kept is None:
-            raise ValueError("not whole")
         _check(kept.given.raw)
         pairs = zip(kept.given.patterns.items(), kept.extras, strict=True)
         return replace(kept.given, patterns={word: replace(p, extra=json.loads(text)) for (word, p), text in pairs})
-    except (ValueError, KeyError, TypeError, OSError, EOFError, zipfile.BadZipFile, RecursionError) as error:
+    except (ValueError, TypeError, RecursionError) as error:
         raise ReaderCrashed() from error
 
 
