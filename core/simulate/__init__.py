@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from .collision.self_contact import SelfContact
     from .contact import contact_forces
     from .derivative import AtRest, Derivative, Implicit, Response, linearise_at
-    from .dynamics import State, settle
+    from .dynamics import State, move_on, settle
     from .energy import Energy, Inertia
     from .friction import Friction, lag_friction
     from .linearised import Linearised
@@ -70,6 +70,7 @@ _LAZY = {
     "list_gathers": "parameters",
     "make_solver": "solver",
     "map_rest": "parameters",
+    "move_on": "dynamics",
     "pull_forces": "sensitivity",
     "push_forces": "sensitivity",
     "settle": "dynamics",
@@ -126,6 +127,7 @@ __all__ = [
     "load_fabrics",
     "make_solver",
     "map_rest",
+    "move_on",
     "pull_forces",
     "push_forces",
     "settle",

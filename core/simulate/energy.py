@@ -11,6 +11,7 @@ from .bending_friction import FoldFriction
 from .block_pattern import Derivatives
 from .collision.barrier import barrier
 from .collision.near import Near, find_near
+from .collision.rubbing import Rubbing, lag_rubbing, rub
 from .contact import NO_BLOCKS, Forces, NodeElements, contact
 from .friction import Friction, friction
 from .membrane import foresee_stress, membrane
@@ -45,12 +46,14 @@ class Energy:
         scene: The cloth and what acts on it.
         friction: Lagged friction, or None.
         inertia: For an implicit time step, or None.
+        rubbing: Lagged friction of cloth on cloth, or None.
         near: The pairs of cloth that may touch, where they were last looked for; only saves the search for them.
     """
 
     scene: Scene
     friction: Friction | None = None
     inertia: Inertia | None = None
+    rubbing: Rubbing | None = None
     near: Near | None = None
 
     @property
@@ -78,6 +81,16 @@ class Energy:
         watching = self.watch(nodes, nodes + step)
         assert watching.near is not None
         return watching, watching.near.free_share(nodes, step)
+
+    def lag_rubbing(self, nodes: np.ndarray, before: Rubbing | None = None) -> Energy:
+        """Return the same energy with the friction of cloth on cloth that follows from nodes [m], [node_count, 3].
+
+        `before` is the friction until then: what was in touch stays drawn.
+        """
+        watching = self.watch(nodes)
+        if self.scene.self_contact is None or watching.near is None:
+            return self
+        return replace(watching, rubbing=lag_rubbing(self.scene.self_contact, watching.near, nodes, before))
 
     def value(self, nodes: np.ndarray) -> float:
         """Return the energy [J] at nodes [m], shape [node_count, 3]."""
@@ -141,10 +154,14 @@ class Energy:
         if order == 2:
             pairs = near.within(nodes, 0.0)
             slots = pattern.find_slots(pairs.nodes)
-        if not len(pairs.kinds):
-            return 0.0
-        places = (slots, pattern.diagonal)
-        return float(barrier(nodes, pairs, float(cloth.settings.stiffness), places, order, exact, found))
+        energy = 0.0
+        if len(pairs.kinds):
+            places, stiffness = (slots, pattern.diagonal), float(cloth.settings.stiffness)
+            energy += barrier(nodes, pairs, stiffness, places, order, exact, found)
+        if self.rubbing is not None:
+            slots = pattern.find_slots(self.rubbing.keys[:, 1:]) if order == 2 else NO_SLOTS
+            energy += rub(nodes, self.rubbing, (slots, pattern.diagonal), order, found)
+        return energy
 
     def _add_loads(self, nodes: np.ndarray, order: int, exact: bool, gradient: np.ndarray, blocks: np.ndarray) -> float:
         """Add weight, rotation, inertia and springs: linear or quadratic. The PSD form drops the rotation's."""

@@ -8,7 +8,18 @@ import numpy as np
 import pytest
 import scipy.sparse as sparse
 from garmentq.core.mesh import self_intersections
-from garmentq.core.simulate import Energy, Scene, SelfContact, SelfContactSettings, SettingsBad, Topology, settle
+from garmentq.core.simulate import (
+    Energy,
+    Pins,
+    Scene,
+    SelfContact,
+    SelfContactSettings,
+    SettingsBad,
+    SolveSettings,
+    Topology,
+    move_on,
+    settle,
+)
 from garmentq.core.simulate.collision.advance import free_share
 from garmentq.core.simulate.collision.closest import EDGE_EDGE, NODE_FACE, span, weigh
 from garmentq.core.simulate.collision.coupling import couple
@@ -189,3 +200,59 @@ def test_settings_out_of_range_are_refused():
     for wrong in ({"thickness": 0.0}, {"stiffness": -1.0}, {"friction": -0.1}):
         with pytest.raises(SettingsBad):
             SelfContactSettings(**wrong)
+
+
+@pytest.fixture(scope="module")
+def laid(sheet, cloth):
+    """A sheet of 6 cm that lies on a held one of 12 cm, in level gravity, before it has sunk in."""
+    wide, under = sheet(9, 9, 0.12, 0.12)
+    small, over = sheet(5, 6, 0.06, 0.06)
+    nodes = np.concatenate([
+        np.column_stack([wide[:, 0], np.zeros(len(wide)), -wide[:, 1]]),
+        np.column_stack([small[:, 0] + 0.021, np.full(len(small), 1.9e-3), -small[:, 1] - 0.033]),
+    ])  # fmt: skip
+    topology = Topology.from_mesh(np.concatenate([under, over + len(wide)]), np.concatenate([wide[under], small[over]]))
+    held = np.arange(len(wide))
+    scene = Scene(topology, cloth, pins=Pins(held, nodes[held]), self_contact=SelfContact.of(topology))
+    return scene, nodes, slice(len(wide), None)
+
+
+@pytest.mark.parametrize("share", [0.8, 1.4])
+def test_sheets_slide_above_atan_mu_and_stay_below(laid, share):
+    """Friction that is too weak or too strong, that creeps, or whose anchor is lost from step to step breaks this."""
+    scene, nodes, upper = laid
+    mu = scene.self_contact.settings.friction
+    angle = np.arctan(share * mu)
+    gravity = 9.81 * np.array([np.sin(angle), -np.cos(angle), 0.0])
+    scene = replace(scene, gravity=tuple(gravity))
+    dt, steps = 0.01, 20
+    settings = SolveSettings(damping=1.0, newton_per_step=4)
+    state = settle(scene, nodes, steps=steps, dt=dt, settings=settings)
+    way = (state.nodes[upper] - nodes[upper])[:, 0].mean()
+    free = 0.5 * (gravity[0] + mu * gravity[1]) * (steps * dt) ** 2 * (1.0 + 1.0 / steps)
+    if share < 1.0:
+        assert abs(way) < 2 * scene.self_contact.settings.slip
+        later = move_on(scene, state, steps=steps, dt=dt, settings=settings)
+        assert abs(later.nodes[upper] - state.nodes[upper]).max() < 0.1 * scene.self_contact.settings.slip
+    else:
+        assert way == pytest.approx(free, rel=0.1)
+
+
+def test_friction_against_differences_and_balanced(touching):
+    """A wrong sign or a block in the wrong slot of cloth's friction on cloth breaks this."""
+    energy, nodes = touching
+    rng = np.random.default_rng(11)
+    given = energy.lag_rubbing(nodes).rubbing
+    given = given._replace(anchors=given.anchors + rng.normal(0, 4e-4, given.anchors.shape))
+    energy, bare = replace(energy, rubbing=given), energy
+    forces = energy.gradient(nodes)[1] - bare.gradient(nodes)[1]
+    assert np.abs(forces).max() > 1e-3 and np.abs(forces.sum(0)).max() < 1e-13
+    topology, along = energy.scene.topology, rng.normal(size=nodes.shape)
+    data = topology.assemble(energy.hessian(nodes)[2] - bare.hessian(nodes)[2], energy.scene.fixed)
+    matrix = sparse.csc_matrix((data, topology.pattern.indices, topology.pattern.indptr))
+    values = [e.value(nodes + s * along) for e in (energy, bare) for s in (1e-8, -1e-8)]
+    slope = (values[0] - values[1] - values[2] + values[3]) / 2e-8
+    assert slope == pytest.approx(float((forces * along).sum()), rel=1e-5)
+    ends = [e.gradient(nodes + s * along)[1] for e in (energy, bare) for s in (1e-9, -1e-9)]
+    turned = (ends[0] - ends[1] - ends[2] + ends[3]) / 2e-9
+    assert np.abs(turned.ravel() - matrix @ along.ravel()).max() < 1e-5 * np.abs(turned).max()
