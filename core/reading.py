@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 
 from .body import Body
-from .limited import ReaderCrashed
+from .handover import doubting, hand_over, take_over
 from .pattern import Pattern, load_pattern
-from .record_file import read_record, write_record
 from .scan import Pieces, describe_scan
 
 MOST_LABELS = 50
@@ -80,7 +79,7 @@ def save_reading(reading: Reading, path: Path) -> None:
     extra, pattern = "", reading.pattern
     if pattern is not None:
         extra, reading = json.dumps(pattern.extra), replace(reading, pattern=replace(pattern, extra={}))
-    write_record(_Kept(reading, extra), path)
+    hand_over(_Kept(reading, extra), path)
 
 
 def load_reading(path: Path) -> Reading:
@@ -89,10 +88,8 @@ def load_reading(path: Path) -> Reading:
     Raises:
         ReaderCrashed: where it is something else.
     """
-    kept = read_record(_Kept, path)
+    kept = take_over(_Kept, path)
     if kept.reading.pattern is None:
         return kept.reading
-    try:
+    with doubting():
         return replace(kept.reading, pattern=replace(kept.reading.pattern, extra=json.loads(kept.extra)))
-    except (ValueError, RecursionError) as error:
-        raise ReaderCrashed() from error

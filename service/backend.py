@@ -17,6 +17,7 @@ from .states import State
 if TYPE_CHECKING:
     from ..core.simulate import Fabric
     from .catalogue import ImportedTemplate, Template
+    from .derived import DerivedOrder
     from .query import JobQuery
     from .records import Artifact, Job, JobReport, Key, News, Queue
     from .submission import Order, Submitted
@@ -78,6 +79,13 @@ class Backend(Protocol):
 
     def submit(self, order: Order) -> Submitted:
         """Keep or send an order's files, and queue the job."""
+
+    def submit_derived(self, order: DerivedOrder) -> Submitted:
+        """Keep or send an order's files, and queue the job that works on a stored result.
+
+        Raises:
+            GarmentqError: with the code of what cannot be used.
+        """
 
     def cancel(self, job: str) -> State:
         """Ask a job to stop, and return its state after that."""

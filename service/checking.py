@@ -120,3 +120,28 @@ def check_person(request: dict[str, Any], files: str) -> dict[str, Any]:
         raise
     save_given(given, folder / GIVEN)
     return describe_given(given)
+
+
+def check_body(request: dict[str, Any], files: str) -> dict[str, Any]:
+    """Read the file of a body in a limited process, and write it as arrays.
+
+    Args:
+        request: The job's request, as it is stored, with the fields `body`, and perhaps `units` and `up`.
+        files: Folder that holds each file of the request, as FIELD/NAME.
+
+    Returns:
+        What was understood, as JSON values.
+
+    Raises:
+        BadInput: where it cannot be used.
+    """
+    from ..core.handover import hand_over
+    from ..core.scan import Limits
+    from ..core.wear import describe_body_file, read_body_file
+    from .kinds.dress_request import BODY
+
+    folder = Path(files)
+    path = folder / "body" / request["body"]["name"]
+    given = read_body_file(path, request.get("units"), request.get("up"), Limits(is_confined=True))
+    hand_over(given, folder / BODY)
+    return describe_body_file(given)

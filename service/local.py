@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import families, jobs, keys, ordering, query, reaper, results, submission, templates
+from . import derived, families, jobs, keys, ordering, query, reaper, results, submission, templates
 from .catalogue import ImportedTemplate, Template
 from .database import Database
 from .records import Artifact, Event, Job, JobReport, Key, News, Queue, Worker
@@ -82,6 +82,10 @@ class LocalBackend:
     def submit(self, order: submission.Order) -> submission.Submitted:
         """Keep an order's files, and queue the job."""
         return submission.submit(self._database, self.services.store, order)
+
+    def submit_derived(self, order: derived.DerivedOrder) -> submission.Submitted:
+        """Keep an order's files, and queue the job that works on a stored result."""
+        return derived.submit_derived(self.services, order)
 
     def cancel(self, job: str) -> State:
         """Ask a job to stop, and return its state after that."""

@@ -29,7 +29,9 @@ from ..core.body import is_builtin
 from ..core.errors import NotFound
 from .catalogue import ImportedTemplate, Template, read_fabric
 from .connection import TRIES, Connection, ServiceUnreachable
+from .derived import DerivedOrder
 from .jobs import pick_known
+from .kinds import FileRef
 from .ordering import check_typed
 from .query import JobQuery
 from .records import (
@@ -57,6 +59,12 @@ MOST_JOBS = 1000
 
 POLL_SECONDS = 0.5
 """How often a service is asked for news [s]; progress is written twice a second."""
+
+UPLOADS = {"body": "bodies"}
+"""What each file of a derived job is uploaded as, by its field."""
+
+ID_LENGTH = 12
+"""Letters of a job's whole id."""
 
 R = TypeVar("R")
 
@@ -121,7 +129,29 @@ class RemoteBackend:
             wanted["template"] = template
         token = order.nonce or uuid.uuid4().hex
         found = self._ask("POST", "/v1/jobs", json=wanted, headers={"idempotency-key": token} if order.force else {})
-        return _read(lambda: Submitted(check_id(found["job"]), bool(found["is_new"]), State(found["state"])))
+        return _read_submitted(found)
+
+    def submit_derived(self, order: DerivedOrder) -> Submitted:
+        """Upload an order's files and ask for the job that works on a stored result."""
+        result = self.find_job(order.result).id if len(order.result) < ID_LENGTH else order.result
+        wanted = {
+            "kind": order.kind,
+            "result": result,
+            "options": dict(order.options),
+            "files": {name: self._send_file(name, file) for name, file in order.files.items()},
+            "priority": order.priority,
+            "queue": order.queue,
+            "force": order.force,
+            "name": order.name,
+            "tags": list(order.tags),
+        }
+        token = order.nonce or uuid.uuid4().hex
+        found = self._ask("POST", "/v1/jobs", json=wanted, headers={"idempotency-key": token} if order.force else {})
+        return _read_submitted(found)
+
+    def _send_file(self, field: str, file: Path | FileRef) -> str:
+        """Send a file of a derived job's request, and return its key."""
+        return self.upload(UPLOADS[field], file) if isinstance(file, Path) else file.sha256
 
     def _describe_person(self, order: Order) -> dict[str, Any]:
         """Return what an order says of a whole person; nothing that a service of an earlier version would refuse."""
@@ -312,6 +342,10 @@ def _read(make: Callable[[], R]) -> R:
 def _read_all(make: Callable[[Json], R], found: Json, name: str) -> list[R]:
     """Return the records of an answer's list."""
     return _read(lambda: [make(item) for item in found[name]])
+
+
+def _read_submitted(found: Json) -> Submitted:
+    return _read(lambda: Submitted(check_id(found["job"]), bool(found["is_new"]), State(found["state"])))
 
 
 def _read_event(text: str) -> Event:

@@ -9,12 +9,13 @@ from .body import JOINTS, PARENTS, Body
 from .spec import BUILTIN, is_builtin
 
 if TYPE_CHECKING:
-    from .builtin import BodyMissing, BodySpecBad, builtin_body, describe_bodies, parse_spec
+    from .builtin import POSES, BodyMissing, BodySpecBad, builtin_body, describe_bodies, parse_spec
     from .current import carry_outside
     from .distance import DistanceBad, DistanceGrid, sample_distance
     from .exposed import ExposedSurface, penetration_depth
     from .model import BodyModel
     from .person import PersonFit, PersonSettings, PointWeights, fit_person, refit_person
+    from .posing import check_wearer, pose_body
     from .projection import project_outside
     from .registration import NotHuman, register_body
     from .signed_distance import SignedDistance
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from .solid import Solid
 
 _LAZY = {
+    "POSES": "builtin",
     "BodyMissing": "builtin",
     "BodyModel": "model",
     "BodySpecBad": "builtin",
@@ -38,12 +40,14 @@ _LAZY = {
     "Solid": "solid",
     "builtin_body": "builtin",
     "carry_outside": "current",
+    "check_wearer": "posing",
     "describe_bodies": "builtin",
     "fit_person": "person",
     "is_smpl": "smpl",
     "load_smpl": "smpl",
     "parse_spec": "builtin",
     "penetration_depth": "exposed",
+    "pose_body": "posing",
     "project_outside": "projection",
     "refit_person": "person",
     "register_body": "registration",
@@ -59,6 +63,7 @@ __all__ = [
     "BUILTIN",
     "JOINTS",
     "PARENTS",
+    "POSES",
     "Body",
     "BodyMissing",
     "BodyModel",
@@ -75,6 +80,7 @@ __all__ = [
     "Solid",
     "builtin_body",
     "carry_outside",
+    "check_wearer",
     "describe_bodies",
     "fit_person",
     "is_builtin",
@@ -82,6 +88,7 @@ __all__ = [
     "load_smpl",
     "parse_spec",
     "penetration_depth",
+    "pose_body",
     "project_outside",
     "refit_person",
     "register_body",

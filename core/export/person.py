@@ -112,11 +112,12 @@ def draw_person(raw: RawScan, separation: Separation) -> bytes:
     for turn in TURNS:
         around = np.array([[np.cos(turn), 0.0, np.sin(turn)], [0.0, 1.0, 0.0], [-np.sin(turn), 0.0, np.cos(turn)]])
         camera = aim(np.concatenate([raw.points, body.vertices]), around @ body.heading, WIDTH, HEIGHT)
-        columns.append(np.concatenate([_on_white(draw([surface], camera)) for surface in surfaces], axis=1))
+        columns.append(np.concatenate([on_white(draw([surface], camera)) for surface in surfaces], axis=1))
     return base64.b64decode(png_base64(np.concatenate(columns, axis=0)))
 
 
-def _on_white(pixels: np.ndarray) -> np.ndarray:
+def on_white(pixels: np.ndarray) -> np.ndarray:
+    """Return a picture with transparency, RGBA in 0..255, on white: RGB, uint8, shape [height, width, 3]."""
     cover = pixels[..., 3:] / 255.0
     return np.asarray(255.0 + cover * (pixels[..., :3] - 255.0) + 0.5).clip(0, 255).astype(np.uint8)
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import base64
 from collections.abc import Sequence
 from html import escape
-from importlib.resources import files
 
 import numpy as np
 
 from ..person import Outfit, Part, Separation
 from ..scan.raw import RawScan
+from .page import page_html
 from .person import COLOURS
 
 NEXT = {
@@ -31,8 +31,6 @@ def report_person(raw: RawScan, separation: Separation, warnings: Sequence[str],
         warnings: What the user should know, one sentence each.
         picture: PNG of scan, body, parts and confidence, as `draw_person` makes it.
     """
-    style = files(__package__).joinpath("report.css").read_text(encoding="utf-8")
-    name = escape(raw.name)
     sections = [
         _header(raw, separation, warnings),
         _pictures(separation, picture),
@@ -40,12 +38,7 @@ def report_person(raw: RawScan, separation: Separation, warnings: Sequence[str],
         _openings(separation),
         _parts(raw, separation),
     ]
-    return (
-        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{name} – garmentq report</title><style>{style}</style></head>\n"
-        f"<body><main>{''.join(sections)}</main></body></html>\n"
-    )
+    return page_html(raw.name, sections)
 
 
 def weigh_outfits(outfits: Sequence[Outfit]) -> np.ndarray:

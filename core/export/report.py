@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from html import escape
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from ..pattern import edge_length, panel_area, panel_outline
 from ..recovery import Recovery
 from ..simulate import FabricEstimate
 from .drawing import SCALE, pattern_drawing
+from .page import page_html
 from .views import STOPS, render_views
 
 VERDICTS = {
@@ -90,8 +90,6 @@ MEANINGS = {
 
 def report_html(recovery: Recovery) -> str:
     """Give the whole report as the text of one HTML file; every name that comes from a file is escaped."""
-    style = files(__package__).joinpath("report.css").read_text(encoding="utf-8")
-    name = escape(recovery.scan.name)
     sections = [
         _header(recovery),
         _pictures(recovery),
@@ -101,12 +99,7 @@ def report_html(recovery: Recovery) -> str:
         _numbers(recovery),
         _settings(recovery),
     ]
-    return (
-        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{name} – garmentq report</title><style>{style}</style></head>\n"
-        f"<body><main>{''.join(sections)}</main></body></html>\n"
-    )
+    return page_html(recovery.scan.name, sections)
 
 
 def number(value: Any) -> str:

@@ -36,14 +36,14 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
         kinds = KINDS if name == "detail" else ("ply",)
         files += write_meshes(recovery.garment, nodes, folder, name, kinds)
     files.append(write_ply(recovery.body.vertices, recovery.body.faces, folder / "body.ply"))
-    files.append(_write_json(_joints(recovery.body), folder / "body_joints.json"))
-    files.append(_write_json(write_pattern(recovery.pattern), folder / "pattern.json"))
+    files.append(write_json(describe_joints(recovery.body), folder / "body_joints.json"))
+    files.append(write_json(write_pattern(recovery.pattern), folder / "pattern.json"))
     write_svg(recovery.pattern, folder / "pattern.svg")
     files.append(folder / "pattern.svg")
     if recovery.estimates:
-        files.append(_write_json(describe_fit(recovery), folder / "fit.json"))
-    files.append(_write_json(recovery.metrics, folder / "metrics.json"))
-    files.append(_write_json(recovery.manifest, folder / "manifest.json"))
+        files.append(write_json(describe_fit(recovery), folder / "fit.json"))
+    files.append(write_json(recovery.metrics, folder / "metrics.json"))
+    files.append(write_json(recovery.manifest, folder / "manifest.json"))
     files.append(save_worn(worn_of(recovery), folder))
     report = folder / "report.html"
     report.write_text(report_html(recovery), encoding="utf-8")
@@ -88,12 +88,13 @@ def plain(value: Any) -> Any:
     return value if value is None or isinstance(value, bool | int | str) else str(value)
 
 
-def _write_json(value: Any, path: Path) -> Path:
+def write_json(value: Any, path: Path) -> Path:
+    """Write a value as `plain` JSON, and return the file."""
     path.write_text(json.dumps(plain(value), indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
     return path
 
 
-def _joints(body: Body) -> dict[str, Any]:
+def describe_joints(body: Body) -> dict[str, Any]:
     """Give the joints by name with their parents [m]."""
     return {
         "unit": "m",

@@ -14,7 +14,6 @@ from . import refusal
 from .cloud import parse_pcd, parse_xyz
 from .columns import as_bytes, find_labels, read_fields
 from .limits import Limits
-from .off import load_off
 from .texture import add_texture
 
 
@@ -86,7 +85,10 @@ def parse(path: Path, form: str, textures: bool = False) -> dict[str, np.ndarray
 
         with path.open("rb") as file:
             return _pick(load_stl(file))
-    return _pick(load_off(path))
+    from trimesh.exchange.off import load_off
+
+    with path.open("rb") as file:
+        return _pick(load_off(file))
 
 
 def _pick(loaded: dict[str, Any]) -> dict[str, np.ndarray]:

@@ -8,8 +8,6 @@ from typing import Protocol
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from .collision.coupling import couple
-from .collision.rubbing import Rubbing
 from .energy import Energy, Inertia
 from .factorisation import factor_regularised
 from .friction import Friction, lag_friction
@@ -74,26 +72,16 @@ class Implicit:
         *,
         friction: Friction | None = None,
         inertia: Inertia | None = None,
-        rubbing: Rubbing | None = None,
     ) -> AtRest:
-        """Bring nodes near rest [m], shape [node_count, 3], to rest, with friction as it is given,
-        on the body and, `rubbing`, on itself.
+        """Bring nodes near rest [m], shape [node_count, 3], to rest, with friction as it is given.
 
         With inertia it is one implicit time step that is brought to rest.
 
         Raises:
             NotAtRest: where the force left stays above the tolerance.
         """
-        energy = Energy(scene, friction, inertia, rubbing)
-        solver = solver or make_solver(scene.topology.pattern)
-        nodes = place_pinned(scene, nodes)
-        while True:
-            energy, solver = couple(energy, solver, nodes, missing=0.0)
-            nodes = find_rest(energy, nodes, solver, self.tolerance, self.max_iterations)
-            energy, complete = energy.watch(nodes), solver
-            energy, solver = couple(energy, solver, nodes, missing=0.0)
-            if solver is complete:
-                break
+        energy, solver = Energy(scene, friction, inertia), solver or make_solver(scene.topology.pattern)
+        nodes = find_rest(energy, place_pinned(scene, nodes), solver, self.tolerance, self.max_iterations)
         blocks = energy.hessian(nodes)[2]
         return AtRest(energy, nodes, blocks, factor(energy, blocks, solver))
 
@@ -151,8 +139,7 @@ def linearise_at(scene: Scene, nodes: np.ndarray, anchors: np.ndarray, solver: S
     As much of the exact Hessian is factored as is positive definite: all of it where the cloth is at rest. Where it is
     not quite, what a loss is pulled back to is still a direction of descent.
     """
-    energy, solver = couple(Energy(scene, lag_friction(scene, nodes, anchors)), solver, nodes, missing=0.0)
-    energy = energy.lag_rubbing(nodes)
+    energy = Energy(scene, lag_friction(scene, nodes, anchors))
     blocks = energy.hessian(nodes)[2]
     factor_regularised(energy, solver, nodes, blocks, 1.0)
     return AtRest(energy, nodes, blocks, solver)

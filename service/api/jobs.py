@@ -14,9 +14,11 @@ from starlette.concurrency import run_in_threadpool
 
 from ...core.body import is_builtin
 from ...core.settings import RecoverySettings
+from ..derived import DerivedOrder, submit_derived
 from ..families import cancel, retry
 from ..jobs import find_job
 from ..keys import Caller
+from ..kinds import FileRef
 from ..models import JobRow
 from ..order import Order, PartOrder
 from ..ordering import check_order
@@ -27,7 +29,7 @@ from ..uploads import begin_once, end_once, find_upload
 from .access import Reader, Rooms, RoomsOf, Submitter, find_own
 from .answers import Asked, Changed, Job, Jobs
 from .problems import RequestBad, show_answer
-from .schemas import JobIn, PartIn, Text
+from .schemas import AnyJobIn, DerivedIn, JobIn, PartIn, Text
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
 
@@ -55,14 +57,15 @@ def show_created() -> dict[int | str, dict[str, Any]]:
     return {**show_answer(ASKED, 202, Asked, (408, 507)), 200: known}
 
 
-@router.post("", status_code=202, summary="Ask for a recovery.", responses=show_created())
+@router.post("", status_code=202, summary="Ask for a recovery or a derived job.", responses=show_created())
 async def create_job(
-    wanted: JobIn, response: Response, rooms: RoomsOf, caller: Submitter, idempotency_key: Token = None
+    wanted: AnyJobIn, response: Response, rooms: RoomsOf, caller: Submitter, idempotency_key: Token = None
 ) -> Any:
     """Queue the job. The same files with the same settings are the same job: 200, not 202.
 
     Names and settings are checked at once. The files are read by the job's first stage, `check`: what cannot be used
-    ends the job as `failed` with `bad_input`, and a code that says why.
+    ends the job as `failed` with `bad_input`, and a code that says why. With a `kind` the job works on the result of
+    another one that has succeeded.
     """
     done = await run_in_threadpool(_create, rooms, caller, wanted, idempotency_key)
     response.headers["location"] = f"/v1/jobs/{done.job}"
@@ -136,31 +139,46 @@ def answer_query(rooms: Rooms, caller: Caller, wanted: JobQuery) -> dict[str, An
     return {"jobs": [job.as_json() for job in report_jobs(rooms.database, rows, rooms.settings)]}
 
 
-def _create(rooms: Rooms, caller: Caller, wanted: JobIn, token: str | None) -> Submitted:
+def _create(rooms: Rooms, caller: Caller, wanted: JobIn | DerivedIn, token: str | None) -> Submitted:
     known = None
     if token is not None:
         known = begin_once(rooms.database, caller.key, token, json.dumps(fingerprint(wanted), sort_keys=True))
     if known is not None:
         return Submitted(known, False, find_job(rooms.database, known).state)
-    with tempfile.TemporaryDirectory(prefix="order-", dir=_incoming(rooms)) as folder:
-        order = _unpack(rooms, caller, wanted, Path(folder))
-        order = check_order(rooms, order, wanted.template)
-        if token is not None:
-            order = replace(order, nonce=hashlib.sha256(f"{caller.key} {token}".encode()).hexdigest())
-        done = submit(rooms.database, rooms.store, order)
+    nonce = "" if token is None else hashlib.sha256(f"{caller.key} {token}".encode()).hexdigest()
+    if isinstance(wanted, DerivedIn):
+        done = submit_derived(rooms, _derive(rooms, caller, wanted, nonce))
+    else:
+        with tempfile.TemporaryDirectory(prefix="order-", dir=_incoming(rooms)) as folder:
+            order = check_order(rooms, _unpack(rooms, caller, wanted, Path(folder)), wanted.template)
+            done = submit(rooms.database, rooms.store, replace(order, nonce=nonce))
     if token is not None:
         end_once(rooms.database, caller.key, token, done.job)
     return done
 
 
-def fingerprint(wanted: JobIn) -> dict[str, Any]:
+def fingerprint(wanted: JobIn | DerivedIn) -> dict[str, Any]:
     """Return what makes a repeated request the same; of one without a person's options what earlier versions made."""
-    return wanted.model_dump(exclude={name for name in OF_PERSONS if not getattr(wanted, name)})
+    return wanted.model_dump(exclude={name for name in OF_PERSONS if not getattr(wanted, name, None)})
 
 
 def _incoming(rooms: Rooms) -> Path:
     rooms.incoming.mkdir(parents=True, exist_ok=True, mode=0o700)
     return rooms.incoming
+
+
+def _derive(rooms: Rooms, caller: Caller, wanted: DerivedIn, nonce: str) -> DerivedOrder:
+    """Return the order of a derived job; its files are uploads of the caller's."""
+    names = {field: find_upload(rooms.database, caller.key, sha256).name for field, sha256 in wanted.files.items()}
+    asked = wanted.model_dump(exclude={"files", "tags"})
+    return DerivedOrder(
+        **asked,
+        files={field: FileRef(wanted.files[field], clean_name(name)) for field, name in names.items()},
+        tags=tuple(wanted.tags),
+        nonce=nonce,
+        key=caller.key,
+        quota=caller.quota,
+    )
 
 
 def _unpack(rooms: Rooms, caller: Caller, wanted: JobIn, folder: Path) -> Order:

@@ -26,6 +26,7 @@ STATUSES = {
     "key.too_many_requests": 429,
     "key.uploads_open": 429,
     "key.day_bytes": 429,
+    "job.kind_unknown": 422,
     "job.not_ended": 409,
     "job.succeeded": 409,
     "request.streams_full": 429,

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Annotated, Any, Literal, get_type_hints
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, create_model
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, StringConstraints, create_model
+from pydantic import Tag as Choice
 
 from ...core.body import BUILTIN
 from ...core.person import GARMENTS
@@ -86,11 +87,47 @@ class JobIn(BaseModel):
     tags: list[Tag] = Field(default=[], max_length=20, description="Words that it can be found by.")
 
 
+JobId = Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{12}$")]
+FieldName = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z_]{0,31}$")]
+
+
+class DerivedIn(BaseModel):
+    """Ask for a job that works on a stored result."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={
+            "example": {
+                "kind": "dress",
+                "result": "3685ecfd4f81",
+                "options": {"body": "builtin:male,height=1.85,weight=85", "pose": "A"},
+            }
+        },
+    )
+    kind: Annotated[str, StringConstraints(pattern=r"^[a-z][a-z_]{0,31}$")] = Field(description="dress, for example.")
+    result: JobId = Field(description="The job whose result it works on.")
+    options: dict[FieldName, Any] = Field(default={}, max_length=50, description="What the kind is asked; docs/api.md.")
+    files: dict[FieldName, Sha256] = Field(default={}, max_length=10, description="Uploads by the request's fields.")
+    priority: int = Field(0, ge=-100, le=100)
+    queue: Literal[QUEUES] = QUEUES[0]  # type: ignore[valid-type]
+    force: bool = False
+    name: Text = Field("", description="What it is called; by default as the result's job.")
+    tags: list[Tag] = Field(default=[], max_length=20, description="Words that it can be found by.")
+
+
+def _tag(given: Any) -> str:
+    return "derived" if isinstance(given, DerivedIn) or (isinstance(given, dict) and "kind" in given) else "scan"
+
+
+AnyJobIn = Annotated[Annotated[JobIn, Choice("scan")] | Annotated[DerivedIn, Choice("derived")], Discriminator(_tag)]
+"""What a job is asked for with: a kind says that it works on a stored result."""
+
+
 class JobsIn(BaseModel):
     """Name some jobs by their ids."""
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"example": {"jobs": ["3685ecfd4f81", "5f1d0c9b7a3e"]}})
-    jobs: list[Annotated[str, StringConstraints(pattern=r"^[0-9a-f]{12}$")]] = Field(min_length=1, max_length=MOST_JOBS)
+    jobs: list[JobId] = Field(min_length=1, max_length=MOST_JOBS)
     below: bool = Field(False, description="Also return all jobs below them.")
 
 

@@ -17,6 +17,7 @@ __all__ = [
 KINDS = {
     "recover": "garmentq.service.kinds.recover:Recover",
     "person": "garmentq.service.kinds.person:Person",
+    "dress": "garmentq.service.kinds.dress:Dress",
 }
 """Dotted path of each kind's class by name."""
 

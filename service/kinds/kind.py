@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 if TYPE_CHECKING:
@@ -97,11 +98,14 @@ class Kind(ABC):
         name: Stored with each job.
         request: Frozen dataclass of what is asked for; `read_request` and `pack_request` turn it from and to JSON.
         stages: Names of the stages in order, by which progress is reported; the first is always `check`.
+        reads: Of a kind whose jobs are derived from stored results: the kinds of job that each input may be, by the
+            input's name.
     """
 
     name: ClassVar[str]
     request: ClassVar[type[Any]]
     stages: ClassVar[tuple[str, ...]]
+    reads: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
 
     def checker(self, settings: ServiceSettings) -> str:
         """Return what reads the user's bytes and refuses what cannot be used: the first stage, in a limited process.
@@ -119,10 +123,6 @@ class Kind(ABC):
         The job keeps its id, and what makes it the same as another.
         """
         return None
-
-    def choose_input(self, request: Any, name: str) -> tuple[str, ...]:
-        """Return the names of the files that the job reads of an input's result; empty: all of them."""
-        return ()
 
     @abstractmethod
     def run(self, request: Any, work: Work, hooks: Hooks) -> Any:

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 from ...core.errors import GarmentqError
 from ..jobs import Claim
-from ..models import MetricRow
 from .kind import PARENT, ChildRequest, Kind, Outcome, Work
 from .person_request import PersonRequest
-from .recover import Recover, describe_body, keep_finite
+from .recover import Recover
 from .recover_request import PERSON
 from .request import pack_request, read_request
+from .rows import add_metrics, describe_body
 
 if TYPE_CHECKING:
     from sqlalchemy.orm import Session
@@ -41,8 +41,7 @@ class Person(Kind):
     def store(self, session: Session, claim: Claim, result: PersonFound) -> Outcome:
         """Add the rows of wearer and numbers, and ask for the garments' recoveries."""
         session.add(describe_body(claim.job, result.body))
-        for name, value in result.metrics.items():
-            session.add(MetricRow(job=claim.job, name=name, value=keep_finite(value)))
+        add_metrics(session, claim.job, result.metrics)
         summary = {
             "warnings": list(result.warnings),
             "stage_seconds": {name: round(value, 3) for name, value in result.stage_seconds.items()},

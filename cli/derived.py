@@ -1,0 +1,95 @@
+"""What the commands that work on a stored result share: options, submission, and waiting for the end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..service.states import QUEUES, State
+from . import exits
+from .options import gather, home_option, json_option, timeout_option, workers_option
+
+if TYPE_CHECKING:
+    from ..service.derived import DerivedOrder
+
+
+@dataclass(frozen=True)
+class DerivedOptions:
+    """Describe what was typed about a derived job; each field is the option of its name."""
+
+    name: str
+    tags: tuple[str, ...]
+    priority: int
+    queue: str
+    force: bool
+    wait: bool
+    timeout: float | None
+    out: Path | None
+    workers: int | None
+    home: Path | None
+    as_json: bool
+
+
+def derived_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options of every derived job; the command takes them as one `options: DerivedOptions`."""
+    options = [
+        click.option("--name", default="", help="Name of the job.  [default: the result's]"),
+        click.option("--tag", "tags", multiple=True, help="Tag that it is found by; may be given several times."),
+        click.option("--priority", type=click.IntRange(-100, 100), default=0, show_default=True, help="Larger first."),
+        click.option(
+            "--queue", type=click.Choice(QUEUES), default=QUEUES[0], show_default=True, help="Kind of worker."
+        ),
+        click.option("--force", is_flag=True, help="Make a new job even where an equal one exists."),
+        click.option("--wait", is_flag=True, help="Work on it here if nobody does, wait, and show the result."),
+        timeout_option,
+        click.option(
+            "--out", type=click.Path(file_okay=False, path_type=Path), help="Folder for the result's files; waits."
+        ),
+        workers_option,
+        home_option,
+        json_option,
+    ]
+    return gather(DerivedOptions, options)(function)
+
+
+def run_derived(order: DerivedOrder, options: DerivedOptions) -> int:
+    """Queue a derived job, and with `--wait` or `--out` wait for it and show its result.
+
+    Args:
+        order: What is asked for; name, tags, priority, queue and force are taken from the options.
+        options: What was typed.
+
+    Returns:
+        The exit status.
+    """
+    from ..service.backend import open_backend
+    from ..service.settings import read_settings
+    from ..workers.embedded import ensure_services
+    from .follow import Wait
+    from .run import wait_and_show
+    from .terminal import note, print_json
+
+    settings = read_settings(home=options.home)
+    backend = open_backend(settings)
+    chosen = {name: getattr(options, name) for name in ("name", "tags", "priority", "queue", "force")}
+    done = backend.submit_derived(replace(order, **chosen))
+    if not (options.wait or options.out):
+        if options.as_json:
+            print_json({"job": done.job, "state": done.state, "is_new": done.is_new})
+        else:
+            click.echo(done.job)
+        return exits.OK
+
+    def keep_up() -> None:
+        for name in () if backend.is_remote else ensure_services(settings, options.workers):
+            note(f"started the {name}")
+
+    if done.state != State.SUCCEEDED:
+        keep_up()
+    note(f"job {done.job}" + ("" if done.is_new else f" (known, {done.state})"))
+    folder = options.out or settings.home / "results" / done.job
+    return wait_and_show(backend, done.job, folder.absolute(), Wait(options.timeout, options.as_json, keep_up))

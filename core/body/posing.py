@@ -1,0 +1,48 @@
+"""Put a body into another pose."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from .body import Body
+from .builtin import POSES, BodySpecBad, named_pose, parse_spec
+from .skinning import skin
+from .template import articulate, rotations_of, transforms_of
+
+
+def pose_body(body: Body, pose: str) -> Body:
+    """Return a body's fitted model in a pose of `POSES`: feet where the T-pose has them, facing +z.
+
+    The surface is the fitted model's, bent by linear blend skinning, for a mesh tells nothing of other poses.
+
+    Raises:
+        BodySpecBad: where there is no such pose.
+    """
+    check_wearer(None, pose)
+    angles = named_pose(pose)
+    world, posed = articulate(rotations_of(angles), body.rest_joints, np.zeros(3))
+    transforms = transforms_of(world, posed, body.rest_joints)
+    return replace(
+        body,
+        vertices=skin(body.rest_vertices, body.rest_weights, transforms),
+        faces=body.rest_faces,
+        joints=posed,
+        weights=body.rest_weights,
+        transforms=transforms,
+        heading=np.eye(3),
+        parameters={**body.parameters, "pose": angles, "translation": np.zeros(3)},
+    )
+
+
+def check_wearer(spec: str | None, pose: str | None) -> None:
+    """Check the description of a body, where there is one, and a pose.
+
+    Raises:
+        BodySpecBad: where one is none.
+    """
+    if spec is not None:
+        parse_spec(spec)
+    if pose is not None and pose not in POSES:
+        raise BodySpecBad(f"pose '{pose[:40]}' is not one of {', '.join(POSES)}.")

@@ -1,0 +1,40 @@
+"""Write a garment that is worn again into one folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..pattern import write_pattern
+from ..wear import Dressed, save_worn
+from .dressed_report import draw_wearers, report_dressed
+from .meshes import KINDS, write_meshes, write_ply
+from .pattern_svg import write_svg
+from .result import describe_joints, write_json
+
+
+def write_dressed(dressed: Dressed, folder: Path) -> list[Path]:
+    """Write meshes, pattern, numbers and report of a garment on another body.
+
+    Args:
+        dressed: What to write.
+        folder: Where to; made where it is not there, files of the same names are replaced.
+
+    Returns:
+        The files: dressed.ply, dressed.obj, dressed.glb, body.ply, body_joints.json, pattern.json, pattern.svg,
+        metrics.json, manifest.json, worn.npz, picture.png, report.html.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    worn = dressed.worn
+    files = write_meshes(worn.garment, worn.garment.nodes, folder, "dressed", KINDS)
+    files.append(write_ply(worn.body.vertices, worn.body.faces, folder / "body.ply"))
+    files.append(write_json(describe_joints(worn.body), folder / "body_joints.json"))
+    files.append(write_json(write_pattern(worn.pattern), folder / "pattern.json"))
+    write_svg(worn.pattern, folder / "pattern.svg")
+    files.append(folder / "pattern.svg")
+    files.append(write_json(dressed.metrics, folder / "metrics.json"))
+    files.append(write_json(dressed.manifest, folder / "manifest.json"))
+    files.append(save_worn(worn, folder))
+    picture, report = folder / "picture.png", folder / "report.html"
+    picture.write_bytes(draw_wearers(dressed))
+    report.write_text(report_dressed(dressed, picture.read_bytes()), encoding="utf-8")
+    return [*files, picture, report]

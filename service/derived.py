@@ -1,0 +1,115 @@
+"""Derived jobs: what works on a stored result instead of a scan, such as `dress`; from an order to a queued job."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..core.errors import BadInput
+from .jobs import find_job
+from .kinds import FileRef, RequestBad, find_kind, pack_request, read_request
+from .models import OwnerRow
+from .states import QUEUES
+from .submission import JobRequest, JobUnknown, Submitted, add_job, check_labels, clean_name
+
+if TYPE_CHECKING:
+    from .services import Services
+
+
+class InputWrong(BadInput):
+    """The job is of a kind whose result cannot be used for this; name a recovery, or what was derived from one."""
+
+    code = "job.input_kind"
+
+
+@dataclass(frozen=True)
+class DerivedOrder:
+    """Ask for a job that works on a stored result.
+
+    Attributes:
+        kind: Name of the kind, `dress`.
+        result: Id of the job whose result it works on, or on this machine a beginning of it.
+        options: Fields of the kind's request that are no files, as JSON values.
+        files: Files of the request by field: on this machine, or stored ones.
+        name: What it is called; empty: as the result's job.
+        tags: Words that it can be found by.
+        priority: Larger goes first.
+        queue: One of `QUEUES`.
+        force: Make a new job even where an equal one exists.
+        nonce: What makes a forced job the same when it is asked for again; empty: a random one.
+        key: Id of the API key that asks, or empty.
+        quota: Jobs that the key may have open at a time.
+    """
+
+    kind: str
+    result: str
+    options: Mapping[str, Any] = field(default_factory=dict)
+    files: Mapping[str, Path | FileRef] = field(default_factory=dict)
+    name: str = ""
+    tags: tuple[str, ...] = ()
+    priority: int = 0
+    queue: str = QUEUES[0]
+    force: bool = False
+    nonce: str = ""
+    key: str = ""
+    quota: int = 0
+
+
+def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
+    """Keep an order's files, check what it asks for, and queue the job.
+
+    Raises:
+        RequestBad: where the kind works on no result, or its request does not fit.
+        JobUnknown: where the result's job is none that the key may see.
+        InputWrong: where its result is of a kind that cannot be used.
+        InputNotEnded: where it has no result.
+        LabelBad: where name or tags cannot be used.
+    """
+    kind = find_kind(services.settings, order.kind)
+    if len(kind.reads) != 1:
+        raise RequestBad(f"a job '{order.kind}' works on no stored result; leave out the result, or name another kind.")
+    ((folder, kinds),) = kind.reads.items()
+    check_labels(order.name, order.tags)
+    files = {name: _keep(services, file) for name, file in order.files.items()}
+    request = pack_request(read_request(kind.request, {**order.options, **files}))
+    row = find_job(services.database, order.result)
+    with services.database.write() as session:
+        if order.key and session.get(OwnerRow, (order.key, row.id)) is None:
+            raise JobUnknown(f"there is no job '{order.result[:40]}'; `garmentq status` lists them all.")
+        if row.kind not in kinds:
+            raise InputWrong(
+                f"job {row.id} is a job '{row.kind}', and '{order.kind}' works on the result of {' or '.join(kinds)}; "
+                f"`garmentq status {row.id}` shows the jobs below it."
+            )
+        wanted = JobRequest(
+            order.kind,
+            request,
+            row.scan,
+            order.name or row.name,
+            order.tags,
+            inputs={folder: row.id},
+            priority=order.priority,
+            queue=order.queue,
+            nonce=(order.nonce or uuid.uuid4().hex) if order.force else "",
+            key=order.key,
+            quota=order.quota,
+        )
+        return add_job(session, wanted)
+
+
+def _keep(services: Services, file: Path | FileRef) -> dict[str, str]:
+    """Return a file's key and cleaned name as JSON values, kept in the store.
+
+    Raises:
+        FileMissing: where it is not there.
+    """
+    if isinstance(file, Path):
+        from ..core.scan import FileMissing
+
+        if not file.is_file():
+            raise FileMissing(f"{file} is not a file; check the path.")
+        file = FileRef(services.store.put(file).sha256, clean_name(file.name))
+    return {"sha256": file.sha256, "name": file.name}

@@ -1,0 +1,73 @@
+"""The kind `dress`: a stored result is worn by another body, its pattern unchanged."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from sqlalchemy.orm import Session
+
+from ..jobs import Claim
+from ..models import JobRow
+from .dress_request import BODY, RESULT, DressRequest
+from .kind import Kind, Outcome, Work
+from .rows import add_metrics, add_pattern, describe_body, show_garment, summarise
+
+if TYPE_CHECKING:
+    from ...core.hooks import Hooks
+    from ...core.wear import Dressed
+    from ..settings import ServiceSettings
+
+
+GARMENTS = ("recover", "dress", "refit")
+"""Kinds of job whose result is a worn garment."""
+
+BODY_CHECKER = "garmentq.service.checking:check_body"
+"""What reads a body's file first, in a limited process."""
+
+
+class Dress(Kind):
+    """Dress a body in a stored result."""
+
+    name = "dress"
+    request = DressRequest
+    stages = ("check", "body", "drape", "measure")
+    reads = MappingProxyType({RESULT: GARMENTS})
+
+    def checker(self, settings: ServiceSettings) -> str:
+        """Return the reader of bodies."""
+        return BODY_CHECKER
+
+    def run(self, request: DressRequest, work: Work, hooks: Hooks) -> Dressed:
+        """Dress the body and write the files."""
+        from ...core.clock import Clock
+        from ...core.export.dressed import write_dressed
+        from ...core.handover import take_over
+        from ...core.simulate import get_fabric
+        from ...core.wear import BodyFile, dress_body, find_wearer, load_worn
+
+        worn, clock = load_worn(work.inputs[RESULT]), Clock(hooks)
+        wanted = request.body if isinstance(request.body, str | None) else take_over(BodyFile, work.files / BODY)
+        with clock.stage("body", "finding the body's joints") as told:
+            body = find_wearer(wanted, worn.body, request.pose, told)
+        fabric = None if request.fabric is None else get_fabric(request.fabric)
+        dressed = dress_body(worn, body, fabric, clock)
+        write_dressed(dressed, work.out)
+        return dressed
+
+    def store(self, session: Session, claim: Claim, result: Dressed) -> Outcome:
+        """Add the rows of pattern, fabric, body and numbers."""
+        return store_dressed(session, claim.job, result)
+
+    def show(self, session: Session, row: JobRow) -> dict[str, Any]:
+        """Return garment, template, fabric and body by name."""
+        return show_garment(session, row.id)
+
+
+def store_dressed(session: Session, job: str, result: Dressed) -> Outcome:
+    """Add the rows of a garment on a body, and return what is kept in the job's."""
+    worn = result.worn
+    session.add(describe_body(job, worn.body))
+    add_pattern(session, job, worn.pattern, worn.fabric, (worn.category, worn.template))
+    add_metrics(session, job, result.metrics)
+    return Outcome(summarise(result))

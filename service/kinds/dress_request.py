@@ -1,0 +1,46 @@
+"""What dressing another body is asked for; light, since the limited process that reads its file imports it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .request import FileRef
+
+RESULT = "result"
+"""Name of the input: the stored result whose garment is worn again."""
+
+BODY = "body.npz"
+"""Holds what was read of the body's file, beside its folder."""
+
+
+@dataclass(frozen=True)
+class DressRequest:
+    """Ask for a stored result on another body.
+
+    Attributes:
+        body: A body's file, the description of a built-in body, or None: the wearer.
+        pose: One of `body.POSES` that the body takes, or None: its own.
+        fabric: Name in the fabric library, or None: the result's own cloth.
+        units: `m`, `cm` or `mm` of the body's file, or None to find it.
+        up: Its axis that points up, or None to find it.
+    """
+
+    body: FileRef | str | None = None
+    pose: str | None = None
+    fabric: str | None = None
+    units: str | None = None
+    up: str | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse names of what there is not.
+
+        Raises:
+            BodySpecBad: where body or pose is none.
+            FabricUnknown: where the fabric is none.
+        """
+        from ...core.body import check_wearer
+        from ...core.simulate import get_fabric
+
+        check_wearer(self.body if isinstance(self.body, str) else None, self.pose)
+        if self.fabric is not None:
+            get_fabric(self.fabric)

@@ -1,0 +1,128 @@
+"""Rows of a garment's result: wearer, fabric, pattern and numbers, the same for every kind that has one."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from sqlalchemy.orm import Session
+
+from ..database import serialise
+from ..models import BodyRow, MaterialRow, MetricRow, PanelRow, PatternRow
+
+if TYPE_CHECKING:
+    from ...core.body import Body
+    from ...core.pattern import Pattern
+    from ...core.recovery import Gate
+    from ...core.simulate import Fabric
+
+
+class Judged(Protocol):
+    """What every result of a garment has beside its meshes; each as `Recovery` has it."""
+
+    @property
+    def gates(self) -> tuple[Gate, ...]: ...
+    @property
+    def warnings(self) -> tuple[str, ...]: ...
+    @property
+    def stage_seconds(self) -> dict[str, float]: ...
+    @property
+    def cpu_seconds(self) -> float: ...
+    @property
+    def peak_mb(self) -> float: ...
+    @property
+    def manifest(self) -> dict[str, Any]: ...
+
+
+def describe_body(job: str, body: Body) -> BodyRow:
+    """Return the row of a wearer as a job saw it."""
+    from ...core.body import JOINTS
+
+    joints = {name: position.tolist() for name, position in zip(JOINTS, body.joints, strict=True)}
+    parameters = {name: np.asarray(value).tolist() for name, value in body.parameters.items()}
+    return BodyRow(job=job, source=body.source, fit_rms=float(body.fit_rms), joints=joints, parameters=parameters)
+
+
+def _add_material(session: Session, fabric: Fabric) -> str:
+    values = asdict(fabric)
+    values["sources"] = [list(pair) for pair in fabric.sources]
+    key = hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
+    serialise(session, key)  # two workers may be the first to use a fabric
+    if session.get(MaterialRow, key) is None:
+        session.add(MaterialRow(id=key, **values))
+    return key
+
+
+def add_pattern(session: Session, job: str, pattern: Pattern, fabric: Fabric, names: tuple[str, str]) -> None:
+    """Add the rows of a pattern, its panels and its fabric.
+
+    Args:
+        session: The transaction.
+        job: Whose they are.
+        pattern: The pattern.
+        fabric: The cloth.
+        names: The garment's category, and the name of its base pattern.
+    """
+    from ...core.pattern import polygon_area
+
+    category, template = names
+    material = _add_material(session, fabric)
+    session.flush()
+    session.add(
+        PatternRow(
+            job=job,
+            name=pattern.name,
+            category=category,
+            template=template,
+            material=material,
+            seams=len(pattern.seams),
+        )
+    )
+    session.flush()
+    for panel in pattern.panels:
+        edges = [{"kind": e.kind, "handles": e.handles.tolist(), "contour": e.contour} for e in panel.edges]
+        points, area = panel.points.tolist(), polygon_area(panel.points)
+        session.add(PanelRow(job=job, name=panel.name, label=panel.label, points=points, edges=edges, area=area))
+
+
+def add_metrics(session: Session, job: str, metrics: Mapping[str, float | None]) -> None:
+    """Add the rows of a job's numbers."""
+    for name, value in metrics.items():
+        session.add(MetricRow(job=job, name=name, value=keep_finite(value)))
+
+
+def show_garment(session: Session, job: str) -> dict[str, Any]:
+    """Return a job's garment, template, fabric and body by name, None where it has none."""
+    pattern, body = session.get(PatternRow, job), session.get(BodyRow, job)
+    material = session.get(MaterialRow, pattern.material) if pattern else None
+    return {
+        "garment": pattern.category if pattern else None,
+        "template": pattern.template if pattern else None,
+        "fabric": material.name if material else None,
+        "body": body.source if body else None,
+    }
+
+
+def summarise(result: Judged) -> dict[str, Any]:
+    """Return a result's verdicts, warnings, cost and manifest as JSON values for its job's row."""
+    return {
+        "gates": [
+            {**asdict(gate), "value": keep_finite(gate.value), "limit": keep_finite(gate.limit)}
+            for gate in result.gates
+        ],
+        "warnings": list(result.warnings),
+        "stage_seconds": {name: round(value, 3) for name, value in result.stage_seconds.items()},
+        "cpu_seconds": round(result.cpu_seconds, 3),
+        "peak_mb": round(result.peak_mb, 1),
+        "manifest": json.loads(json.dumps(result.manifest, default=str)),
+    }
+
+
+def keep_finite(value: float | None) -> float | None:
+    """Return a number that every database can keep, or None."""
+    return None if value is None or not math.isfinite(value) else float(value)

@@ -1,0 +1,145 @@
+"""Derived jobs: what is asked of a stored result, by whom, and what is kept of it; by both backends alike."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from garmentq.core.body import builtin_body
+from garmentq.core.errors import GarmentqError
+from garmentq.core.pattern import load_draped_template
+from garmentq.core.simulate import Drape, Outcome, get_fabric
+from garmentq.core.wear import Dressed, Worn, judge_wear, load_worn, measure_worn, save_worn
+from garmentq.service.derived import DerivedOrder
+from garmentq.service.jobs import find_job
+from garmentq.service.local import LocalBackend
+from garmentq.service.query import JobQuery
+from garmentq.service.remote import RemoteBackend
+from garmentq.service.results import export_files, list_files
+from garmentq.service.services import Services
+from garmentq_family_home import work_off
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "api"))
+
+from api_client import serving  # noqa: E402
+from api_work import finish, make_key  # noqa: E402
+
+SPEC = "builtin:male,height=1.80"
+
+
+@pytest.fixture(scope="session")
+def database_kind():
+    """Ask of SQLite only: derived jobs are made by the same functions as all others."""
+    return "sqlite"
+
+
+@pytest.fixture(scope="module")
+def worn() -> Worn:
+    """Return a skirt as it hangs on the body that it was drafted for."""
+    garment = load_draped_template("skirt")
+    body = builtin_body("builtin:female,height=1.70")
+    waist = garment.nodes[garment.contour("waist").vertices]
+    return Worn(garment, get_fabric("cotton_poplin"), body, waist, None, "skirt", "skirt")
+
+
+@pytest.fixture
+def result(queue_job, settings, database, store, tmp_path, worn) -> str:
+    """Return a recovery that has succeeded and kept a skirt."""
+    job = queue_job("skirt")
+    (tmp_path / "made").mkdir()
+    save_worn(worn, tmp_path / "made")
+    finish(settings, database, store, job, tmp_path / "made")
+    return job
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    """Let dressing take no time: the garment stays where it is, on the new body."""
+
+    def dress(worn, body, fabric, clock):
+        now = replace(worn, body=body, fabric=fabric or worn.fabric)
+        drape = Drape(worn.garment.nodes, 0.1, 3, 1.0, Outcome.CONVERGED, worn.garment.nodes)
+        from garmentq.core.drape import WearerGeometry
+
+        metrics = measure_worn(now, WearerGeometry(body), drape)
+        return Dressed(worn, now, drape, metrics, judge_wear(metrics), ("quick",), {"drape": 0.1}, 0.1, 1.0, {})
+
+    monkeypatch.setattr("garmentq.core.wear.dress_body", dress)
+
+
+@pytest.fixture(params=["local", "remote"])
+def backend(request, settings):
+    """Answer from the home, and from a service that serves it."""
+    if request.param == "local":
+        opened = LocalBackend(settings)
+        yield opened
+        opened.close()
+    else:
+        with serving(settings) as url, RemoteBackend(url) as there:
+            yield there
+
+
+def test_result_is_worn_by_another(backend, result, quick, settings, database, store, tmp_path):
+    """Broken where body, pose or fabric get lost on the way, the input is changed, or numbers cannot be searched."""
+    before = {file.name: file.sha256 for file in list_files(database, result)}
+    options = {"body": SPEC, "pose": "A", "fabric": "denim"}
+    done = backend.submit_derived(DerivedOrder("dress", result, options, tags=("try",)))
+    assert done.is_new and not backend.submit_derived(DerivedOrder("dress", result, options)).is_new
+    work_off(settings, database)
+    report = backend.find_job(done.job)
+    assert (report.state, report.error) == ("succeeded", None)
+    assert (report.kind, report.body, report.fabric, report.garment) == ("dress", "builtin:male", "denim", "skirt")
+    assert report.inputs == {"result": result} and report.family == done.job
+    assert [job.id for job in backend.find_jobs(JobQuery(wheres=["vertices > 10", "kind = dress"]))] == [done.job]
+    assert {file.name: file.sha256 for file in list_files(database, result)} == before
+    paths = {path.name for path in export_files(database, store, done.job, tmp_path / "out")}
+    assert {"dressed.ply", "body.ply", "worn.npz", "picture.png", "report.html", "pattern.json"} <= paths
+    np.testing.assert_allclose(load_worn(tmp_path / "out").body.vertices, builtin_body(f"{SPEC},pose=A").vertices)
+
+
+def test_file_of_a_body_goes_through_the_check(backend, result, quick, settings, database, tmp_path):
+    """Broken where a user's bytes are read outside the limited process, or a bad file is no bad input."""
+    path = tmp_path / "bad.ply"
+    path.write_bytes(b"ply\nnothing")
+    done = backend.submit_derived(DerivedOrder("dress", result, {"units": "m"}, {"body": path}))
+    work_off(settings, database)
+    report = backend.find_job(done.job)
+    assert report.state == "failed" and report.bad_input and report.stage == "check"
+
+
+WRONG = [
+    ("body.spec_bad", {"options": {"pose": "lotus"}}),
+    ("body.spec_bad", {"options": {"body": "builtin:giant"}}),
+    ("fabric.unknown", {"options": {"fabric": "granite"}}),
+    ("job.request_bad", {"options": {"colour": "red"}}),
+    ("job.request_bad", {"kind": "recover"}),
+    ("job.kind_unknown", {"kind": "knit"}),
+]
+
+
+@pytest.mark.parametrize(("code", "change"), WRONG)
+def test_what_cannot_be_is_refused_at_once(backend, result, code, change):
+    """Broken where a slip in the order is a queued job, a traceback or a fault of the service."""
+    with pytest.raises(GarmentqError) as caught:
+        backend.submit_derived(DerivedOrder(**{"kind": "dress", "result": result, **change}))
+    assert caught.value.code == code
+
+
+def test_only_ended_garments_of_ones_own_are_worn(settings, database, store, result, queue_job):
+    """Broken where a job without a result is read, or another's result by whoever knows its id."""
+    services = Services(settings, database, store)
+    from garmentq.service.derived import submit_derived
+
+    waiting = queue_job("other")
+    with pytest.raises(GarmentqError) as caught:
+        submit_derived(services, DerivedOrder("dress", waiting))
+    assert caught.value.code == "job.input_not_ended"
+    make_key(database, "stranger")
+    with pytest.raises(GarmentqError) as caught:
+        submit_derived(services, DerivedOrder("dress", result, key="stranger"))
+    assert caught.value.code == "job.unknown"
+    assert find_job(database, result).state == "succeeded"
