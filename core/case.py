@@ -25,10 +25,12 @@ class Case:
         request: The files and settings.
         scan: The checked scan.
         wearer: The body with its distance fields.
-        target: The garment's surface with named contours.
+        target: The garment's surface with named contours, completed where another garment hides it: what every fit
+            has to reach.
         template: Name of the base pattern.
         base: The base pattern: gives symmetry, proportions and gathered seams.
         fabric: The cloth to begin with.
+        scanned: The target as the scan shows it, where it was completed; None where it is the target.
     """
 
     request: Request
@@ -38,6 +40,12 @@ class Case:
     template: str
     base: Pattern
     fabric: Fabric
+    scanned: Target | None = None
+
+    @property
+    def seen(self) -> Target:
+        """Return the target as the scan shows it: what every result is measured against."""
+        return self.target if self.scanned is None else self.scanned
 
     @property
     def settings(self) -> RecoverySettings:

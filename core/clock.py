@@ -20,11 +20,11 @@ class Clock:
 
     @contextmanager
     def stage(self, name: str, message: str) -> Iterator[Hooks]:
-        """Time one stage; the hooks it hands out report fractions under the stage's name."""
+        """Time one stage, which may be entered again; the hooks handed out report fractions under its name."""
         self.hooks.progress(name, 0.0, message)
         before = time.process_time()
         yield replace(self.hooks, on_progress=lambda _, fraction, text: self.hooks.on_progress(name, fraction, text))
-        self.seconds[name] = time.process_time() - before
+        self.seconds[name] = self.seconds.get(name, 0.0) + time.process_time() - before
         self.hooks.progress(name, 1.0, message)
 
     @property

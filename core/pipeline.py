@@ -16,14 +16,14 @@ from .checkpoints import load, save
 from .clock import Clock
 from .drape import WearerGeometry, describe_motion, drape_as_scanned, drape_template, redrape
 from .fit import METHODS, Fit, find_held
-from .grade import choose_template, grade_pattern, slide_seams
+from .grade import choose_template, complete_target, grade_pattern, slide_seams
 from .hooks import SILENT, Hooks
 from .inputs import read_body, read_files, read_template
 from .measure import Reference, judge, measure_fit, measure_knowledge, measure_seams, measure_wear
 from .pattern import Garment, Pattern, list_templates, load_template, mesh_pattern
 from .recovery import Recovery, Request
 from .scan import Pieces
-from .segment import CATEGORIES, Target, name_contours, segment_garment
+from .segment import CATEGORIES, Target, mark_hidden_border, name_contours, segment_garment
 from .settings import SettingsBad
 from .simulate import Drape, get_fabric
 
@@ -47,7 +47,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         Cancelled: as soon as the hooks say so.
     """
     clock = Clock(hooks)
-    case = make_case(request, clock)
+    case = complete_case(make_case(request, clock), clock)
     drape = drape_to_scan(case, clock)
     fit = METHODS[request.settings.method].fit(case, drape, clock)
     if fit.wearer is not None:
@@ -59,7 +59,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     return Recovery(
         scan=case.scan,
         body=case.body,
-        target=case.target,
+        target=case.seen,
         template=case.template,
         pattern=fit.garment.pattern,
         fabric=fit.fabric,
@@ -98,6 +98,16 @@ def make_case(request: Request, clock: Clock) -> Case:
     return Case(request, pieces.garment, WearerGeometry(body), target, template, base, fabric)
 
 
+def complete_case(case: Case, clock: Clock) -> Case:
+    """Return the case with a target that does not end where another garment hides it; others come back as they are."""
+    if case.target.hidden is None:
+        return case
+    with clock.stage("template", "completing what another garment hides") as hooks:
+        worn = drape_template(case.base, case.wearer, case.target, hooks=hooks)
+        completed = complete_target(worn, case.target, case.wearer.exposed, hooks)
+    return case if completed is case.target else replace(case, target=completed, scanned=case.target)
+
+
 @dataclass(frozen=True)
 class _KeptDrape:
     """The checkpoint `drape`: the same control points and vertex count give the same mesh, so that is not in it.
@@ -133,9 +143,22 @@ def drape_to_scan(case: Case, clock: Clock) -> GradedDrape:
             graded, case.wearer, case.fabric, case.target, vertex_count=count, hooks=hooks
         )
     motion = () if drape.rotation is None else (describe_motion(drape.rotation),)
-    warnings = (*notes, *motion, *(() if drape.converged else (drape.outcome.advice,)))
+    warnings = (*_note_hidden(case), *notes, *motion, *(() if drape.converged else (drape.outcome.advice,)))
     save(clock.hooks, "drape", _KeptDrape(garment.pattern.points, garment.nodes, drape, warnings), base.points, count)
     return GradedDrape(garment, drape, warnings)
+
+
+def _note_hidden(case: Case) -> tuple[str, ...]:
+    """Say which ends of the garment are the base pattern's, one sentence each."""
+    shown = {contour.name for contour in case.seen.contours if not contour.hidden}
+    guessed = (
+        []
+        if case.scanned is None
+        else [end.name for end in case.target.contours if end.name not in shown and not end.hidden]
+    )
+    return tuple(
+        f"The contour '{name}' is hidden; beyond what is seen the garment is its base pattern's." for name in guessed
+    )
 
 
 def grade(case: Case, worn: Garment, hooks: Hooks) -> tuple[Garment, tuple[str, ...]]:
@@ -200,8 +223,9 @@ def check_category(name: str) -> str:
 def measure(case: Case, drape: GradedDrape, fit: Fit) -> dict[str, float | None]:
     """Measure all meshes against the scan, the truth that the user gave, and what the fit knows."""
     scan = case.scan
-    contours = case.target.contours_of_scan()
-    truth = Reference(scan.vertices, scan.faces, contours, case.wearer.exposed, case.settings.seed)
+    contours = case.seen.contours_of_scan()
+    hidden = mark_hidden_border(scan.faces, scan.hidden, contours)
+    truth = Reference(scan.vertices, scan.faces, contours, case.wearer.exposed, case.settings.seed, hidden=hidden)
     metrics = measure_knowledge(fit.estimates, fit.point_std)
     if fit.redrape is not None:
         metrics |= {"redrape.residual": fit.redrape.residual, "redrape.iterations": float(fit.redrape.iterations)}

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..mesh import Closest, HalfEdges, TriangleSurface, unit, vertex_normals
+from ..mesh import Closest, HalfEdges, Rim, TriangleSurface, unit, vertex_normals
 from ..segment import Contour, Target, flatten_spikes, smooth_noise
 
 UNSIGNED_SHARE = 0.25
@@ -25,8 +25,7 @@ class PreparedTarget:
         reversed: The vote turned all normals.
         spikes: Vertices moved.
         pairs: Matched contours, source first.
-        rim_edges: Whether the edge opposite each corner lies on a border that is no matched contour, shape [faces, 3].
-        rim_vertices: Whether a vertex lies on such a border, shape [vertex_count].
+        rim: The border that is no matched contour.
     """
 
     surface: TriangleSurface
@@ -36,15 +35,11 @@ class PreparedTarget:
     reversed: bool
     spikes: int
     pairs: tuple[tuple[Contour, Contour], ...]
-    rim_edges: np.ndarray
-    rim_vertices: np.ndarray
+    rim: Rim
 
     def on_rim(self, points: Closest) -> np.ndarray:
         """Tell which closest points lie on a rim: there the source covers a hole or reaches beyond a cut."""
-        near = points.barycentric < 1e-6
-        on_edge = (near & self.rim_edges[points.face]).any(axis=1)
-        corner = self.surface.faces[points.face, np.argmax(points.barycentric, axis=1)]
-        return on_edge | ((near.sum(axis=1) == 2) & self.rim_vertices[corner])
+        return self.rim.holds(points)
 
 
 def prepare_target(
@@ -76,7 +71,6 @@ def prepare_target(
         turned, unsigned = vote_orientation(surface, normals, nodes, faces)
         normals = -normals if turned else normals
     pairs = match_contours(contours, target.contours)
-    rim_edges, rim_vertices = _rims(target, pairs)
     areas = surface.vertex_areas
     return PreparedTarget(
         surface=surface,
@@ -86,8 +80,7 @@ def prepare_target(
         reversed=turned,
         spikes=int(spikes.sum()),
         pairs=pairs,
-        rim_edges=rim_edges,
-        rim_vertices=rim_vertices,
+        rim=_find_rim(target, pairs),
     )
 
 
@@ -111,17 +104,13 @@ def match_contours(source: tuple[Contour, ...], target: tuple[Contour, ...]) -> 
     return tuple((c, named[c.name]) for c in source if c.trusted and len(c.vertices) >= 3 and c.name in named)
 
 
-def _rims(target: Target, pairs: tuple[tuple[Contour, Contour], ...]) -> tuple[np.ndarray, np.ndarray]:
-    """Find the border that belongs to no matched contour."""
+def _find_rim(target: Target, pairs: tuple[tuple[Contour, Contour], ...]) -> Rim:
+    """Find the border that belongs to no matched contour; a vertex that a contour shares is the contour's."""
     count = len(target.vertices)
     on_contour = np.zeros(count, dtype=bool)
     for _, contour in pairs:
         on_contour[contour.vertices] = True
     edges = HalfEdges.of(target.faces, count)
     border = edges.border[~(on_contour[edges.tail] & on_contour[edges.head])[edges.border]]
-    rim_vertices = np.zeros(count, dtype=bool)
-    rim_vertices[edges.tail[border]] = rim_vertices[edges.head[border]] = True
-    rim_edges = np.zeros(3 * len(target.faces), dtype=bool)
-    rim_edges[border] = True
-    # the half-edge opposite corner k is the one after that which leaves it
-    return np.roll(rim_edges.reshape(-1, 3), -1, axis=1), rim_vertices & ~on_contour
+    rim = Rim.of(edges, target.faces, border)
+    return replace(rim, vertices=rim.vertices & ~on_contour)

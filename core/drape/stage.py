@@ -46,8 +46,8 @@ class DrapeSettings:
 
 
 def waist_height(target: Target, body: Body) -> float | None:
-    """Give the height of the target's waist contour carried back to the T-pose [m], or None where it has none."""
-    waist = target.contour("waist")
+    """Give the height of the target's waist contour carried back to the T-pose [m], or None where none is known."""
+    waist = target.waist
     if waist is None:
         return None
     points = target.vertices[waist.vertices]

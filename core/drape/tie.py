@@ -31,13 +31,13 @@ def tie_contour(loop: np.ndarray, curve: np.ndarray) -> np.ndarray:
 
 
 def place_waist(points: np.ndarray, target: Target | None) -> np.ndarray:
-    """Find where a waist contour sits: on the target's waist, or where it is if the target has none.
+    """Find where a waist contour sits: on the target's waist, or where it is if none is known of the target.
 
     Args:
         points: The garment's waist in order [m], shape [n, 3].
         target: The scan with its contours, or None.
     """
-    waist = None if target is None else target.contour("waist")
+    waist = None if target is None else target.waist
     if target is None or waist is None:
         return points
     return tie_contour(points, target.vertices[waist.vertices])

@@ -1,6 +1,7 @@
 """Grading of a base pattern: contours along the bones, and the stretch between them (thesis 3.2.3)."""
 
 from .choice import TemplateMissing, choose_template
+from .completion import complete_target
 from .distances import ContourMeasure, compare_contours, position_along
 from .flattening import (
     FlatteningSettings,
@@ -32,6 +33,7 @@ __all__ = [
     "believed_strain",
     "choose_template",
     "compare_contours",
+    "complete_target",
     "find_proportions",
     "fit_control_points",
     "grade_pattern",

@@ -12,17 +12,53 @@ from ..mesh import (
     ClosedCurve,
     Closest,
     HalfEdges,
+    Rim,
     TriangleSurface,
     analyse,
     bending_matrix,
     cotangent_laplacian,
     factor_symmetric,
+    gradient_operator,
     lump,
     signed_areas,
+    vertex_normals,
 )
 from ..pattern import Garment
 from ..segment import Target
 from .parts import find_parts
+
+
+@dataclass(frozen=True)
+class HiddenCloth:
+    """Say how cloth that is hidden follows what is seen of it.
+
+    Attributes:
+        even: Length [m] above which a displacement is even rather than smooth: 5 cm, two edges of the mesh, joins the
+            visible part smoothly and leaves lengths as they are over any hidden part that matters.
+        rest: Length [m] to which cloth that rests on the body, below the crotch or on a shoulder, keeps its place
+            against the cloth around it: 5 cm, less than the way between two things that cloth rests on.
+        level: Share of the vertical in its normal from which cloth rests: nearer to level than to upright.
+    """
+
+    even: float = 0.05
+    rest: float = 0.05
+    level: float = 0.7
+
+    def hold(self, garment: Garment, chosen: np.ndarray) -> sp.csr_matrix:
+        """Return the matrix of int (|grad d|^2 + s |d|^2 / h^2) dA / l^2, shape [node_count, node_count].
+
+        Notation: l `even`, h `rest`; s 1 where cloth rests on the body, else 0.
+
+        Args:
+            garment: The garment on the wearer; integrals run over its flat rest shape.
+            chosen: True at the nodes that are hidden, shape [node_count]; faces count by their share of these corners.
+        """
+        count = len(garment.nodes)
+        gradient, area = gradient_operator(garment.rest, garment.faces, count)
+        area = area * chosen[garment.faces].mean(1)
+        even = gradient.T @ sp.diags(np.repeat(area, 2)) @ gradient
+        rests = np.abs(vertex_normals(garment.nodes, garment.faces)[:, 1]) > self.level
+        return sp.csr_matrix((even + sp.diags(lump(area, garment.faces, count) * rests) / self.rest**2) / self.even**2)
 
 
 @dataclass(frozen=True)
@@ -42,6 +78,8 @@ class RegistrationSettings:
             long must not take the shoulder along. A thousandth halves the error of the panels' areas on five garments,
             from 7 to 3.5 %, and takes their outlines from 21 to 15 mm; a hundredth goes half of that way.
         samples: Target vertices that look for the source, at most; as many as a garment mesh has.
+        hidden: What lies beyond a hidden border follows the cloth at it as `HiddenCloth` says; None: it stays where it
+            is, as beyond every other border.
     """
 
     steps: int = 40
@@ -51,6 +89,7 @@ class RegistrationSettings:
     facing: float = 0.3
     across_seams: float = 0.001
     samples: int = 3000
+    hidden: HiddenCloth | None = None
 
 
 def register_coarsely(
@@ -68,7 +107,8 @@ def register_coarsely(
     Notation: r `reach`, r_c `contour_reach`; q leads each node x to the plane of its closest point on the target; each
     target point t pulls the point of the garment that was closest to it; q_c leads each contour node to the point at
     the same share of the target contour's length. Integrals over the garment run over its flat rest shape, so that the
-    result does not depend on the mesh.
+    result does not depend on the mesh. What `HiddenCloth` adds beyond a hidden border makes d even there, so that
+    the cloth keeps its lengths.
     """
     settings = settings or RegistrationSettings()
     start = garment.nodes
@@ -83,6 +123,7 @@ def register_coarsely(
     # The bending reaches two rings around a node, all else one.
     solver = analyse(HalfEdges.of(garment.faces, len(start)), rings=2)
     moved = start.copy()
+    rim = None if settings.hidden is None or target.hidden is None else Rim.between(goal.faces, target.hidden)
     for step, reach in enumerate(np.geomspace(settings.reach_first, settings.reach_last, settings.steps)):
         hooks.progress("grade", 0.8 * step / settings.steps, "registering")
         here = TriangleSurface(moved, garment.faces)
@@ -91,11 +132,16 @@ def register_coarsely(
         weight = np.where(seen & (pins == 0), mass, 0.0) / reach**4
         # What sees nothing beyond a border that nothing holds stays about where it is, or it would be thrown far out.
         still = np.where(seen | (pins > 0), 0.0, mass) / reach**4
+        held = fixed
+        if rim is not None and settings.hidden is not None:
+            beyond = rim.lies_ahead(goal, found)
+            weight, still = np.where(beyond, 0.0, weight), np.where(beyond, 0.0, still)
+            held = fixed + settings.hidden.hold(garment, beyond)
         lead = moved - start + out * (out * (found.foot - moved)).sum(1)[:, None]
         found, seen = match_surface(here, goal.vertices[picked], goal.vertex_normals[picked], settings.facing)
         on_faces = found.interpolation(here.faces, len(moved))
         pull = np.where(seen, share, 0.0) / reach**4
-        system = fixed + sp.diags(weight + still) + on_faces.T @ sp.diags(pull) @ on_faces
+        system = held + sp.diags(weight + still) + on_faces.T @ sp.diags(pull) @ on_faces
         right = weight[:, None] * lead + still[:, None] * (moved - start) + pins[:, None] * pinned
         right += on_faces.T @ (pull[:, None] * (goal.vertices[picked] - on_faces @ start))
         moved = start + factor_symmetric(system, solver).solve(right)

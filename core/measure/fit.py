@@ -10,6 +10,8 @@ import numpy as np
 
 from ..body import ExposedSurface, penetration_depth
 from ..mesh import (
+    Closest,
+    Rim,
     TriangleSurface,
     corner_angles,
     deformation_gradients,
@@ -40,6 +42,8 @@ class Reference:
         skin: The wearer's exposed skin, which must not be penetrated, or None.
         seed: Seeds the samples and the floor.
         samples: Surface samples per direction.
+        hidden: True at the vertices of the truth's border beyond which the garment may go on, bool, shape [n]; what of
+            ours lies there is not measured against the truth. None: nowhere.
     """
 
     vertices: np.ndarray
@@ -48,11 +52,23 @@ class Reference:
     skin: ExposedSurface | None = None
     seed: int = 0
     samples: int = SURFACE_SAMPLES
+    hidden: np.ndarray | None = None
 
     @cached_property
     def surface(self) -> TriangleSurface:
         """The truth's surface; its search tree, which takes seconds for a million faces, is built once."""
         return TriangleSurface(self.vertices, self.faces)
+
+    @cached_property
+    def rim(self) -> Rim | None:
+        """The border beyond which the garment may go on, or None."""
+        return None if self.hidden is None else Rim.between(self.surface.faces, self.hidden)
+
+    def has_counterpart(self, points: Closest) -> np.ndarray:
+        """Tell which points the truth can be held against, by its points that are closest to them, shape [n]."""
+        if self.rim is None:
+            return np.ones(len(points.face), bool)
+        return ~self.rim.lies_ahead(self.surface, points)
 
 
 def measure_fit(garment: Garment, meshes: Meshes, truth: Reference) -> dict[str, float | None]:
@@ -94,22 +110,25 @@ def measure_distance(
 
     s2t is from ours to the truth, t2s from the truth to ours: a missing sleeve shows only in t2s.
     """
-    return _measure_distance(
-        TriangleSurface(vertices, faces), TriangleSurface(truth_vertices, truth_faces), seed, samples
-    )
+    truth = Reference(truth_vertices, truth_faces, seed=seed, samples=samples)
+    return _measure_distance(TriangleSurface(vertices, faces), truth)
 
 
-def _measure_distance(
-    ours: TriangleSurface, theirs: TriangleSurface, seed: int, samples: int
-) -> dict[str, float | None]:
-    generator = np.random.default_rng(seed)
-    samples_of = [surface.sample(samples, generator)[0] for surface in (ours, theirs)]
-    distances = {"s2t": theirs.distance(samples_of[0]), "t2s": ours.distance(samples_of[1])}
+def _measure_distance(ours: TriangleSurface, truth: Reference) -> dict[str, float | None]:
+    generator = np.random.default_rng(truth.seed)
+    mine, theirs = (surface.sample(truth.samples, generator)[0] for surface in (ours, truth.surface))
+    near = truth.surface.closest(mine)
+    there = truth.has_counterpart(near)
+    if not there.any():  # nothing of ours lies where the truth is known
+        there[:] = True
+    distances = {"s2t": near.distance[there], "t2s": ours.distance(theirs)}
     found: dict[str, float | None] = {}
     for way, distance in distances.items():
         found[f"surface_rms_mm.{way}"] = MM * float(np.sqrt(np.mean(distance**2)))
         found[f"surface_p95_mm.{way}"] = MM * float(np.quantile(distance, 0.95))
     found["hausdorff_mm"] = MM * float(max(distance.max() for distance in distances.values()))
+    if truth.rim is not None:
+        found["hidden_percent"] = 100.0 * (1.0 - float(np.mean(truth.has_counterpart(near))))
     return found
 
 
@@ -119,6 +138,9 @@ def _measure_mesh(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict
     normals, truth_normals = vertex_normals(nodes, faces), truth.surface.vertex_normals
     # A vertex that no face uses is no part of the surface, neither ours nor the truth's.
     used, truth_used = np.unique(faces), np.unique(truth.faces)
+    if truth.rim is not None:
+        there = truth.has_counterpart(truth.surface.closest(nodes[used]))
+        used = used[there] if there.any() else used
     chamfer, cosine = chamfer_and_normals(
         nodes[used], normals[used], truth.vertices[truth_used], truth_normals[truth_used]
     )
@@ -127,7 +149,7 @@ def _measure_mesh(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict
     stretch = principal_stretches(deformation_gradients(nodes, faces, garment.rest))
     found["stretch_p001"] = float(np.quantile(stretch[:, 1], 0.001))
     found["stretch_p999"] = float(np.quantile(stretch[:, 0], 0.999))
-    found["flipped_faces"] = float(count_flipped(nodes, faces, truth.surface))
+    found["flipped_faces"] = float(count_flipped(nodes, faces, truth))
     found["self_intersecting_faces"] = float(len(self_intersections(nodes, faces)))
     found["min_angle_deg"] = float(np.degrees(np.quantile(corner_angles(nodes, faces).min(axis=1), 0.01)))
     found["body_penetration_mm"] = _penetration(nodes, faces, truth.skin)
@@ -137,19 +159,20 @@ def _measure_mesh(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict
 def _measure_place(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict[str, float | None]:
     """Return how far surface and contours are from the truth's."""
     ours = TriangleSurface(nodes, garment.faces)
-    found = _measure_distance(ours, truth.surface, truth.seed, truth.samples)
+    found = _measure_distance(ours, truth)
     contours = contour_rms(nodes, garment.contours, truth.vertices, truth.contours)
     return found | {f"contour_rms_mm.{name}": MM * value for name, value in contours.items()}
 
 
-def count_flipped(vertices: np.ndarray, faces: np.ndarray, truth: TriangleSurface) -> int:
+def count_flipped(vertices: np.ndarray, faces: np.ndarray, truth: Reference) -> int:
     """Count faces whose normal points against the truth's at the point closest to their centre.
 
     Which way the truth as a whole is wound is settled by vote first.
     """
     ours = TriangleSurface(vertices, faces)
-    closest = truth.closest(vertices[faces].mean(axis=1)).face
-    cosines = np.einsum("ij,ij->i", ours.face_normals, truth.face_normals[closest])
+    closest = truth.surface.closest(vertices[faces].mean(axis=1))
+    cosines = np.einsum("ij,ij->i", ours.face_normals, truth.surface.face_normals[closest.face])
+    cosines = cosines[truth.has_counterpart(closest)]
     return int(np.sum(orientation(cosines) * cosines < 0.0))
 
 

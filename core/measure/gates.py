@@ -78,6 +78,12 @@ RULES = (
         "Wider than the other way, since deep folds that a 1.5 cm mesh bridges count here; 15 mm means a missing part.",
     ),
     Rule(
+        "hidden", _read("hidden_percent"), 10.0, 50.0,
+        "{value:.0f} % of the garment lies where the scan does not show it",
+        "its pattern is the base pattern's there; give a closer one with --template, or scan the garment uncovered.",
+        "A waistband under a top's hem is 8 % of trousers; from half on the base pattern says more than the scan does.",
+    ),
+    Rule(
         "seams", _read("seam_mismatch_mm"), 0.5, 3.0,
         "The two sides of a seam differ by up to {value:.2f} mm in length",
         "ease the longer side in when sewing, or grade again from another template.",
@@ -139,7 +145,7 @@ RULES = (
 PRODUCTS = ("detail", "pattern", "drape")
 """What a result consists of, and is judged by one at a time: a drape in unrest says nothing about the detail mesh."""
 
-_OTHER = {"seams": "pattern", "simulation_fit": "drape", "drape_residual": "drape"}
+_OTHER = {"hidden": "pattern", "seams": "pattern", "simulation_fit": "drape", "drape_residual": "drape"}
 
 
 def product_of(gate: str) -> str:

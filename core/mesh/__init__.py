@@ -30,6 +30,7 @@ from .geometry import (
     vertex_normals,
 )
 from .rigid import RigidMotion, fit_rigid
+from .rim import Rim
 from .surface import Closest, TriangleSurface, barycentric_coordinates
 
 if TYPE_CHECKING:
@@ -65,6 +66,7 @@ __all__ = [
     "HalfEdges",
     "NotDefinite",
     "RigidMotion",
+    "Rim",
     "Solver",
     "SuperLU",
     "TriangleSurface",

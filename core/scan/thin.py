@@ -58,7 +58,7 @@ def thin(raw: RawScan, faces: int = FACES) -> RawScan:
 
 
 def thin_scan(scan: Scan, faces: int = FACES) -> tuple[Scan, ThinMesh]:
-    """Thin a checked mesh to about so many triangles; labels and `unseen` are those of `origin`."""
+    """Thin a checked mesh to about so many triangles; labels, `unseen` and `hidden` are those of `origin`."""
     if len(scan.faces) <= faces:
         own = np.arange(len(scan.vertices))
         return scan, ThinMesh(scan.vertices, scan.faces, own, own)
@@ -70,6 +70,7 @@ def thin_scan(scan: Scan, faces: int = FACES) -> tuple[Scan, ThinMesh]:
         colours=None if scan.colours is None else average(scan.colours, small),
         labels=None if scan.labels is None else scan.labels[small.origin],
         unseen=None if scan.unseen is None else scan.unseen[small.origin],
+        hidden=None if scan.hidden is None else scan.hidden[small.origin],
     )
     return thinned, small
 

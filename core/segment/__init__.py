@@ -7,7 +7,7 @@ from .inspect import Inspection, inspect_file
 from .loop import find_loops, smooth_loop, smoothed_length
 from .noise import smooth_noise
 from .spikes import flatten_spikes
-from .target import CATEGORIES, CONTOUR_NAMES, Contour, Target
+from .target import CATEGORIES, CONTOUR_NAMES, Contour, Target, mark_hidden_border
 
 __all__ = [
     "CATEGORIES",
@@ -22,6 +22,7 @@ __all__ = [
     "find_loops",
     "flatten_spikes",
     "inspect_file",
+    "mark_hidden_border",
     "name_contours",
     "segment_garment",
     "smooth_loop",

@@ -103,6 +103,7 @@ def name_contours(
             c.length,
             tuple(crossing.bone for crossing in c.crossings),
             max(c.bridged, _share(c.vertices, hidden)) <= BRIDGED and name not in cut,
+            _share(c.vertices, hidden) > BRIDGED,
         )
         for name, c in sorted(chosen.items())
     )

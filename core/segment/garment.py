@@ -16,7 +16,7 @@ from .contours import name_contours
 from .loop import find_loops, smoothed_length
 from .noise import smooth_noise
 from .spikes import flatten_spikes
-from .target import Contour, Target
+from .target import Contour, Target, mark_hidden_border
 
 
 class NoContour(BadInput):
@@ -81,6 +81,7 @@ def segment_garment(scan: Scan, body: Body) -> Target:
         holes=holes,
         category=choose_category(contours, scan.vertices, body),
         origin=None if scan is full else thinned.origin,
+        hidden=mark_hidden_border(scan.faces, scan.hidden, contours),
     )
 
 

@@ -23,6 +23,7 @@ GOOD = {
     "wear.rest_gap_mm": 4.0,
     "wear.layers": 1.02,
     "wear.waist_by_hem": 0.7,
+    "hidden_percent": 0.0,
 }
 
 

@@ -154,8 +154,8 @@ def test_flipped_faces_are_counted_but_not_a_mesh_turned_inside_out() -> None:
     vertices, faces = sphere(0.1, 2)
     wrong = faces.copy()
     wrong[[3, 50, 70]] = wrong[[3, 50, 70]][:, ::-1]
-    assert count_flipped(vertices, wrong, TriangleSurface(vertices, faces)) == 3
-    assert count_flipped(vertices, wrong[:, ::-1], TriangleSurface(vertices, faces)) == 3
+    assert count_flipped(vertices, wrong, Reference(vertices, faces)) == 3
+    assert count_flipped(vertices, wrong[:, ::-1], Reference(vertices, faces)) == 3
 
 
 def test_penetration_sees_vertices_and_face_centres() -> None:
@@ -253,3 +253,21 @@ def test_depth_where_two_parts_overlap_is_the_way_out_of_both() -> None:
         point, np.zeros((0, 3), dtype=np.int64), ExposedSurface(np.array(both.vertices), np.array(both.faces))
     )
     assert depth == pytest.approx(np.sqrt(0.1**2 - 0.075**2), rel=0.02)
+
+
+def test_what_the_truth_hides_is_not_measured(tube_recovery) -> None:
+    """Fails if cloth beyond a hidden border counted as far from the scan, or cloth beyond any other border did not."""
+    recovery = tube_recovery()
+    garment, meshes = recovery.garment, recovery.meshes
+    low = (meshes.detail[garment.faces][:, :, 1] < 0.8 + 0.2).all(axis=1)
+    used, faces = np.unique(garment.faces[low], return_inverse=True)
+    vertices, faces = meshes.detail[used], faces.reshape(-1, 3)
+    hidden = np.zeros(len(vertices), bool)
+    hidden[vertices[:, 1] > vertices[:, 1].max() - 0.03] = True
+    whole = measure_fit(garment, meshes, Reference(vertices, faces, samples=2000))
+    seen = measure_fit(garment, meshes, Reference(vertices, faces, samples=2000, hidden=hidden))
+    assert whole["surface_rms_mm.s2t"] > 20.0
+    assert "hidden_percent" not in whole
+    assert seen["surface_rms_mm.s2t"] < 0.01
+    assert seen["surface_rms_mm.t2s"] == whole["surface_rms_mm.t2s"]
+    assert 25.0 < seen["hidden_percent"] < 45.0

@@ -1,0 +1,117 @@
+"""What is hidden of a garment, on tubes whose hidden part is known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+from garmentq.core.body import ExposedSurface
+from garmentq.core.grade import complete_target
+from garmentq.core.grade.registration import HiddenCloth
+from garmentq.core.mesh import vertex_normals
+from garmentq.core.segment import Contour, Target, find_loops, mark_hidden_border
+
+from .test_grading import HEIGHT, TOP, WIDTH, roll
+
+CUT = 0.2
+"""Height of the hidden part [m]."""
+
+
+@pytest.fixture(scope="module")
+def worn():
+    """Roll the base pattern."""
+    return roll(WIDTH, HEIGHT, 600)
+
+
+@pytest.fixture(scope="module")
+def skin() -> ExposedSurface:
+    """Put a wearer of 5 cm radius in the middle."""
+    mesh = trimesh.creation.cylinder(radius=0.05, height=2.0, sections=24)
+    points = np.array(mesh.vertices)[:, [1, 2, 0]] + [0.0, TOP - HEIGHT / 2, 0.0]
+    return ExposedSurface(points, np.array(mesh.faces, dtype=np.int64))
+
+
+def cover(tube, hides: bool = True) -> Target:
+    """Make a target of a tube whose upper part another garment covers."""
+    top = tube.nodes[:, 1].max()
+    chosen = tube.faces[(tube.nodes[tube.faces][:, :, 1] < top - CUT).all(axis=1)]
+    used, faces = np.unique(chosen, return_inverse=True)
+    nodes, faces = tube.nodes[used], faces.reshape(-1, 3)
+    loops = sorted(find_loops(faces), key=lambda loop: nodes[loop, 1].mean())
+    contours = (Contour("hem", loops[0], 1.0), Contour("waist", loops[1], 1.0, trusted=not hides, hidden=hides))
+    hidden = np.zeros(len(nodes), bool)
+    hidden[loops[1]] = hides
+    return Target(
+        nodes,
+        faces,
+        vertex_normals(nodes, faces),
+        contours,
+        (),
+        "skirt",
+        hidden=mark_hidden_border(faces, hidden, contours),
+    )
+
+
+@pytest.mark.parametrize("sunk", [0.0, 0.04])
+def test_what_is_hidden_keeps_the_lengths_of_the_base_pattern(worn, skin, sunk: float) -> None:
+    """Fails if the garment ended where it is covered, or if its hidden part were drawn out or crushed by moving."""
+    completed = complete_target(worn, cover(roll(WIDTH, HEIGHT, 2000, TOP - sunk)), skin)
+    waist = completed.contour("waist")
+    assert waist.trusted
+    assert not waist.hidden
+    assert completed.hidden is None
+    np.testing.assert_allclose(completed.vertices[waist.vertices, 1].mean(), TOP - sunk, atol=4e-3)
+    np.testing.assert_allclose(waist.length, 2 * WIDTH, rtol=0.02)
+
+
+def test_the_visible_part_stays_as_it_was_scanned(worn, skin) -> None:
+    """Fails if the completion moved, dropped or renumbered what the scan shows."""
+    target = cover(roll(WIDTH, HEIGHT, 2000))
+    completed = complete_target(worn, target, skin)
+    np.testing.assert_array_equal(completed.vertices[: len(target.vertices)], target.vertices)
+    np.testing.assert_array_equal(completed.faces[: len(target.faces)], target.faces)
+    assert completed.contour("hem") == target.contour("hem")
+    added = completed.faces[len(target.faces) :]
+    assert added.min() >= len(target.vertices)
+
+
+def test_a_wider_garment_stays_wider_where_it_is_hidden(worn, skin) -> None:
+    """Fails if the hidden part fell back to the base pattern's girth at the rim: its waist follows by a third."""
+    wide = 1.1 * WIDTH
+    completed = complete_target(worn, cover(roll(wide, HEIGHT, 2000)), skin)
+    assert 2 * (WIDTH + (wide - WIDTH) / 3) < completed.contour("waist").length < 2 * wide * 1.01
+
+
+def test_a_garment_that_nothing_covers_is_given_back(worn, skin) -> None:
+    """Fails if a target without a hidden border were touched: its fit must stay what it was to the last digit."""
+    target = cover(roll(WIDTH, HEIGHT, 600), hides=False)
+    assert complete_target(worn, target, skin) is target
+
+
+def test_cloth_that_rests_on_the_body_is_held_and_upright_cloth_is_not(worn) -> None:
+    """Fails if upright cloth could not move along the body, or level cloth (a shoulder, a crotch) could."""
+    everywhere = np.ones(len(worn.nodes), bool)
+    move = np.ones(len(worn.nodes))
+    cloth = HiddenCloth(even=0.05, rest=0.1)
+    assert abs(move @ cloth.hold(worn, everywhere) @ move) < 1e-6
+    lying = replace(worn, nodes=worn.nodes * [1.0, 0.0, 1.0] + [1.0, 0.0, 0.0] * worn.nodes[:, 1:2])
+    flat = np.abs(vertex_normals(lying.nodes, lying.faces)[:, 1]) > cloth.level
+    cost = move @ cloth.hold(lying, everywhere) @ move
+    assert flat.all()
+    np.testing.assert_allclose(cost, 2 * WIDTH * HEIGHT / (0.1 * 0.05) ** 2, rtol=1e-6)
+
+
+def test_all_of_a_hidden_rim_is_hidden_and_nothing_of_another() -> None:
+    """Fails if a bay that was cut off a hidden contour counted as the garment's end, or its hem as hidden."""
+    target = cover(roll(WIDTH, HEIGHT, 600))
+    hem, waist = target.contour("hem"), target.contour("waist")
+    some = np.zeros(len(target.vertices), bool)
+    some[waist.vertices[:3]] = True
+    found = mark_hidden_border(target.faces, some, target.contours)
+    assert found is not None
+    assert found[waist.vertices].all()
+    assert not found[hem.vertices].any()
+    assert found.sum() == len(waist.vertices)
+    assert mark_hidden_border(target.faces, None, target.contours) is None
