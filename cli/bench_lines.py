@@ -5,14 +5,15 @@ from __future__ import annotations
 import json
 import time
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from ..core.errors import GarmentqError
 
 Line = dict[str, Any]
+T = TypeVar("T")
 
 
 @contextmanager
@@ -40,3 +41,16 @@ def append_lines(path: Path) -> Iterator[Callable[[Line], None]]:
             out.flush()
 
         yield write
+
+
+def answer_order(arguments: Sequence[str], kind: type[T], run: Callable[[T], Line]) -> None:
+    """Read the order of a bench's process, run it, and write its line.
+
+    Args:
+        arguments: ORDER.json and LINE.json.
+        kind: The dataclass that the order is of.
+        run: Does it.
+    """
+    given, answer = (Path(name) for name in arguments)
+    line = run(kind(**json.loads(given.read_text(encoding="utf-8"))))
+    answer.write_text(json.dumps(line, allow_nan=False), encoding="utf-8")

@@ -5,7 +5,6 @@ python -m garmentq.cli.bench_raw_target ORDER.json LINE.json
 
 from __future__ import annotations
 
-import json
 import resource
 import sys
 import tempfile
@@ -15,13 +14,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .bench_lines import Line, keep_failure
+from .bench_lines import Line, answer_order, keep_failure
 from .bench_target import peak_mb
 
 if TYPE_CHECKING:
     from ..core.hooks import Hooks
     from ..core.measure import RawPack, TrueGarment
     from ..core.measure.raw_frame import TruthFrame
+    from ..core.person.garments import PersonSurface
     from ..core.person.separation import FoundGarment, Separation
     from ..core.recovery import Recovery
     from ..core.scan.raw import RawScan
@@ -143,8 +143,9 @@ class _Run:
             if self.order.labels_only or separation.problem is not None:
                 self.line["ok"] = separation.problem is None
                 return
+            surface = self._find_surface(raw, separation)
             for garment in separation.garments:
-                self._recover(path, raw, separation, garment, frame)
+                self._recover(path, surface, separation, garment, frame)
             self.line["ok"] = all(each["error"] is None for each in self.line["garments"])
 
     def _separate(self, path: Path, labels: np.ndarray) -> tuple[RawScan, Separation]:
@@ -221,8 +222,14 @@ class _Run:
         line["garments"] = [_describe(garment) for garment in separation.garments]
         return frame
 
+    def _find_surface(self, raw: RawScan, separation: Separation) -> PersonSurface:
+        from ..core.person.garments import find_surface
+
+        with self.clock.stage("surface"):
+            return find_surface(raw, separation.body)
+
     def _recover(
-        self, path: Path, raw: RawScan, separation: Separation, garment: FoundGarment, frame: TruthFrame
+        self, path: Path, surface: PersonSurface, separation: Separation, garment: FoundGarment, frame: TruthFrame
     ) -> None:
         from ..core.export import write_recovery
         from ..core.pattern import load_pattern
@@ -238,7 +245,7 @@ class _Run:
         word = garment.part.word
         with keep_failure(line):
             with self.clock.stage(f"{word}.cut"):
-                reading = cut_garment_of(raw, separation, garment.part)
+                reading = cut_garment_of(surface, separation, garment.part)
             if template is not None:
                 reading = replace(reading, pattern=load_pattern(template))
             with self.clock.stage(f"{word}.recover"):
@@ -346,12 +353,5 @@ def _share_of_best(scores: list[float]) -> float | None:
     return float(weights[0] / weights.sum())
 
 
-def main(arguments: list[str]) -> None:
-    """Read an order, write its line."""
-    order = RawOrder(**json.loads(Path(arguments[0]).read_text(encoding="utf-8")))
-    line = run_pack(order)
-    Path(arguments[1]).write_text(json.dumps(line, allow_nan=False), encoding="utf-8")
-
-
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    answer_order(sys.argv[1:], RawOrder, run_pack)

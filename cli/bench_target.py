@@ -5,12 +5,11 @@ python -m garmentq.cli.bench_target ORDER.json LINE.json
 
 from __future__ import annotations
 
-import json
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from .bench_lines import Line, keep_failure
+from .bench_lines import Line, answer_order, keep_failure
 
 
 @dataclass(frozen=True)
@@ -118,12 +117,5 @@ def peak_mb() -> float:
     return peak / (1e6 if sys.platform == "darwin" else 1e3)  # bytes there, kilobytes elsewhere
 
 
-def main(arguments: list[str]) -> None:
-    """Read an order, write its line."""
-    order = TargetOrder(**json.loads(Path(arguments[0]).read_text(encoding="utf-8")))
-    line = recover_target(order)
-    Path(arguments[1]).write_text(json.dumps(line, allow_nan=False), encoding="utf-8")
-
-
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    answer_order(sys.argv[1:], TargetOrder, recover_target)

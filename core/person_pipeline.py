@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from .body import Body, builtin_body, is_builtin, register_body
 from .clock import Clock
 from .hooks import SILENT, Hooks
-from .person.garments import cut_garment_of
+from .person.garments import cut_garment_of, find_surface
 from .person.given import Given
 from .person.hints import Hints, parse_mark, parse_wearing
 from .person.separate import separate
@@ -82,11 +82,20 @@ def take_apart(given: Given, wanted: Wanted, hooks: Hooks = SILENT) -> Apart:
         separation = separate(raw, hints, stage)
     readings: dict[str, Reading] = {}
     with clock.stage("garments", "cutting out the garments") as stage:
-        for garment in separation.garments if separation.problem is None else ():
-            stage.progress("garments", len(readings) / len(separation.garments), garment.part.word)
-            readings[garment.part.word] = cut_garment_of(raw, separation, garment.part, stage)
+        if separation.problem is None:
+            readings = _cut_garments(raw, separation, stage)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
     return Apart(raw, separation, readings, clock.seconds, clock.total, peak)
+
+
+def _cut_garments(raw: RawScan, separation: Separation, hooks: Hooks) -> dict[str, Reading]:
+    """Cut every garment out of the person's surface, which is made once where the scan is a cloud."""
+    surface = find_surface(raw, separation.body)
+    readings: dict[str, Reading] = {}
+    for garment in separation.garments:
+        hooks.progress("garments", len(readings) / len(separation.garments), garment.part.word)
+        readings[garment.part.word] = cut_garment_of(surface, separation, garment.part, hooks)
+    return readings
 
 
 def find_wearer(given: Given, builtin: str | None, hooks: Hooks) -> Body | None:

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from .body import Body
-from .handover import doubting, hand_over, take_over
+from .limited import ReaderCrashed
 from .pattern import Pattern, load_pattern
+from .record_file import read_record, write_record
 from .scan import Pieces, describe_scan
 
 MOST_LABELS = 50
@@ -79,7 +80,7 @@ def save_reading(reading: Reading, path: Path) -> None:
     extra, pattern = "", reading.pattern
     if pattern is not None:
         extra, reading = json.dumps(pattern.extra), replace(reading, pattern=replace(pattern, extra={}))
-    hand_over(_Kept(reading, extra), path)
+    write_record(_Kept(reading, extra), path)
 
 
 def load_reading(path: Path) -> Reading:
@@ -88,8 +89,10 @@ def load_reading(path: Path) -> Reading:
     Raises:
         ReaderCrashed: where it is something else.
     """
-    kept = take_over(_Kept, path)
+    kept = read_record(_Kept, path)
     if kept.reading.pattern is None:
         return kept.reading
-    with doubting():
+    try:
         return replace(kept.reading, pattern=replace(kept.reading.pattern, extra=json.loads(kept.extra)))
+    except (ValueError, RecursionError) as error:
+        raise ReaderCrashed() from error

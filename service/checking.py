@@ -135,7 +135,7 @@ def check_body(request: dict[str, Any], files: str) -> dict[str, Any]:
     Raises:
         BadInput: where it cannot be used.
     """
-    from ..core.handover import hand_over
+    from ..core.record_file import write_record
     from ..core.scan import Limits
     from ..core.wear import describe_body_file, read_body_file
     from .kinds.dress_request import BODY
@@ -143,5 +143,5 @@ def check_body(request: dict[str, Any], files: str) -> dict[str, Any]:
     folder = Path(files)
     path = folder / "body" / request["body"]["name"]
     given = read_body_file(path, request.get("units"), request.get("up"), Limits(is_confined=True))
-    hand_over(given, folder / BODY)
+    write_record(given, folder / BODY)
     return describe_body_file(given)

@@ -16,7 +16,8 @@ ROOT = Path(__file__).parents[1]
 LAYERS = ("core", "service", "workers", "cli")
 """From the lowest to the highest."""
 ROOMS = (
-    "lazy", "errors", "hooks", "clock", "checkpoints", "settings", "limited", "handover", "npy", "mesh", "body", "scan",
+    "lazy", "errors", "hooks", "clock", "checkpoints", "settings", "limited", "record_file",
+    "npy", "mesh", "body", "scan",
     "segment", "pattern", "simulate", "drape", "grade", "deform", "meshes", "reading", "recovery", "inputs", "person",
     "case", "fit", "wear", "measure", "export", "pipeline", "person_pipeline",
 )  # fmt: skip

@@ -150,7 +150,7 @@ def _begin(services: Services, held: Claim, watch: Watch, folder: Path) -> tuple
     settings, database = services.settings, services.database
     kind = find_kind(settings, held.kind)
     request = read_request(kind.request, held.request)
-    work = unpack(services, held, folder)
+    work = unpack(services, held, folder, kind, request)
     hooks = make_hooks(database, services.store, held, watch)
     if work.files.is_dir() and (checker := kind.checker(settings)):
         hooks.progress(STAGE, 0.0, "reading and checking the files")
@@ -196,8 +196,8 @@ def work_folder(root: Path, job: str) -> Iterator[Path]:
         yield Path(folder)
 
 
-def unpack(services: Services, held: Claim, folder: Path) -> Work:
-    """Put a job's files into a folder, each alone in a folder of its own, and the results that it reads.
+def unpack(services: Services, held: Claim, folder: Path, kind: Kind, request: Any) -> Work:
+    """Put a job's files into a folder, each alone in a folder of its own, and what it reads of other jobs' results.
 
     Raises:
         ResultMissing: where a job that is read has no result.
@@ -208,7 +208,8 @@ def unpack(services: Services, held: Claim, folder: Path) -> Work:
         services.store.copy(file.sha256, work.files / field / file.name)
     inputs = {name: folder / "inputs" / str(number) for number, name in enumerate(held.inputs)}
     for name, place in inputs.items():
-        export_files(services.database, services.store, held.inputs[name], place)
+        names = kind.choose_input(request, name)
+        export_files(services.database, services.store, held.inputs[name], place, names)
     return replace(work, inputs=inputs)
 
 

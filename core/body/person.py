@@ -9,13 +9,14 @@ from scipy.spatial import cKDTree
 
 from ..hooks import SILENT, Hooks
 from ..mesh import vertex_normals
+from ..mesh.point_normals import smooth_normals
 from .body import JOINTS, Body
 from .fit import Fitter, OrientedPoints, Stage, State, find_forearms
 from .person_search import PersonSearch, find_start, spread_subset
 from .presence import LOW, SPARSE, SeveralPersons, TooSparse, find_hairy, measure_presence, refuse, split_in_two
 from .registration import NotHuman, body_of_state, pose_model
 from .template import Template, load_template
-from .thinning import smooth_normals, thin_points
+from .thinning import average_points
 
 INWARD = -0.2
 """Cosine between the normals of cloth and body below which the cloth is seen from inside; folds reach 0."""
@@ -145,7 +146,7 @@ def fit_person(
     """
     settings = settings or PersonSettings()
     template = load_template()
-    surface = thin_points(points, normals, oriented, settings.surface_count, settings.seed)
+    surface = average_points(points, normals, oriented, settings.surface_count, settings.seed)
     height = 0.0 if surface is None else float(np.ptp(surface.points[:, 1]))
     if surface is None or not 0.7 <= height <= 2.8:
         raise NotHuman(f"The scan is {height:.2f} m high. {NotHuman().message}")

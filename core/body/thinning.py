@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
+from ..mesh.point_normals import estimate_normals, smooth_normals
 from .fit import OrientedPoints
 
 CELL = 0.012
 """Edge of the cells [m] that points are averaged in: finer than the fit's points lie apart (2 cm)."""
+PLANE = 16
+"""Averaged points that a normal is taken from: a disk of 2.5 cm radius."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +26,7 @@ class ThinnedPoints(OrientedPoints):
     total: int = 0
 
 
-def thin_points(
+def average_points(
     points: np.ndarray, normals: np.ndarray | None, oriented: bool, count: int, seed: int
 ) -> ThinnedPoints | None:
     """Average points in cells, and draw some of the cells.
@@ -56,33 +58,8 @@ def thin_points(
     centres = np.stack([np.bincount(group, points[:, a]) for a in range(3)], axis=1) / number[:, None]
     drawn = np.random.default_rng(seed).permutation(len(centres))[:count]
     if normals is None or not oriented:
-        found = estimate_normals(centres, drawn)
+        found = estimate_normals(centres, drawn, PLANE)
     else:
         sums = np.stack([np.bincount(group, column) for column in normals[kept].T], axis=1)
         found = smooth_normals(centres, sums, drawn)
     return ThinnedPoints(centres[drawn], found, oriented=normals is not None and oriented, total=len(centres))
-
-
-def smooth_normals(points: np.ndarray, normals: np.ndarray, drawn: np.ndarray, count: int = 12) -> np.ndarray:
-    """Average the normals around drawn points, shape [drawn, 3], of length 1.
-
-    A vertex's own normal says little where 5 mm of noise lie on edges of 7 mm: one in five points inward then, and a
-    body fitted below cloth shrinks from it.
-
-    Args:
-        points: Positions [m], shape [n, 3].
-        normals: Normals, weighed by their length, shape [n, 3].
-        drawn: Indices of the points that are asked for.
-        count: Neighbours, itself included: a disk of 2.5 cm radius at 12 mm spacing.
-    """
-    _, index = cKDTree(points).query(points[drawn], k=min(count, len(points)))
-    mean = normals[index].sum(axis=1)
-    return np.asarray(mean / np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-12))
-
-
-def estimate_normals(positions: np.ndarray, drawn: np.ndarray, count: int = 16) -> np.ndarray:
-    """Estimate unit normals of drawn points, of either sign, from the plane through each one's neighbours."""
-    _, index = cKDTree(positions).query(positions[drawn], k=min(count, len(positions)))
-    around = positions[index] - positions[index].mean(axis=1, keepdims=True)
-    _, vectors = np.linalg.eigh(np.einsum("nka,nkb->nab", around, around))
-    return np.asarray(vectors[:, :, 0])

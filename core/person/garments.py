@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -10,7 +10,8 @@ from scipy.spatial import cKDTree
 from ..body import Body
 from ..errors import BadInput
 from ..hooks import SILENT, Hooks
-from ..mesh import face_areas, lump
+from ..mesh import face_areas, lump, vertex_normals
+from ..mesh.point_normals import estimate_normals, orient_normals
 from ..reading import Reading
 from ..scan import Pieces, Scan, cut_garment
 from ..scan.raw import RawScan
@@ -20,7 +21,6 @@ from ..segment import Contour, choose_category, name_contours
 from .confidence import garment_confidence
 from .openings import Surroundings, find_openings
 from .part import CLOTH, GARMENTS, Part
-from .points import estimate_normals, orient_normals
 from .separation import FoundContour, FoundGarment, Separation
 
 LEAST_AREA = 0.02
@@ -41,11 +41,24 @@ class PartNotWorn(BadInput):
     code = "segment.part_unknown"
 
 
-def cut_garment_of(raw: RawScan, separation: Separation, part: Part, hooks: Hooks = SILENT) -> Reading:
-    """Cut one garment out of the scan along a smooth line.
+@dataclass(frozen=True)
+class PersonSurface:
+    """A person's surface, from which every garment is cut.
+
+    Attributes:
+        scan: The surface; of a cloud it was made.
+        origin: The point of the scan's file that each vertex is, or lies nearest to, shape [vertex_count].
+    """
+
+    scan: Scan
+    origin: np.ndarray
+
+
+def cut_garment_of(person: PersonSurface, separation: Separation, part: Part, hooks: Hooks = SILENT) -> Reading:
+    """Cut one garment out of a person's surface along a smooth line.
 
     Args:
-        raw: The person.
+        person: The person.
         separation: The same taken apart.
         part: Which garment.
         hooks: Cancellation.
@@ -56,12 +69,11 @@ def cut_garment_of(raw: RawScan, separation: Separation, part: Part, hooks: Hook
     Raises:
         PartNotWorn: where nothing of the scan is that.
     """
-    label = separation.label[raw.origin]
+    whole, label = person.scan, separation.label[person.origin]
     found = [garment for garment in separation.garments if garment.part == part]
     if not found or not (label == part).any():
-        raise PartNotWorn(f"Nothing of {raw.name} is {part.word}; correct the labels file, or name another garment.")
+        raise PartNotWorn(f"Nothing of {whole.name} is {part.word}; correct the labels file, or name another garment.")
     hooks.check()
-    whole, label = as_scan(raw, label, separation.body)
     garment = cut_garment(whole, label == part)
     contours, holes = name_contours(garment.vertices, garment.faces, separation.body, garment.unseen, scanned=True)
     hidden = _mark_hidden(garment, contours, found[0].contours)
@@ -81,8 +93,8 @@ def find_garments(raw: RawScan, label: np.ndarray, confidence: np.ndarray, body:
         body: The wearer.
     """
     sure = {part: garment_confidence(label, confidence, part) for part in GARMENTS if (label == part).any()}
-    small = thin(raw)
-    whole, label = as_scan(small, label[raw.place[small.origin]], body)
+    surface = find_surface(thin(raw), body)
+    whole, label = surface.scan, label[raw.place[surface.origin]]
     area = lump(face_areas(whole.vertices, whole.faces), whole.faces, len(whole.vertices))
     around = Surroundings.of(whole, label, body)
     found = []
@@ -125,23 +137,21 @@ def mark_covered(garment: Scan, holes: tuple[np.ndarray, ...], others: np.ndarra
     return covered
 
 
-def as_scan(raw: RawScan, label: np.ndarray, body: Body) -> tuple[Scan, np.ndarray]:
-    """Return a person's surface and the label of each of its vertices; a cloud gets a surface first.
+def find_surface(raw: RawScan, body: Body) -> PersonSurface:
+    """Find a person's surface: a mesh has one, of a cloud it is made.
 
     Args:
         raw: The person.
-        label: Of its points, shape [point_count].
         body: The wearer: its normals say which side of a cloud is outside where the file does not.
     """
-    if raw.is_cloud:
-        cloud, raw = raw, thin(raw, CLOUD_FACES)
-        label = label[cloud.place[raw.origin]]
-    points, faces, colours = raw.points, raw.faces, raw.colours
+    raw = thin(raw, CLOUD_FACES) if raw.is_cloud else raw
+    points, faces, colours, origin = raw.points, raw.faces, raw.colours, raw.origin
     if raw.is_cloud:
         normals = estimate_normals(points) if raw.normals is None else raw.normals
-        normals = normals if raw.is_oriented else orient_normals(points, normals, body)
-        surface = reconstruct(points, normals, colours)
-        points, faces, colours, label = surface.vertices, surface.faces, surface.colours, label[surface.nearest]
+        if not raw.is_oriented:
+            normals = orient_normals(points, normals, body.vertices, vertex_normals(body.vertices, body.faces))
+        made = reconstruct(points, normals, colours)
+        points, faces, colours, origin = made.vertices, made.faces, made.colours, origin[made.nearest]
     scan = Scan(
         vertices=points,
         faces=faces,
@@ -152,7 +162,7 @@ def as_scan(raw: RawScan, label: np.ndarray, body: Body) -> tuple[Scan, np.ndarr
         colours=colours,
         repairs=raw.notes,
     )
-    return scan, label
+    return PersonSurface(scan, origin)
 
 
 def _mark_hidden(garment: Scan, contours: tuple[Contour, ...], openings: tuple[FoundContour, ...]) -> np.ndarray:

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from ..body import Body, is_smpl, load_smpl
-from ..handover import doubting, hand_over, take_over
+from ..limited import ReaderCrashed
 from ..pattern import Pattern, load_pattern
+from ..record_file import read_record, write_record
 from ..scan import Limits, Scan, load_scan
 from ..scan.raw import RawScan
 from ..scan.refusal import LabelsMismatch
@@ -118,7 +119,7 @@ def save_given(given: Given, path: Path) -> None:
     """Write what was read as plain arrays."""
     extras = tuple(json.dumps(pattern.extra) for pattern in given.patterns.values())
     bare = {word: replace(pattern, extra={}) for word, pattern in given.patterns.items()}
-    hand_over(_Kept(replace(given, patterns=bare), extras), path)
+    write_record(_Kept(replace(given, patterns=bare), extras), path)
 
 
 def load_given(path: Path) -> Given:
@@ -127,11 +128,13 @@ def load_given(path: Path) -> Given:
     Raises:
         ReaderCrashed: where it is something else.
     """
-    kept = take_over(_Kept, path)
-    with doubting():
+    kept = read_record(_Kept, path)
+    try:
         _check(kept.given.raw)
         pairs = zip(kept.given.patterns.items(), kept.extras, strict=True)
         return replace(kept.given, patterns={word: replace(p, extra=json.loads(text)) for (word, p), text in pairs})
+    except (ValueError, TypeError, RecursionError) as error:
+        raise ReaderCrashed() from error
 
 
 def _check(raw: RawScan) -> None:

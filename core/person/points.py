@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 
 from ..body import Body
 from ..mesh import TriangleSurface, barycentric_coordinates, unit, vertex_normals
+from ..mesh.point_normals import calm_normals, estimate_normals, orient_normals
 from ..scan.raw import RawScan
 
 SPACING = 0.007
@@ -113,23 +114,6 @@ def sample_person(raw: RawScan, fit: FittedPerson, seed: int = 0) -> PersonPoint
     )
 
 
-ROUGH = 0.08
-"""Spread of normals (1 - length of the mean of `CALMED`) from which they are noise: 0.01 to 0.02 with the scanner's
-noise of 1 to 2 mm, 0.21 with 5 mm."""
-CALMED = 8
-"""Samples whose normals are averaged where they are noise: a disk of 1 cm radius."""
-
-
-def calm_normals(positions: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """Average unit normals, shape [n, 3], over their neighbours of the same side where they are mostly noise."""
-    _, near = cKDTree(positions).query(positions, k=min(CALMED, len(positions)))
-    around = normals[near]
-    if np.median(1.0 - np.linalg.norm(around.mean(axis=1), axis=1)) < ROUGH:
-        return normals
-    same = np.einsum("nka,na->nk", around, normals) > 0
-    return np.asarray(unit((around * same[:, :, None]).sum(axis=1)))
-
-
 def _draw_candidates(
     raw: RawScan, body: Body, rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
@@ -139,7 +123,7 @@ def _draw_candidates(
         positions = raw.points[take]
         normals = estimate_normals(positions) if raw.normals is None else raw.normals[take]
         if raw.normals is None or not raw.is_oriented:
-            normals = orient_normals(positions, normals, body)
+            normals = orient_normals(positions, normals, body.vertices, vertex_normals(body.vertices, body.faces))
         return positions, normals, None if raw.colours is None else raw.colours[take]
     surface = TriangleSurface(raw.points, raw.faces)
     count = int(np.clip(CANDIDATES * surface.face_areas.sum() / SPACING**2, 100, CANDIDATE_LIMIT))
@@ -151,38 +135,6 @@ def _draw_candidates(
     normals = unit(np.einsum("nk,nkd->nd", share, at_vertices[corners]))
     colours = None if raw.colours is None else np.einsum("nk,nkd->nd", share, raw.colours[corners])
     return positions, normals, colours
-
-
-def estimate_normals(positions: np.ndarray, count: int = 24) -> np.ndarray:
-    """Estimate unit normals of a cloud, of either sign, from the plane through each point's neighbours, shape [n, 3].
-
-    Args:
-        positions: Positions [m], shape [n, 3].
-        count: Neighbours, itself included: at 4 mm spacing a disk of 1 cm radius.
-    """
-    _, index = cKDTree(positions).query(positions, k=min(count, len(positions)))
-    around = positions[index] - positions[index].mean(axis=1, keepdims=True)
-    _, vectors = np.linalg.eigh(np.einsum("nka,nkb->nab", around, around))
-    return np.asarray(vectors[:, :, 0])
-
-
-def orient_normals(positions: np.ndarray, normals: np.ndarray, body: Body, rounds: int = 10) -> np.ndarray:
-    """Turn normals outward by the fitted body's, then by their neighbours where the body's are across.
-
-    Args:
-        positions: Positions [m], shape [n, 3].
-        normals: Unit normals of either sign, shape [n, 3].
-        body: The body fitted to the points.
-        rounds: How often each point asks its neighbours; a fold's flank is within a few of them.
-    """
-    _, near = cKDTree(body.vertices).query(positions)
-    trust = np.einsum("na,na->n", normals, vertex_normals(body.vertices, body.faces)[near])
-    _, index = cKDTree(positions).query(positions, k=min(10, len(positions)))
-    alike = np.einsum("nka,na->nk", normals[index], normals)
-    belief = trust.copy()
-    for _ in range(rounds):
-        belief = np.tanh(2.0 * (trust + (alike * belief[index]).mean(axis=1)))
-    return np.asarray(normals * np.where(belief < 0, -1.0, 1.0)[:, None])
 
 
 def _throw(positions: np.ndarray, normals: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:

@@ -6,7 +6,6 @@ from .labels import read_labels
 from .limits import Limits
 from .load import lies_on, load_pair, load_scan
 from .load_raw import load_raw
-from .normals import orient_normals
 from .pieces import Pieces, load_pieces
 from .raw import RawScan
 from .reconstruct import Reconstructed, reconstruct
@@ -38,7 +37,6 @@ __all__ = [
     "load_pieces",
     "load_raw",
     "load_scan",
-    "orient_normals",
     "parse_colour",
     "read_labels",
     "reconstruct",

@@ -11,6 +11,7 @@ import numpy as np
 from ..body import is_smpl, load_smpl
 from ..mesh import vertex_normals
 from . import refusal
+from .counts import check_counts
 from .header import Declared, check_header
 from .limits import Limits
 from .parse import parse_file
@@ -203,19 +204,7 @@ def _check_arrays(name: str, vertices: np.ndarray, faces: np.ndarray, declared: 
         raise refusal.MeshEmpty(f"{name} holds no vertices; export the mesh again.")
     if faces.ndim != 2 or faces.shape[1] != 3 or len(faces) == 0:
         raise refusal.NoFaces(f"{name} holds no triangles; export the garment's mesh.")
-    if max(len(vertices), len(faces)) > limits.count:
-        raise refusal.CountTooLarge(f"{name} holds more than {limits.count} elements; decimate the mesh.")
-    if declared.vertices is not None and len(vertices) != declared.vertices:
-        raise refusal.CountsDiffer(
-            f"{name} declares {declared.vertices} vertices and holds {len(vertices)}; export the mesh again."
-        )
-    if declared.faces is not None and len(faces) < declared.faces:
-        raise refusal.CountsDiffer(
-            f"{name} declares {declared.faces} faces and holds {len(faces)}; export the mesh again."
-        )
-    if faces.min() < 0 or faces.max() >= len(vertices):
-        bad = int(faces.min() if faces.min() < 0 else faces.max())
-        raise refusal.IndicesBroken(f"{name}: a face refers to vertex {bad} of {len(vertices)}; export the mesh again.")
+    check_counts(name, vertices, faces, declared, limits)
     if not np.isfinite(vertices).all():
         count = int((~np.isfinite(vertices).all(axis=1)).sum())
         raise refusal.NotFinite(f"{name}: {count} vertices are NaN or infinite; clean the mesh and export it again.")

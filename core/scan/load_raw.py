@@ -9,13 +9,14 @@ from pathlib import Path
 import numpy as np
 
 from ..mesh import unit, vertex_normals
+from ..mesh.point_normals import faces_outward, find_normals
 from . import refusal
 from .clean import Cleaned, clean_person
+from .counts import check_counts
 from .header import Declared, check_header
 from .labels import read_labels
 from .limits import Limits
 from .mend import Mended, mend_mesh, merge_points
-from .normals import faces_outward, find_normals
 from .parse import parse_file
 from .raw import RawScan
 from .units import UNITS
@@ -94,19 +95,7 @@ def _check_arrays(name: str, arrays: dict[str, np.ndarray], declared: Declared, 
     vertices, faces = arrays["vertices"], arrays["faces"]
     if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) == 0:
         raise refusal.MeshEmpty(f"{name} holds no vertices; export the scan again.")
-    if max(len(vertices), len(faces)) > limits.count:
-        raise refusal.CountTooLarge(f"{name} holds more than {limits.count} elements; decimate the scan.")
-    if declared.vertices is not None and len(vertices) != declared.vertices:
-        raise refusal.CountsDiffer(
-            f"{name} declares {declared.vertices} vertices and holds {len(vertices)}; export the scan again."
-        )
-    if declared.faces is not None and len(faces) < declared.faces:
-        raise refusal.CountsDiffer(
-            f"{name} declares {declared.faces} faces and holds {len(faces)}; export the scan again."
-        )
-    if len(faces) and (faces.min() < 0 or faces.max() >= len(vertices)):
-        bad = int(faces.min() if faces.min() < 0 else faces.max())
-        raise refusal.IndicesBroken(f"{name}: a face refers to vertex {bad} of {len(vertices)}; export the scan again.")
+    check_counts(name, vertices, faces, declared, limits)
     finite = np.isfinite(vertices).all(axis=1)
     if len(faces) and not finite.all() and not finite[faces].all():
         raise refusal.NotFinite(f"{name}: vertices of faces are NaN or infinite; clean the scan and export it again.")

@@ -14,6 +14,7 @@ from . import refusal
 from .cloud import parse_pcd, parse_xyz
 from .columns import as_bytes, find_labels, read_fields
 from .limits import Limits
+from .off import load_off
 from .texture import add_texture
 
 
@@ -85,10 +86,7 @@ def parse(path: Path, form: str, textures: bool = False) -> dict[str, np.ndarray
 
         with path.open("rb") as file:
             return _pick(load_stl(file))
-    from trimesh.exchange.off import load_off
-
-    with path.open("rb") as file:
-        return _pick(load_off(file))
+    return _pick(load_off(path))
 
 
 def _pick(loaded: dict[str, Any]) -> dict[str, np.ndarray]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..mesh import unit, vertex_normals
-from .normals import thin_points
+from ..mesh.point_normals import thin_points
 from .raw import RawScan
 from .scan import Scan
 

@@ -9,14 +9,15 @@ from .fabric import Fabric, FabricEstimate
 from .fabrics import FabricUnknown, get_fabric, load_fabrics
 from .locking import soften
 from .outcome import Outcome
-from .settings import GRAVITY, ContactSettings, SettingsBad, SolveSettings
+from .settings import GRAVITY, ContactSettings, SelfContactSettings, SettingsBad, SolveSettings
 
 if TYPE_CHECKING:
     from .bending_friction import BendingFriction
     from .block_pattern import BlockPattern
+    from .collision.self_contact import SelfContact
     from .contact import contact_forces
     from .derivative import AtRest, Derivative, Implicit, Response, linearise_at
-    from .dynamics import State, settle
+    from .dynamics import State, move_on, settle
     from .energy import Energy, Inertia
     from .friction import Friction, lag_friction
     from .linearised import Linearised
@@ -51,6 +52,7 @@ _LAZY = {
     "PinsBad": "pins",
     "Response": "derivative",
     "Scene": "scene",
+    "SelfContact": "collision.self_contact",
     "Sensitivity": "sensitivity",
     "Solver": "solver",
     "State": "dynamics",
@@ -68,6 +70,7 @@ _LAZY = {
     "list_gathers": "parameters",
     "make_solver": "solver",
     "map_rest": "parameters",
+    "move_on": "dynamics",
     "pull_forces": "sensitivity",
     "push_forces": "sensitivity",
     "settle": "dynamics",
@@ -101,6 +104,8 @@ __all__ = [
     "PinsBad",
     "Response",
     "Scene",
+    "SelfContact",
+    "SelfContactSettings",
     "Sensitivity",
     "SettingsBad",
     "SolveSettings",
@@ -122,6 +127,7 @@ __all__ = [
     "load_fabrics",
     "make_solver",
     "map_rest",
+    "move_on",
     "pull_forces",
     "push_forces",
     "settle",

@@ -8,6 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+ABSENT = -(2**62)
+"""Slot of a block for which a pattern has no place."""
+
 
 class Derivatives(NamedTuple):
     """What the kernels add to: a gradient [N], shape [node_count, 3], and Hessian blocks, shape [block_count, 3, 3]."""
@@ -88,6 +91,20 @@ class BlockPattern:
             indptr.astype(np.int32), indices.astype(np.int32),
         )  # fmt: skip
         return pattern, tuple(part.reshape(len(nodes), -1) for part, nodes in zip(parts, elements, strict=True))
+
+    def find_slots(self, elements: np.ndarray) -> np.ndarray:
+        """Return the block that each of the upper blocks of elements [count, k] adds to, as `of` does.
+
+        All blocks of an element for which the pattern has no place are `ABSENT`. Shape [count, k (k + 1) / 2].
+        """
+        first, second = (elements[:, n] for n in np.triu_indices(elements.shape[1]))
+        turned = first > second
+        low, high = np.where(turned, second, first), np.where(turned, first, second)
+        keys = self.rows * self.node_count + self.columns
+        wanted = low * self.node_count + high
+        slots = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+        known = (keys[slots] == wanted).all(axis=1, keepdims=True)
+        return np.where(known, np.where(turned, ~slots, slots), ABSENT)
 
     def assemble(self, blocks: np.ndarray, fixed: np.ndarray | None = None) -> np.ndarray:
         """Return the matrix's data from its blocks [block_count, 3, 3]; fixed nodes [node_count] get the identity."""

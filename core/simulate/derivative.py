@@ -8,6 +8,8 @@ from typing import Protocol
 import numpy as np
 from scipy.sparse import csr_matrix
 
+from .collision.coupling import couple
+from .collision.rubbing import Rubbing
 from .energy import Energy, Inertia
 from .factorisation import factor_regularised
 from .friction import Friction, lag_friction
@@ -72,16 +74,26 @@ class Implicit:
         *,
         friction: Friction | None = None,
         inertia: Inertia | None = None,
+        rubbing: Rubbing | None = None,
     ) -> AtRest:
-        """Bring nodes near rest [m], shape [node_count, 3], to rest, with friction as it is given.
+        """Bring nodes near rest [m], shape [node_count, 3], to rest, with friction as it is given,
+        on the body and, `rubbing`, on itself.
 
         With inertia it is one implicit time step that is brought to rest.
 
         Raises:
             NotAtRest: where the force left stays above the tolerance.
         """
-        energy, solver = Energy(scene, friction, inertia), solver or make_solver(scene.topology.pattern)
-        nodes = find_rest(energy, place_pinned(scene, nodes), solver, self.tolerance, self.max_iterations)
+        energy = Energy(scene, friction, inertia, rubbing)
+        solver = solver or make_solver(scene.topology.pattern)
+        nodes = place_pinned(scene, nodes)
+        while True:
+            energy, solver = couple(energy, solver, nodes, missing=0.0)
+            nodes = find_rest(energy, nodes, solver, self.tolerance, self.max_iterations)
+            energy, complete = energy.watch(nodes), solver
+            energy, solver = couple(energy, solver, nodes, missing=0.0)
+            if solver is complete:
+                break
         blocks = energy.hessian(nodes)[2]
         return AtRest(energy, nodes, blocks, factor(energy, blocks, solver))
 
@@ -139,7 +151,8 @@ def linearise_at(scene: Scene, nodes: np.ndarray, anchors: np.ndarray, solver: S
     As much of the exact Hessian is factored as is positive definite: all of it where the cloth is at rest. Where it is
     not quite, what a loss is pulled back to is still a direction of descent.
     """
-    energy = Energy(scene, lag_friction(scene, nodes, anchors))
+    energy, solver = couple(Energy(scene, lag_friction(scene, nodes, anchors)), solver, nodes, missing=0.0)
+    energy = energy.lag_rubbing(nodes)
     blocks = energy.hessian(nodes)[2]
     factor_regularised(energy, solver, nodes, blocks, 1.0)
     return AtRest(energy, nodes, blocks, solver)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .collision.coupling import couple
+from .collision.rubbing import Rubbing
 from .energy import Energy, Inertia
 from .factorisation import factor_regularised
 from .friction import lag_friction
@@ -24,11 +26,13 @@ class State:
         nodes: Positions [m], shape [node_count, 3].
         velocities: Velocities [m/s], shape [node_count, 3].
         anchors: Where friction holds each node [m], shape [node_count, 3].
+        rubbing: The friction of cloth on cloth in the last step, or None.
     """
 
     nodes: np.ndarray
     velocities: np.ndarray
     anchors: np.ndarray
+    rubbing: Rubbing | None = None
 
 
 def settle(
@@ -42,35 +46,52 @@ def settle(
     solver: Solver | None = None,
     settings: SolveSettings = SolveSettings(),  # noqa: B008 - frozen
 ) -> State:
-    """Take `steps` implicit Euler steps of `dt` [s] from nodes [m], shape [node_count, 3].
-
-    x+ = argmin E(x) + |x - x0 - damping dt v0|_M^2 / (2 dt^2),  v+ = (x+ - x0) / dt (thesis eq. 3.2, solved to
-    `newton_per_step` iterations with the PSD Hessian). Pass the state's velocities and anchors on to continue; the body
-    may differ from call to call (one that moves or is inflated).
-    """
+    """Take `steps` implicit Euler steps of `dt` [s] from nodes [m], shape [node_count, 3]; see `move_on`."""
     nodes = np.array(nodes, dtype=np.float64)
     velocities = np.zeros_like(nodes) if velocities is None else np.asarray(velocities, dtype=np.float64)
-    anchors = nodes.copy() if anchors is None else anchors
-    solver = solver or make_solver(scene.topology.pattern)
+    state = State(nodes, velocities, nodes.copy() if anchors is None else anchors)
+    return move_on(scene, state, steps=steps, dt=dt, solver=solver, settings=settings)
+
+
+def move_on(
+    scene: Scene,
+    state: State,
+    *,
+    steps: int = 20,
+    dt: float = 0.05,
+    solver: Solver | None = None,
+    settings: SolveSettings = SolveSettings(),  # noqa: B008 - frozen
+) -> State:
+    """Take `steps` implicit Euler steps of `dt` [s] from a state.
+
+    x+ = argmin E(x) + |x - x0 - damping dt v0|_M^2 / (2 dt^2),  v+ = (x+ - x0) / dt (thesis eq. 3.2, solved to
+    `newton_per_step` iterations with the PSD Hessian). The body may differ from call to call (one that moves or is
+    inflated).
+    """
+    solver, energy = solver or make_solver(scene.topology.pattern), Energy(scene)
     for _ in range(steps):
-        start = nodes
-        friction = lag_friction(scene, nodes, anchors)
-        inertia = Inertia(nodes + settings.damping * dt * velocities, 1.0 / dt**2)
-        pinned = move_pins(nodes, scene.pins, settings.max_step)
-        nodes = _step(Energy(scene, friction, inertia), solver, pinned, settings)
-        velocities = (nodes - start) / dt
-        anchors = nodes if friction is None else friction.slide(nodes)
-    return State(nodes, velocities, anchors)
+        nodes, pinned = state.nodes, move_pins(state.nodes, scene.pins, settings.max_step)
+        friction = lag_friction(scene, nodes, state.anchors)
+        inertia = Inertia(nodes + settings.damping * dt * state.velocities, 1.0 / dt**2)
+        energy = replace(energy, friction=friction, inertia=inertia).lag_rubbing(nodes, state.rubbing)
+        energy, free = energy.free_share(nodes, pinned - nodes)
+        pinned = pinned if free == 1.0 else nodes + free * (pinned - nodes)
+        energy, solver, end = _step(energy, solver, pinned, settings)
+        state = State(end, (end - nodes) / dt, end if friction is None else friction.slide(end), energy.rubbing)
+    return state
 
 
-def _step(energy: Energy, solver: Solver, nodes: np.ndarray, settings: SolveSettings) -> np.ndarray:
+def _step(
+    energy: Energy, solver: Solver, nodes: np.ndarray, settings: SolveSettings
+) -> tuple[Energy, Solver, np.ndarray]:
     """Take the Newton iterations of one time step from nodes [m], shape [node_count, 3], with the PSD Hessian."""
     for _ in range(settings.newton_per_step):
+        energy, solver = couple(energy, solver, nodes)
         start, gradient, blocks = energy.hessian(nodes, False)
         if factor_regularised(energy, solver, nodes, blocks, 0.0) < 0:
             break
         leg = descend(energy, solver, nodes, start, gradient, steps=1, residual=0.0, max_step=settings.max_step)
-        nodes = leg.nodes
+        energy, nodes = leg.energy, leg.nodes
         if leg.motion < settings.still:
             break
-    return nodes
+    return energy, solver, nodes

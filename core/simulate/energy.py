@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .bending import bending
 from .bending_friction import FoldFriction
 from .block_pattern import Derivatives
+from .collision.barrier import barrier
+from .collision.near import Near, find_near
+from .collision.rubbing import Rubbing, lag_rubbing, rub
 from .contact import NO_BLOCKS, Forces, NodeElements, contact
 from .friction import Friction, friction
 from .membrane import foresee_stress, membrane
@@ -16,6 +19,10 @@ from .scene import LEVEL, Scene
 
 NO_STRESS = np.zeros((0, 3))
 """Tells `membrane` to take the stress from the positions."""
+
+
+NO_SLOTS = np.zeros((0, 10), dtype=np.int64)
+"""Where a kernel of pairs is not asked for Hessian blocks."""
 
 
 @dataclass(frozen=True)
@@ -39,17 +46,51 @@ class Energy:
         scene: The cloth and what acts on it.
         friction: Lagged friction, or None.
         inertia: For an implicit time step, or None.
+        rubbing: Lagged friction of cloth on cloth, or None.
+        near: The pairs of cloth that may touch, where they were last looked for; only saves the search for them.
     """
 
     scene: Scene
     friction: Friction | None = None
     inertia: Inertia | None = None
+    rubbing: Rubbing | None = None
+    near: Near | None = None
 
     @property
     def _stiffness(self) -> np.ndarray:
         """Return the membrane's four numbers as its kernels take them [N/m]."""
         fabric = self.scene.fabric
         return np.array([fabric.H00, fabric.H01, fabric.H11, fabric.H22])
+
+    def watch(self, nodes: np.ndarray, end: np.ndarray | None = None) -> Energy:
+        """Return the same energy that knows which pairs of cloth may touch at nodes [m] and on the way to `end` [m]."""
+        cloth, near = self.scene.self_contact, self.near
+        if cloth is None or (near is not None and near.covers(nodes) and (end is None or near.covers(end))):
+            return self
+        if end is not None and float(((end - nodes) ** 2).sum(1).max()) <= cloth.margin**2:
+            end = None
+        return replace(self, near=find_near(cloth, nodes, end))
+
+    def free_share(self, nodes: np.ndarray, step: np.ndarray) -> tuple[Energy, float]:
+        """Return the largest share, 0 to 1, of a step [m] from nodes [m] on which no two parts of the cloth meet.
+
+        With it comes the energy that knows the pairs along the step; both arrays are of shape [node_count, 3].
+        """
+        if self.scene.self_contact is None:
+            return self, 1.0
+        watching = self.watch(nodes, nodes + step)
+        assert watching.near is not None
+        return watching, watching.near.free_share(nodes, step)
+
+    def lag_rubbing(self, nodes: np.ndarray, before: Rubbing | None = None) -> Energy:
+        """Return the same energy with the friction of cloth on cloth that follows from nodes [m], [node_count, 3].
+
+        `before` is the friction until then: what was in touch stays drawn.
+        """
+        watching = self.watch(nodes)
+        if self.scene.self_contact is None or watching.near is None:
+            return self
+        return replace(watching, rubbing=lag_rubbing(self.scene.self_contact, watching.near, nodes, before))
 
     def value(self, nodes: np.ndarray) -> float:
         """Return the energy [J] at nodes [m], shape [node_count, 3]."""
@@ -66,7 +107,8 @@ class Energy:
     ) -> tuple[float, np.ndarray, np.ndarray]:
         """Compute energy, gradient and the 3x3 Hessian blocks (upper half, for `Topology.assemble`).
 
-        `exact` False gives a positive semi-definite approximation: for states far from equilibrium. `stress` [N/m],
+        `exact` False gives a positive semi-definite approximation: for states far from equilibrium. Pairs of cloth in
+        touch for which the matrix has no place count by diagonal blocks: `couple` makes room for them. `stress` [N/m],
         shape [face_count, 3], is taken for the membrane's in its geometric part: `foresee_stress` says why.
         """
         energy, gradient, blocks = self._evaluate(nodes, 2, exact, NO_STRESS if stress is None else stress)
@@ -98,8 +140,28 @@ class Energy:
             energy += contact(nodes, scene.body.arrays, elements, scene.contact.law, order, exact, found, forces)
         if self.friction is not None:
             energy += friction(nodes, self.friction, order, diagonal, found)
+        if scene.self_contact is not None:
+            energy += self._add_self_contact(nodes, order, exact, found)
         energy += self._add_loads(nodes, order, exact, *found)
         return float(energy), *found
+
+    def _add_self_contact(self, nodes: np.ndarray, order: int, exact: bool, found: Derivatives) -> float:
+        """Add the contact of cloth with cloth; pairs for which the matrix has no place count by diagonal blocks."""
+        cloth, near = self.scene.self_contact, self.watch(nodes).near
+        assert cloth is not None and near is not None
+        pattern, pairs = self.scene.topology.pattern, near.pairs
+        slots = NO_SLOTS
+        if order == 2:
+            pairs = near.within(nodes, 0.0)
+            slots = pattern.find_slots(pairs.nodes)
+        energy = 0.0
+        if len(pairs.kinds):
+            places, stiffness = (slots, pattern.diagonal), float(cloth.settings.stiffness)
+            energy += barrier(nodes, pairs, stiffness, places, order, exact, found)
+        if self.rubbing is not None:
+            slots = pattern.find_slots(self.rubbing.keys[:, 1:]) if order == 2 else NO_SLOTS
+            energy += rub(nodes, self.rubbing, (slots, pattern.diagonal), order, found)
+        return energy
 
     def _add_loads(self, nodes: np.ndarray, order: int, exact: bool, gradient: np.ndarray, blocks: np.ndarray) -> float:
         """Add weight, rotation, inertia and springs: linear or quadratic. The PSD form drops the rotation's."""

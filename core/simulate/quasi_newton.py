@@ -29,12 +29,14 @@ class Leg:
         residual: Largest force there, relative to the mean weight of a node.
         motion: Largest displacement of a node over all of them [m].
         steps: Steps that lowered the energy.
+        energy: What was minimised; it knows the pairs of cloth near its end.
     """
 
     nodes: np.ndarray
     residual: float
     motion: float
     steps: int
+    energy: Energy
 
 
 def descend(
@@ -74,6 +76,8 @@ def descend(
             break
         length = float(np.sqrt((direction**2).sum(1).max()))
         share = min(1.0, max_step / max(length, 1e-300))
+        energy, free = energy.free_share(nodes, share * direction)
+        share *= free
         found = _search(energy, nodes, direction, start, slope, share)
         if found is None:
             break
@@ -83,7 +87,7 @@ def descend(
             pairs.append((step, change))
         nodes, gradient, done = moved, after, done + 1
         reached = energy.scene.relative_residual(gradient)
-    return Leg(nodes, reached, float(np.sqrt(((nodes - origin) ** 2).sum(1).max())), done)
+    return Leg(nodes, reached, float(np.sqrt(((nodes - origin) ** 2).sum(1).max())), done, energy)
 
 
 def _apply(solver: Solver, pairs: list[tuple[np.ndarray, np.ndarray]], gradient: np.ndarray) -> np.ndarray:

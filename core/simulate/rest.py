@@ -93,6 +93,7 @@ def find_rest(energy: Energy, nodes: np.ndarray, solver: Solver, tolerance: floa
             leg = descend(energy, solver, here.nodes, start, gradient, steps=_LEG, residual=stop)
             if leg.steps == 0:
                 raise _left(here)
+            energy = leg.energy
             here, near, done = _Point.at(energy, leg.nodes), leg.residual <= _NEAR, done + 1
 
 
@@ -118,6 +119,8 @@ def _press_on(
             return best, False, factors + 1
         step = -np.asarray(solver.solve(here.gradient.ravel())).reshape(-1, 3)
         step *= min(1.0, SolveSettings.max_step / max(float(np.sqrt((step**2).sum(1).max())), 1e-300))
+        energy, free = energy.free_share(here.nodes, step)
+        step *= free
         slope = float((here.gradient * step).sum())
         there = _Point.at(energy, here.nodes + step)
         if -slope < _BLIND * abs(best.value):
@@ -142,7 +145,9 @@ def _follow_chords(energy: Energy, here: _Point, solver: Solver, tolerance: floa
     for _ in range(_CHORDS):
         if here.residual <= tolerance:
             break
-        there = _Point.at(energy, here.nodes - np.asarray(solver.solve(here.gradient.ravel())).reshape(-1, 3))
+        step = -np.asarray(solver.solve(here.gradient.ravel())).reshape(-1, 3)
+        energy, free = energy.free_share(here.nodes, step)
+        there = _Point.at(energy, here.nodes + free * step)
         if not there.residual < here.residual:
             break
         slow, here = there.residual > _CONTRACTION * here.residual, there

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..body import DistanceGrid
 from .bending_friction import BendingFriction
+from .collision.self_contact import SelfContact
 from .fabric import Fabric
 from .pins import Pins
 from .settings import GRAVITY, ContactSettings
@@ -46,6 +47,7 @@ class Scene:
         bending_friction: Internal friction of bending, or None.
         gravity: Acceleration [m/s2], shape [3].
         contact: How the cloth touches the body.
+        self_contact: How it touches itself, or None: then it passes through itself.
     """
 
     topology: Topology
@@ -56,6 +58,7 @@ class Scene:
     bending_friction: BendingFriction | None = None
     gravity: tuple[float, float, float] = GRAVITY
     contact: ContactSettings = field(default_factory=ContactSettings)
+    self_contact: SelfContact | None = None
 
     @property
     def masses(self) -> np.ndarray:

@@ -10,6 +10,8 @@ import numpy as np
 
 from ..errors import BadInput
 from ..hooks import SILENT, Hooks
+from .collision.coupling import couple
+from .collision.rubbing import Rubbing
 from .energy import Energy
 from .factorisation import factor_regularised
 from .friction import lag_friction
@@ -52,6 +54,7 @@ class Drape:
         outcome: How the search ended.
         anchors: Where friction holds each node [m], shape [node_count, 3].
         rotation: The rotation in which it rests, or None for cloth at rest under its weight alone.
+        rubbing: The friction of cloth on cloth in which it rests, or None.
     """
 
     nodes: np.ndarray
@@ -61,6 +64,7 @@ class Drape:
     outcome: Outcome
     anchors: np.ndarray
     rotation: SteadyRotation | None = None
+    rubbing: Rubbing | None = None
 
     @property
     def converged(self) -> bool:
@@ -151,8 +155,13 @@ def equilibrium(
     while outcome is None:
         hooks.check()
         pinned = move_pins(nodes, scene.pins, settings.max_step)
-        arrived, nodes = bool((pinned == nodes).all()), pinned
+        arrived = bool((pinned == nodes).all())
+        if not arrived:
+            energy, free = energy.free_share(nodes, pinned - nodes)
+            nodes = pinned if free == 1.0 else nodes + free * (pinned - nodes)
+        energy, solver = couple(energy, solver, nodes)
         if progress.follows:
+            energy = energy.lag_rubbing(nodes, energy.rubbing)
             energy = replace(energy, friction=lag_friction(scene, nodes, anchors))
         start, gradient, blocks = energy.hessian(nodes, False)
         if scene.relative_residual(gradient) <= settings.tolerance and arrived:
@@ -166,7 +175,8 @@ def equilibrium(
                 energy, solver, nodes, start, gradient,
                 steps=settings.steps_per_factor, residual=settings.tolerance, max_step=settings.max_step,
             )  # fmt: skip
-            nodes, outcome = leg.nodes, progress.judge(leg, arrived)
+            nodes, outcome, energy = leg.nodes, progress.judge(leg, arrived), leg.energy
     end, gradient = energy.gradient(nodes)
     slid = anchors if energy.friction is None else energy.friction.slide(nodes)
-    return Drape(nodes, scene.relative_residual(gradient), progress.legs, end, outcome, slid, scene.rotation)
+    residual = scene.relative_residual(gradient)
+    return Drape(nodes, residual, progress.legs, end, outcome, slid, scene.rotation, energy.rubbing)

@@ -11,6 +11,7 @@ from .energy import Energy, Inertia
 from .friction import Friction
 from .scene import Scene
 from .sensitivity import Sensitivity
+from .settings import SettingsBad
 from .solver import Solver, make_solver
 
 
@@ -43,7 +44,10 @@ class TimeSteps(ABC):
 
         Raises:
             NotAtRest: where a step cannot be taken; take shorter ones.
+            SettingsBad: where the cloth touches itself: pairs come and go on the way; `Implicit` has their derivative.
         """
+        if scene.self_contact is not None:
+            raise SettingsBad("derivatives through time do not know self-contact; use Implicit, or leave it out.")
         energy, solver = Energy(scene, friction), solver or make_solver(scene.topology.pattern)
         start = np.array(nodes, dtype=np.float64)
         path = [start if velocities is None else start - self.dt * np.asarray(velocities), start]

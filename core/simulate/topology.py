@@ -182,6 +182,11 @@ class Topology:
         shape = RestShape.of(rest, self.faces, self.node_count)
         return replace(self, rest=shape, hinge_scale=self.hinges.scale(shape))
 
+    def couple(self, nodes: np.ndarray) -> Topology:
+        """Return the same mesh whose matrix has room for groups of nodes, shape [count, k], too; it needs a solver."""
+        pattern, slots = BlockPattern.of(self.node_count, self.faces, self.hinges.nodes, nodes)
+        return replace(self, pattern=pattern, face_slots=slots[0], hinge_slots=slots[1])
+
     def assemble(self, blocks: np.ndarray, fixed: np.ndarray) -> np.ndarray:
         """Return the matrix's data from its blocks [block_count, 3, 3]; fixed nodes get the identity."""
         return self.pattern.assemble(blocks, fixed)

@@ -42,12 +42,12 @@ class Dress(Kind):
         """Dress the body and write the files."""
         from ...core.clock import Clock
         from ...core.export.dressed import write_dressed
-        from ...core.handover import take_over
+        from ...core.record_file import read_record
         from ...core.simulate import get_fabric
         from ...core.wear import BodyFile, dress_body, find_wearer, load_worn
 
         worn, clock = load_worn(work.inputs[RESULT]), Clock(hooks)
-        wanted = request.body if isinstance(request.body, str | None) else take_over(BodyFile, work.files / BODY)
+        wanted = request.body if isinstance(request.body, str | None) else read_record(BodyFile, work.files / BODY)
         with clock.stage("body", "finding the body's joints") as told:
             body = find_wearer(wanted, worn.body, request.pose, told)
         fabric = None if request.fabric is None else get_fabric(request.fabric)

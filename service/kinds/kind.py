@@ -124,6 +124,10 @@ class Kind(ABC):
         """
         return None
 
+    def choose_input(self, request: Any, name: str) -> tuple[str, ...]:
+        """Return the names of the files that the job reads of an input's result; empty: all of them."""
+        return ()
+
     @abstractmethod
     def run(self, request: Any, work: Work, hooks: Hooks) -> Any:
         """Do the work, write its files into `work.out`, and return the result."""

@@ -13,7 +13,7 @@ from ..jobs import Claim
 from ..models import JobRow, ScanRow
 from .kind import Kind, Outcome, Turned, Work
 from .person_request import make_person
-from .recover_request import AS_PERSON, PERSON, TOLD, RecoverRequest
+from .recover_request import AS_PERSON, PERSON, READING, TOLD, RecoverRequest
 from .request import pack_request
 from .rows import add_metrics, add_pattern, describe_body, show_garment, summarise
 
@@ -33,6 +33,10 @@ class Recover(Kind):
     def checker(self, settings: ServiceSettings) -> str:
         """Return the reader of scans, bodies, labels and patterns."""
         return settings.checker
+
+    def choose_input(self, request: RecoverRequest, name: str) -> tuple[str, ...]:
+        """Return the reading of the garment, and what says how sure it is; no other garment's, picture or report."""
+        return (f"{request.part}/{READING}", TOLD) if name == PERSON and request.part is not None else ()
 
     def run(self, request: RecoverRequest, work: Work, hooks: Hooks) -> Recovery:
         """Run the pipeline and write its files."""
@@ -66,10 +70,7 @@ class Recover(Kind):
 
 def _read_confidence(person: Path, part: str) -> float | None:
     """Return how sure it is that a garment's points are its own, as the job that took the person apart wrote it."""
-    try:
-        told = json.loads((person / TOLD).read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        return None
+    told = json.loads((person / TOLD).read_text(encoding="utf-8"))
     return next((one["confidence"] for one in told["garments"] if one["part"] == part), None)
 
 

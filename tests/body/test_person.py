@@ -14,8 +14,9 @@ from garmentq.core.body.person import require_contact, weigh_points
 from garmentq.core.body.presence import Presence, ScanPartial, SeveralPersons, TooSparse, refuse, split_in_two
 from garmentq.core.body.registration import body_of_state, pose_model
 from garmentq.core.body.template import load_template, rotations_of
-from garmentq.core.body.thinning import smooth_normals, thin_points
+from garmentq.core.body.thinning import average_points
 from garmentq.core.mesh import vertex_normals
+from garmentq.core.mesh.point_normals import smooth_normals
 from no_person import CUTS, cut_person, make_chair, make_quadruped, make_room, pair_persons
 
 TEMPLATE = load_template()
@@ -133,7 +134,7 @@ def test_noise_does_not_turn_normals() -> None:
     points = np.stack([rng.random(20000), 0.005 * rng.standard_normal(20000), rng.random(20000)], axis=1)
     normals = np.array([0.0, 1.0, 0.0]) + 0.8 * rng.standard_normal((20000, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    thinned = thin_points(points, normals, True, 2000, 0)
+    thinned = average_points(points, normals, True, 2000, 0)
     assert thinned is not None and thinned.total > 2000
     assert np.quantile(thinned.normals[:, 1], 0.01) > 0.8
     assert np.allclose(np.linalg.norm(smooth_normals(points, normals, np.arange(50)), axis=1), 1.0)

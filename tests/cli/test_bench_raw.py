@@ -62,9 +62,13 @@ class Road:
         confidence = np.full(len(label), 0.95, np.float32)
         return Separation(self.body, label, confidence, garments, outfits, ("it was dark.",), self.problem)
 
-    def cut_garment_of(self, raw: RawScan, separation: Separation, part: Part) -> Reading:
+    def find_surface(self, raw: RawScan, body: object) -> Scan:
+        """Return the sheet."""
+        return Scan(raw.points, raw.faces)
+
+    def cut_garment_of(self, surface: Scan, separation: Separation, part: Part) -> Reading:
         """Return all of the sheet."""
-        return Reading(Pieces(Scan(raw.points, raw.faces), None), self.body)
+        return Reading(Pieces(surface, None), self.body)
 
     def recover(self, request: object) -> object:
         """Return a recovery that is known."""
@@ -89,7 +93,7 @@ def road(monkeypatch: pytest.MonkeyPatch, packs: Path, tube_recovery, bare_body)
         "person.separate": {"separate": found.separate},
         "person.hints": {"Hints": lambda label=None: SimpleNamespace(label=label)},
         "person.labels": {"write_labels": lambda label, confidence, path: np.savez(path, label=label)},
-        "person.garments": {"cut_garment_of": found.cut_garment_of},
+        "person.garments": {"cut_garment_of": found.cut_garment_of, "find_surface": found.find_surface},
         "pipeline": {"recover": found.recover},
     }
     for name, values in modules.items():
@@ -161,7 +165,7 @@ def test_doubts_refusals_and_errors_are_told_apart(packs: Path, road: Road) -> N
     (line,) = run(packs, status=5)
     assert line["outcome"] == "refused" and line["error"]["code"] == "input.bad"
     road.error, road.problem, road.waist = None, None, 0.85
-    (line,) = run(packs, "--labels-only")
+    (line,) = run(packs, "--labels-only", status=5)
     assert line["outcome"] == "wrong"
     assert line["border"]["p95_mm"] > 300.0
 

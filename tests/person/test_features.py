@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from garmentq.core.body import Body, builtin_body
 from garmentq.core.mesh import vertex_normals
+from garmentq.core.mesh.point_normals import calm_normals, orient_normals
 from garmentq.core.person.features import LENGTH, NAMES, describe_points
 from garmentq.core.person.limbs import Limb, closest_in_triangles, place_on_body
 from garmentq.core.person.neighbourhood import RADII, gather
-from garmentq.core.person.points import BORDER_REACH, SPACING, PersonPoints, calm_normals, orient_normals, sample_person
+from garmentq.core.person.points import BORDER_REACH, SPACING, PersonPoints, sample_person
 from garmentq.core.scan.raw import RawScan
 from scipy.spatial import cKDTree
 
@@ -84,7 +85,7 @@ def test_normals_of_a_cloud_point_outward(fit):
     true = dense.normals[cKDTree(dense.positions).query(points.positions)[1]]
     assert (np.einsum("na,na->n", points.normals, true) > 0).mean() > 0.99
     flipped = dense.normals * np.random.default_rng(0).choice([-1.0, 1.0], len(dense.normals))[:, None]
-    turned = orient_normals(dense.positions, flipped, body)
+    turned = orient_normals(dense.positions, flipped, body.vertices, vertex_normals(body.vertices, body.faces))
     assert (np.einsum("na,na->n", turned, dense.normals) > 0).mean() > 0.99
 
 

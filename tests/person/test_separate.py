@@ -14,7 +14,7 @@ from garmentq.cli.main import group
 from garmentq.core.body import JOINTS, builtin_body
 from garmentq.core.mesh import vertex_normals
 from garmentq.core.person import Part
-from garmentq.core.person.garments import PartNotWorn, cut_garment_of
+from garmentq.core.person.garments import PartNotWorn, cut_garment_of, find_surface
 from garmentq.core.person.given import PersonFiles, read_given
 from garmentq.core.person.hints import Hints
 from garmentq.core.person.labels import has_names, read_parts
@@ -114,13 +114,13 @@ def test_mended_labels_come_back(run, mended):
     np.testing.assert_array_equal(separation.label, label)
     assert [garment.part for garment in separation.garments] == [Part.UPPER, Part.LOWER]
     with pytest.raises(PartNotWorn):
-        cut_garment_of(raw, separation, Part.OUTER)
+        cut_garment_of(find_surface(raw, separation.body), separation, Part.OUTER)
 
 
 def test_an_inferred_opening_is_not_trusted(mended):
     """Broken where the waist below the shirt's hem is fitted as if the trousers ended there."""
     raw, _, separation = mended
-    reading = cut_garment_of(raw, separation, Part.LOWER)
+    reading = cut_garment_of(find_surface(raw, separation.body), separation, Part.LOWER)
     assert reading.body is separation.body and reading.category == "trousers"
     trusted = {c.name: c.trusted for c in segment_garment(reading.pieces.garment, reading.body).contours}
     assert trusted == {"leg.left": True, "leg.right": True, "waist": False}

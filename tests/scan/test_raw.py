@@ -100,6 +100,21 @@ def test_vertices_without_faces(tmp_path, extension):
     assert (raw.colours is not None) == (extension == "glb")
 
 
+@pytest.mark.parametrize("kind", ["whole", "share", "plain"])
+def test_colours_of_coff(tmp_path, kind):
+    """Broken where the colours of a COFF go, are scaled twice, or numbers of an OFF are taken for colours."""
+    colours = np.clip(V / np.ptp(V, axis=0).max() + 0.5, 0.0, 1.0)
+    rows = (255 * colours).round().astype(int) if kind == "whole" else colours.round(5)
+    path = tmp_path / "p.off"
+    lines = ["OFF" if kind == "plain" else "COFF # scanner", f"{len(V)} {len(F)} 0"]
+    lines += [" ".join(f"{x:.6f}" for x in v) + f" {r} {g} {b} 1" for v, (r, g, b) in zip(V, rows, strict=True)]
+    path.write_text("\n".join([*lines, *(f"3 {a} {b} {c}" for a, b, c in F)]))
+    raw = read(path)
+    assert (raw.colours is None) == (kind == "plain")
+    if raw.colours is not None:
+        assert np.abs(raw.colours - colours[raw.origin]).max() < 0.51 / 255
+
+
 @pytest.mark.parametrize("extension", ["ply", "obj", "stl", "glb"])
 def test_meshes_keep_faces_and_places(tmp_path, extension):
     """Broken where a face goes, or `place` does not lead a point of the file to where it is now."""

@@ -9,15 +9,18 @@ import numpy as np
 import pytest
 from garmentq.core.settings import RecoverySettings
 from garmentq.service.families import retry
-from garmentq.service.jobs import find_job, read_events
+from garmentq.service.jobs import Claim, find_job, read_events
 from garmentq.service.kinds import FileRef, pack_request, read_request
 from garmentq.service.kinds.person_request import ChoiceAmbiguous, PartChoice, PersonRequest, make_person
+from garmentq.service.kinds.recover import Recover
 from garmentq.service.kinds.recover_request import RecoverRequest
 from garmentq.service.kinds.request import RequestBad
 from garmentq.service.results import export_files, list_files, report_jobs
+from garmentq.service.services import Services
 from garmentq.service.settings import CHECKER
 from garmentq.service.states import State
 from garmentq.service.submission import JobRequest, Order, Submitted, add_job, submit
+from garmentq.workers.recovery import unpack
 from garmentq_family_home import pieces, work_off
 from garmentq_home import put_file
 
@@ -72,6 +75,18 @@ def test_each_garment_is_a_job(queue_person, persons, settings, database, store,
     paths = export_files(database, store, root, tmp_path / "out")
     names = sorted(path.relative_to(tmp_path / "out").as_posix() for path in paths)
     assert names == ["labels.npz", "lower/reading.npz", "person.json", "report.html", "upper/reading.npz"]
+
+
+def test_a_garment_reads_its_own_part_alone(queue_person, persons, settings, database, store, tmp_path):
+    """Breaks where a garment's job copies the pictures, reports and readings of all the person."""
+    root = queue_person()
+    work_off(persons, database)
+    child = pieces(database, root)["lower"]
+    held = Claim(child.id, child.fence, "me", 1, child.request, child.name, child.kind, {"person": root})
+    request = read_request(RecoverRequest, child.request)
+    work = unpack(Services(settings, database, store), held, tmp_path / "work", Recover(), request)
+    read = sorted(path.relative_to(work.inputs["person"]).as_posix() for path in work.inputs["person"].rglob("*.*"))
+    assert read == ["lower/reading.npz", "person.json"]
 
 
 def test_who_is_unsure_keeps_what_there_is_to_see(queue_person, persons, database, store, settings):
