@@ -178,6 +178,7 @@ class _Stage:
     def _measure(self, garment: Garment, nodes: np.ndarray) -> dict[str, float | None]:
         """Measure nodes against the truth as it is in the file."""
         from ..core.measure import (
+            VertexCloud,
             chamfer_and_normals,
             measure_distance,
             measure_seams,
@@ -186,8 +187,8 @@ class _Stage:
         from ..core.mesh import self_intersections, vertex_normals
 
         truth = read_true_mesh(self.pack)
-        normals = (vertex_normals(nodes, garment.faces), vertex_normals(*truth))
-        chamfer, cosine = chamfer_and_normals(nodes, normals[0], truth[0], normals[1])
+        ours = VertexCloud(nodes, vertex_normals(nodes, garment.faces))
+        chamfer, cosine = chamfer_and_normals(ours, VertexCloud(truth[0], vertex_normals(*truth)))
         found = dict(zip(KEY_METRICS, (1e3 * chamfer, cosine), strict=True))
         crossing = float(len(self_intersections(nodes, garment.faces)))
         distances = measure_distance(nodes, garment.faces, *truth, samples=SAMPLES)

@@ -1,6 +1,6 @@
 """Metrics, quality gates and the report."""
 
-from .chamfer import chamfer_and_normals
+from .chamfer import VertexCloud, chamfer_and_normals
 from .contours import carry_contours
 from .damage import DAMAGES, Damage
 from .fit import Reference, measure_distance, measure_fit
@@ -58,6 +58,7 @@ __all__ = [
     "TruePattern",
     "TrueSeam",
     "TruthFrame",
+    "VertexCloud",
     "VisibleScore",
     "carry_contours",
     "chamfer_and_normals",

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -15,33 +18,61 @@ LLOYD_ITERATIONS = 8
 """Sweeps that spread the imitated vertices: from then on the floor changes by less than 1 % a sweep."""
 
 
-def chamfer_and_normals(
-    source: np.ndarray, source_normals: np.ndarray, truth: np.ndarray, truth_normals: np.ndarray
-) -> tuple[float, float]:
+MOST = 200_000
+"""Vertices of a mesh that ask for their nearest on the other; of a denser mesh every second, third, ... asks. The mean
+of a squared distance that varies by twice its size then scatters by 0.5 %."""
+
+
+@dataclass(frozen=True)
+class VertexCloud:
+    """Vertices of a mesh, and a tree in which the nearest of them is found; of a million that takes seconds.
+
+    Attributes:
+        points: Positions [m], shape [n, 3].
+        normals: Unit normals, shape [n, 3].
+    """
+
+    points: np.ndarray
+    normals: np.ndarray
+
+    @cached_property
+    def tree(self) -> cKDTree:
+        """Search tree, built when first asked for."""
+        return cKDTree(self.points)
+
+    @property
+    def askers(self) -> slice:
+        """Which vertices ask for their nearest on another mesh."""
+        return slice(None, None, -(-len(self.points) // MOST) or 1)
+
+
+def chamfer_and_normals(source: VertexCloud, truth: VertexCloud) -> tuple[float, float]:
     """Measure Chamfer distance and normal similarity between two sets of vertices.
 
     Equations: Chamfer = mean_s min_t |s - t|^2 + mean_t min_s |t - s|^2 (thesis eq. 3.8);
     normals = mean_s (1 - <n_s, n_t>) + mean_t (1 - <n_t, n_s>), each with its closest vertex (thesis eq. 4.3).
 
     **Deviation**: whether the two meshes face the same way is settled once, by vote over all vertices, since a mesh
-    wound inside out has the same shape.
+    wound inside out has the same shape; and the means over more than `MOST` vertices are over some of them, evenly
+    through their order.
 
     Args:
-        source: Our vertices [m], shape [n, 3].
-        source_normals: Their unit normals, shape [n, 3].
-        truth: The truth's vertices [m], shape [m, 3].
-        truth_normals: Their unit normals, shape [m, 3].
+        source: Our vertices.
+        truth: The truth's vertices.
 
     Returns:
         Chamfer distance [m2] and normal similarity (0 is equal, 4 is opposite), both directions summed.
     """
-    to_truth, nearest_truth = cKDTree(truth).query(source)
-    to_source, nearest_source = cKDTree(source).query(truth)
-    chamfer = float(np.mean(to_truth**2) + np.mean(to_source**2))
-    forward = np.einsum("ij,ij->i", source_normals, truth_normals[nearest_truth])
-    backward = np.einsum("ij,ij->i", truth_normals, source_normals[nearest_source])
-    sign = orientation(forward)
-    return chamfer, float(2.0 - sign * np.mean(forward) - sign * np.mean(backward))
+    forward, backward = _match(source, truth), _match(truth, source)
+    chamfer = float(np.mean(forward[0] ** 2) + np.mean(backward[0] ** 2))
+    sign = orientation(forward[1])
+    return chamfer, float(2.0 - sign * np.mean(forward[1]) - sign * np.mean(backward[1]))
+
+
+def _match(source: VertexCloud, other: VertexCloud) -> tuple[np.ndarray, np.ndarray]:
+    """Return the distance [m] from vertices to the nearest one of another mesh, and the cosine of their normals."""
+    distance, nearest = other.tree.query(source.points[source.askers])
+    return distance, np.einsum("ij,ij->i", source.normals[source.askers], other.normals[nearest])
 
 
 def orientation(cosines: np.ndarray) -> float:
@@ -66,11 +97,11 @@ def meshing_floor(surface: TriangleSurface, vertex_count: int, generator: np.ran
     """
     first = _spread(surface, vertex_count, generator)
     second = _spread(surface, vertex_count, generator)
-    return chamfer_and_normals(*first, *second)
+    return chamfer_and_normals(first, second)
 
 
-def _spread(surface: TriangleSurface, count: int, generator: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """Spread points evenly over a surface by Lloyd's sweeps; give them and their normals."""
+def _spread(surface: TriangleSurface, count: int, generator: np.random.Generator) -> VertexCloud:
+    """Spread points evenly over a surface by Lloyd's sweeps; give them with their normals."""
     samples, face = surface.sample(SAMPLES_PER_SITE * count, generator)
     sites = samples[generator.permutation(len(samples))[:count]]
     for _ in range(LLOYD_ITERATIONS):
@@ -84,4 +115,4 @@ def _spread(surface: TriangleSurface, count: int, generator: np.random.Generator
     share = np.repeat(surface.face_normals[face], len(corner) // len(samples), axis=0)
     total = np.stack([np.bincount(corner, share[:, k], count) for k in range(3)], axis=1)
     length = np.linalg.norm(total, axis=1, keepdims=True)
-    return sites, np.divide(total, length, out=np.zeros_like(total), where=length > 0.0)
+    return VertexCloud(sites, np.divide(total, length, out=np.zeros_like(total), where=length > 0.0))

@@ -17,12 +17,11 @@ from ..mesh import (
     deformation_gradients,
     principal_stretches,
     self_intersections,
-    vertex_normals,
 )
 from ..meshes import Meshes
 from ..pattern import Garment
 from ..segment import Contour
-from .chamfer import chamfer_and_normals, meshing_floor, orientation
+from .chamfer import VertexCloud, chamfer_and_normals, meshing_floor, orientation
 from .contours import contour_rms
 
 SURFACE_SAMPLES = 50_000
@@ -69,6 +68,17 @@ class Reference:
         if self.rim is None:
             return np.ones(len(points.face), bool)
         return ~self.rim.lies_ahead(self.surface, points)
+
+    @cached_property
+    def cloud(self) -> VertexCloud:
+        """The truth's vertices with their normals and search tree."""
+        used = _used_vertices(self.surface)
+        return VertexCloud(self.vertices[used], self.surface.vertex_normals[used])
+
+
+def _used_vertices(surface: TriangleSurface) -> np.ndarray:
+    """Return the vertices that faces use: no others are part of a surface, neither ours nor the truth's."""
+    return np.flatnonzero(np.bincount(surface.faces.ravel(), minlength=len(surface.vertices)))
 
 
 def measure_fit(garment: Garment, meshes: Meshes, truth: Reference) -> dict[str, float | None]:
@@ -135,15 +145,12 @@ def _measure_distance(ours: TriangleSurface, truth: Reference) -> dict[str, floa
 def _measure_mesh(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict[str, float | None]:
     """Return every metric of one mesh that has the garment's topology."""
     faces = garment.faces
-    normals, truth_normals = vertex_normals(nodes, faces), truth.surface.vertex_normals
-    # A vertex that no face uses is no part of the surface, neither ours nor the truth's.
-    used, truth_used = np.unique(faces), np.unique(truth.faces)
+    ours = TriangleSurface(nodes, faces)
+    used = _used_vertices(ours)
     if truth.rim is not None:
         there = truth.has_counterpart(truth.surface.closest(nodes[used]))
         used = used[there] if there.any() else used
-    chamfer, cosine = chamfer_and_normals(
-        nodes[used], normals[used], truth.vertices[truth_used], truth_normals[truth_used]
-    )
+    chamfer, cosine = chamfer_and_normals(VertexCloud(nodes[used], ours.vertex_normals[used]), truth.cloud)
     found: dict[str, float | None] = {"chamfer_vertex_m2e3": 1e3 * chamfer, "normal_cosine": cosine}
     found |= _measure_place(garment, nodes, truth)
     stretch = principal_stretches(deformation_gradients(nodes, faces, garment.rest))

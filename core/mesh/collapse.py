@@ -72,7 +72,7 @@ def collapse_edges(vertices: np.ndarray, faces: np.ndarray, most: int) -> Collap
     for _ in range(ROUNDS):
         edges = _inner_edges(table)
         lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
-        order = np.argsort(lengths, kind="stable")[: max(1, int(ROUND * len(edges)))]
+        order = _shortest(lengths, max(1, int(ROUND * len(edges))))
         alive, gone = _collapse(points, table, weights, stands, fixed, edges[order], left - most, turn)
         table = table[alive]
         left -= gone
@@ -83,6 +83,14 @@ def collapse_edges(vertices: np.ndarray, faces: np.ndarray, most: int) -> Collap
     place = np.full(count, -1)
     place[origin] = np.arange(len(origin))
     return CollapsedMesh(points[origin], place[table], origin, place[_roots(stands)])
+
+
+def _shortest(lengths: np.ndarray, count: int) -> np.ndarray:
+    """Return the `count` smallest in ascending order, equal ones in that of their indices; the others stay unsorted."""
+    if count >= len(lengths):
+        return np.argsort(lengths, kind="stable")
+    within = np.flatnonzero(lengths <= np.partition(lengths, count)[count])
+    return within[np.argsort(lengths[within], kind="stable")[:count]]
 
 
 def _border_vertices(faces: np.ndarray, count: int) -> np.ndarray:

@@ -208,7 +208,8 @@ def _check_arrays(name: str, vertices: np.ndarray, faces: np.ndarray, declared: 
     if not np.isfinite(vertices).all():
         count = int((~np.isfinite(vertices).all(axis=1)).sum())
         raise refusal.NotFinite(f"{name}: {count} vertices are NaN or infinite; clean the mesh and export it again.")
-    extent = np.ptp(vertices[np.unique(faces)], axis=0)
+    used = np.bincount(faces.ravel(), minlength=len(vertices)) > 0
+    extent = np.ptp(vertices[used], axis=0)
     # A garment or body is nowhere flat, and no unit makes it larger than 1e6 or smaller than 1e-6 of that unit.
     if not (1e-6 < extent.max() < 1e6) or extent.min() < 1e-6 * extent.max() or np.abs(vertices).max() > 1e7:
         raise refusal.ExtentBroken(

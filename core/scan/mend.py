@@ -90,10 +90,11 @@ def _turn_pieces(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, i
     """Turn each piece that encloses a negative volume once its openings are closed; return faces and their number."""
     if not len(faces):
         return faces, 0
-    number, piece = HalfEdges.of(faces).face_pieces
+    edges = HalfEdges.of(faces)
+    number, piece = edges.face_pieces
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     volume = np.bincount(piece, np.einsum("ij,ij->i", a, np.cross(b, c)), number)
-    rim, opening, means, _ = boundary_pieces(vertices, faces)
+    rim, opening, means, _ = boundary_pieces(vertices, edges)
     if len(rim):
         owner = np.zeros(len(vertices), np.int64)
         owner[faces.ravel()] = np.repeat(piece, 3)

@@ -100,12 +100,13 @@ def find_up(vertices: np.ndarray, faces: np.ndarray, kind: str = "garment") -> s
     Raises:
         UpAmbiguous: where neither axis leads.
     """
+    from ..mesh import HalfEdges
     from .repair import boundary_pieces
 
     if kind == "body":
         _, y, z = np.ptp(vertices, axis=0)
     else:
-        areas = boundary_pieces(vertices, faces)[3]
+        areas = boundary_pieces(vertices, HalfEdges.of(faces))[3]
         _, y, z = np.abs(areas).sum(axis=0) if len(areas) else np.ptp(vertices, axis=0)
     if y >= UP_RATIO * z:
         return "y"

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cache, partial
+
 import numpy as np
 
 from ..mesh import ClosedCurve
@@ -12,6 +15,8 @@ SHALLOW = 0.05
 """A bite reaches into the garment by at least this much [m]; less is a tooth of a cut along triangles."""
 DEEP = 0.25
 """A bite reaches into the garment by at least this share of its rim; a fold of a hem runs sideways instead."""
+SLIT = 0.02
+"""A rim with less area than this share of its squared length is a slit's, whose area vector says nothing."""
 FINEST = 1000
 """Points compared in pairs; a longer contour is searched at every second, third, ... point."""
 TRIED = 500
@@ -50,12 +55,10 @@ def bridge_bays(
     kept = np.ones(len(points), bool)
     bays = []
     for stretch in stretches:
-        run = points[stretch] - points[stretch[0]]
-        area = 0.5 * np.cross(run, np.roll(run, -1, axis=0)).sum(axis=0)
-        normal = normals[stretch].sum(axis=0)
-        missing = -float(area @ normal) / max(float(np.linalg.norm(normal)), 1e-12)
-        lies_in_surface = missing >= IN_SURFACE * float(np.linalg.norm(area))
-        if lies_in_surface and missing >= max(BAY_AREA, BAY * float(run[-1] @ run[-1])):
+        mouth = points[stretch[-1]] - points[stretch[0]]
+        area, missing = _missing_area(points[stretch], normals[stretch])
+        lies_in_surface = missing >= IN_SURFACE * area
+        if lies_in_surface and missing >= max(BAY_AREA, BAY * float(mouth @ mouth)):
             kept[stretch[1:-1]] = False
             bays.append(stretch)
     return np.flatnonzero(kept), tuple(bays)
@@ -80,22 +83,28 @@ def _unseen_stretches(points: np.ndarray, unseen: np.ndarray) -> list[np.ndarray
     return [np.arange(a, b + 1) % len(points) for a, b in merged if b - a < len(points)]
 
 
-def bridge_bites(points: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
+def bridge_bites(
+    points: np.ndarray, find_normals: Callable[[], np.ndarray]
+) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
     """Cut bites off a contour along the chord of their mouth.
 
-    Of all stretches of the contour that are much longer than the chord between their ends, and that reach into the
-    garment (along the contour's area vector), the one with the narrowest mouth for its length is cut off, then
-    again.
+    Of all stretches of the contour that are much longer than the chord between their ends, that reach into the garment
+    (along the contour's area vector), and whose area vector runs against the surface's normal as around missing surface
+    (`bridge_bays`), the one with the narrowest mouth for its length is cut off, then again. A fold of a hem goes around
+    the air between two sheets, or around cloth.
 
     Args:
         points: The contour [m], garment on the left, shape [n, 3].
+        find_normals: Gives the surface's normals around there, averaged over some centimetres, shape [n, 3]; asked only
+            where a stretch may be a bite.
 
     Returns:
         Indices of the points that stay on the contour, in order, and those of each bite, its mouth's two ends included.
     """
     kept = np.arange(len(points))
     bites: list[np.ndarray] = []
-    while len(kept) > 8 and (bite := _find_bite(points[kept])) is not None:
+    normals = cache(find_normals)
+    while len(kept) > 8 and (bite := _find_bite(points[kept], partial(_take, normals, kept))) is not None:
         start, count = bite
         kept = np.roll(kept, -start)
         bites.append(kept[: count + 1])
@@ -103,17 +112,21 @@ def bridge_bites(points: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, ...]
     return kept, tuple(bites)
 
 
-def _find_bite(points: np.ndarray) -> tuple[int, int] | None:
+def _take(normals: Callable[[], np.ndarray], rows: np.ndarray) -> np.ndarray:
+    return normals()[rows]
+
+
+def _find_bite(points: np.ndarray, normals: Callable[[], np.ndarray]) -> tuple[int, int] | None:
     """Find the start of the bite with the narrowest mouth and its number of steps, or None."""
     stride = -(-len(points) // FINEST)
-    found = _search_pairs(points[::stride])
+    found = _search_pairs(points[::stride], lambda: normals()[::stride])
     if found is None:
         return None
     start, count = found[0] * stride, found[1] * stride
     return start, min(count, len(points) - 2)
 
 
-def _search_pairs(points: np.ndarray) -> tuple[int, int] | None:
+def _search_pairs(points: np.ndarray, normals: Callable[[], np.ndarray]) -> tuple[int, int] | None:
     count = len(points)
     steps = ClosedCurve(points).lengths
     arc = np.concatenate([[0.0], np.cumsum(np.concatenate([steps, steps]))])
@@ -129,7 +142,18 @@ def _search_pairs(points: np.ndarray) -> tuple[int, int] | None:
     narrowness = (length / np.maximum(chord, 1e-9))[narrow]
     for row, column in candidates[np.argsort(-narrowness, kind="stable")][:TRIED].tolist():
         first, steps_taken = row, column + 2
-        inside = points[(first + np.arange(1, steps_taken)) % count] - points[first]
-        if float((inside @ normal).max()) >= max(SHALLOW, DEEP * float(length[row, column])):
+        rim = (first + np.arange(steps_taken + 1)) % count
+        inside = points[rim[1:-1]] - points[first]
+        if float((inside @ normal).max()) < max(SHALLOW, DEEP * float(length[row, column])):
+            continue
+        area, missing = _missing_area(points[rim], normals()[rim])
+        if missing > 0.0 or area < SLIT * float(length[row, column]) ** 2:
             return first, steps_taken
     return None
+
+
+def _missing_area(points: np.ndarray, normals: np.ndarray) -> tuple[float, float]:
+    """Return the area [m2] within a stretch and its chord, and how much of it is surface that is missing."""
+    run, normal = points - points[0], normals.sum(axis=0)
+    area = 0.5 * np.cross(run, np.roll(run, -1, axis=0)).sum(axis=0)
+    return float(np.linalg.norm(area)), -float(area @ normal) / max(float(np.linalg.norm(normal)), 1e-12)

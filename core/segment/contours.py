@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -90,7 +91,7 @@ def name_contours(
         candidates.append(_Candidate(loop, length, crossings, name_crossings(crossings, body)))
     if unseen is not None:
         candidates = [part for candidate in candidates for part in _bridge_bays(candidate, vertices, faces, unseen)]
-    candidates = [part for candidate in candidates for part in _bridge_bites(candidate, vertices)]
+    candidates = [part for candidate in candidates for part in _bridge_bites(candidate, vertices, faces)]
     if scanned:
         candidates = [part for candidate in candidates for part in _split_legs(candidate, vertices, body)]
     chosen = _choose(candidates)
@@ -128,11 +129,18 @@ def _split_legs(candidate: _Candidate, vertices: np.ndarray, body: Body) -> list
     return legs if {leg.name for leg in legs} == {"leg.left", "leg.right"} else [candidate]
 
 
-def _bridge_bites(candidate: _Candidate, vertices: np.ndarray) -> list[_Candidate]:
+def _bridge_bites(candidate: _Candidate, vertices: np.ndarray, faces: np.ndarray) -> list[_Candidate]:
     """Cut the holes that broke through a contour off it, and give it and them."""
     if candidate.name is None:
         return [candidate]
-    return _cut_off(candidate, vertices, *bridge_bites(vertices[candidate.vertices]))
+    loop = candidate.vertices
+    return _cut_off(candidate, vertices, *bridge_bites(vertices[loop], partial(_wide_normals, vertices, faces, loop)))
+
+
+def _wide_normals(vertices: np.ndarray, faces: np.ndarray, loop: np.ndarray) -> np.ndarray:
+    """Return the normals along a contour, each averaged over the surface within `SMOOTHING`, shape [loop_count, 3]."""
+    normals, around = vertex_normals(vertices, faces), cKDTree(vertices).query_ball_point(vertices[loop], SMOOTHING)
+    return np.array([normals[near].mean(axis=0) for near in around])
 
 
 def _bridge_bays(
@@ -141,11 +149,9 @@ def _bridge_bays(
     """Cut the bays beyond which the scanner saw nothing off a contour, and give it and them."""
     if candidate.name is None:
         return [candidate]
-    points = vertices[candidate.vertices]
-    normals = vertex_normals(vertices, faces)
-    around = cKDTree(vertices).query_ball_point(points, SMOOTHING)
-    wide = np.array([normals[near].mean(axis=0) for near in around])
-    return _cut_off(candidate, vertices, *bridge_bays(points, wide, unseen[candidate.vertices]))
+    loop = candidate.vertices
+    bays = bridge_bays(vertices[loop], _wide_normals(vertices, faces, loop), unseen[loop])
+    return _cut_off(candidate, vertices, *bays)
 
 
 def _cut_off(

@@ -145,7 +145,15 @@ def test_parts_in_front(tmp_path):
         split_choice("fabric", ("a", "b"))
 
 
-def test_inspect_says_what_a_file_is(cli, tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("name", "said", "what"),
+    [
+        ("whole", (), "person"),
+        pytest.param("suit", (), "garment", marks=pytest.mark.nightly),
+        pytest.param("suit", ("--as", "garment"), "garment", marks=pytest.mark.nightly),
+    ],
+)
+def test_inspect_says_what_a_file_is(cli, tmp_path, monkeypatch, name, said, what):
     """Breaks where a whole person on a body is shown as a garment, or a suit from neck to ankles as a person."""
     monkeypatch.setattr("garmentq.core.person.inspect.inspect_person", lambda *_: {"as": "person"})
     wearer = "builtin:female,height=1.70"
@@ -153,13 +161,9 @@ def test_inspect_says_what_a_file_is(cli, tmp_path, monkeypatch):
     corners = body.vertices[body.faces]
     is_suit = (corners[..., 1].max(axis=1) < body.joint("neck")[1]) & (np.abs(corners[..., 0]).max(axis=1) < 0.6)
     is_suit &= corners[..., 1].min(axis=1) > body.joint("left_ankle")[1]
-    for name, faces, said, what in (
-        ("whole", body.faces, (), "person"), ("suit", body.faces[is_suit], (), "garment"),
-        ("suit", body.faces[is_suit], ("--as", "garment"), "garment"),
-    ):  # fmt: skip
-        mesh = trimesh.Trimesh(body.vertices, faces, process=False)
-        mesh.remove_unreferenced_vertices()
-        mesh.export(tmp_path / f"{name}.ply")
-        done = cli("inspect", tmp_path / f"{name}.ply", "--body", wearer, *said, "--json")
-        assert done.returncode == 0, done.stderr
-        assert json.loads(done.stdout)["as"] == what
+    mesh = trimesh.Trimesh(body.vertices, body.faces if name == "whole" else body.faces[is_suit], process=False)
+    mesh.remove_unreferenced_vertices()
+    mesh.export(tmp_path / f"{name}.ply")
+    done = cli("inspect", tmp_path / f"{name}.ply", "--body", wearer, *said, "--json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["as"] == what

@@ -9,7 +9,7 @@ import pytest
 import trimesh
 from garmentq.core.body import ExposedSurface, penetration_depth
 from garmentq.core.measure import Reference, carry_contours, measure_distance, measure_fit
-from garmentq.core.measure.chamfer import chamfer_and_normals, meshing_floor
+from garmentq.core.measure.chamfer import MOST, VertexCloud, chamfer_and_normals, meshing_floor
 from garmentq.core.measure.contours import contour_rms, loop_rms
 from garmentq.core.measure.fit import count_flipped
 from garmentq.core.mesh import (
@@ -72,7 +72,8 @@ def test_chamfer_sums_both_directions_of_squares() -> None:
     """Fails if Chamfer were a mean of the two directions or not squared: a small shift d gives 2 d^2."""
     vertices, faces = grid()
     normals = vertex_normals(vertices, faces)
-    chamfer, cosine = chamfer_and_normals(vertices + [0.0, 0.0, 0.01], normals, vertices, normals)
+    shifted = VertexCloud(vertices + [0.0, 0.0, 0.01], normals)
+    chamfer, cosine = chamfer_and_normals(shifted, VertexCloud(vertices, normals))
     assert chamfer == pytest.approx(2e-4, rel=1e-9)
     assert cosine == pytest.approx(0.0, abs=1e-12)
 
@@ -81,12 +82,25 @@ def test_normals_are_voted_on_and_keep_their_angle() -> None:
     """Fails if an inside-out mesh were punished, or if |cos| hid a tilt: a tilt by a gives 2 (1 - cos a)."""
     vertices, faces = grid()
     normals = vertex_normals(vertices, faces)
+    truth = VertexCloud(vertices, normals)
     tilted = np.tile([0.0, np.sin(0.3), np.cos(0.3)], (len(vertices), 1))
-    assert chamfer_and_normals(vertices, -normals, vertices, normals)[1] == pytest.approx(0.0, abs=1e-12)
-    assert chamfer_and_normals(vertices, tilted, vertices, normals)[1] == pytest.approx(2 - 2 * np.cos(0.3), rel=1e-9)
+    assert chamfer_and_normals(VertexCloud(vertices, -normals), truth)[1] == pytest.approx(0.0, abs=1e-12)
+    assert chamfer_and_normals(VertexCloud(vertices, tilted), truth)[1] == pytest.approx(2 - 2 * np.cos(0.3), rel=1e-9)
     half = normals.copy()
     half[: len(half) // 4] *= -1.0
-    assert chamfer_and_normals(vertices, half, vertices, normals)[1] == pytest.approx(1.0, rel=1e-9)
+    assert chamfer_and_normals(VertexCloud(vertices, half), truth)[1] == pytest.approx(1.0, rel=1e-9)
+
+
+def test_some_vertices_of_a_dense_mesh_stand_for_all() -> None:
+    """Fails if the sampled mean were of one side of the mesh, or divided by the number of all its vertices."""
+    rng = np.random.default_rng(0)
+    dense = rng.random((int(2.5 * MOST), 3)) * [1.0, 1.0, 0.0]
+    dense = dense[np.argsort(dense[:, 0])]  # as files are: neighbours follow each other
+    ours = rng.random((500, 3)) * [1.0, 1.0, 0.0]
+    up = VertexCloud(ours, np.tile([0.0, 0.0, 1.0], (500, 1)))
+    cloud = VertexCloud(dense, np.tile([0.0, 0.0, 1.0], (len(dense), 1)))
+    exact = np.mean(cloud.tree.query(ours)[0] ** 2) + np.mean(up.tree.query(dense)[0] ** 2)
+    assert chamfer_and_normals(up, cloud)[0] == pytest.approx(exact, rel=0.01)
 
 
 def test_the_floor_is_that_of_a_hexagonal_lattice() -> None:

@@ -52,7 +52,7 @@ def test_broken_tube_is_mended(seed):
     surface = repair_surface(soup, rng.permutation(index))
     assert len(surface.vertices) == len(vertices) and len(surface.faces) == len(faces)
     assert is_clean(surface.vertices, surface.faces)
-    assert enclosed_volume(surface.vertices, surface.faces) > 0
+    assert enclosed_volume(surface.vertices, surface.edges) > 0
     text = " ".join(surface.repairs)
     for word in ("duplicate", "degenerate", "doubled", "agree", "stray"):
         assert word in text
@@ -93,7 +93,7 @@ def test_sliver_leaves_no_crack():
     surface = repair_surface(points, faces)
     assert any("degenerate" in sentence for sentence in surface.repairs)
     assert is_clean(surface.vertices, surface.faces)
-    assert len(boundary_pieces(surface.vertices, surface.faces)[3]) == 2
+    assert len(boundary_pieces(surface.vertices, surface.edges)[3]) == 2
 
 
 def test_moebius_band_is_cut_open():
@@ -123,9 +123,9 @@ def test_enclosed_volume_of_a_tube_is_its_cylinders():
     """The lids must close the tube exactly, or the vote of an open garment means nothing."""
     vertices, faces = tube(around=64)
     area = 0.5 * 64 * 0.2**2 * np.sin(2 * np.pi / 64)
-    assert np.isclose(enclosed_volume(vertices + [3.0, -2.0, 1.0], faces), area * 0.6)
+    assert np.isclose(enclosed_volume(vertices + [3.0, -2.0, 1.0], HalfEdges.of(faces)), area * 0.6)
     ball = trimesh.creation.icosphere(3)
-    assert np.isclose(enclosed_volume(ball.vertices, ball.faces), ball.volume)
+    assert np.isclose(enclosed_volume(ball.vertices, HalfEdges.of(ball.faces)), ball.volume)
 
 
 def test_vote_of_the_body():

@@ -1,5 +1,7 @@
 """Holes that broke through a contour are bridged; what was designed stays."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from garmentq.core.segment import name_contours
@@ -20,11 +22,17 @@ def torn(points, start=40, mouth=4, depth=0.12):
     return np.concatenate([points[: start + 1], tear, points[start + mouth :]])
 
 
+def outward(points):
+    """Give the normals of cloth around the y axis, as `bridge_bites` asks for them."""
+    flat = points * [1.0, 0.0, 1.0]
+    return lambda: flat / np.linalg.norm(flat, axis=1, keepdims=True)
+
+
 @pytest.mark.parametrize("shift", [0, 45, 100])
 def test_tear_is_bridged_wherever_the_loop_starts(shift):
     """A tear must leave the hem at its mouth, also when the loop happens to start inside it."""
     points = np.roll(torn(rim()), -shift, axis=0)
-    kept, bites = bridge_bites(points)
+    kept, bites = bridge_bites(points, outward(points))
     assert len(bites) == 1
     assert np.abs(points[kept, 1]).max() < 0.011 and points[bites[0], 1].max() == pytest.approx(0.12)
     assert sorted({*kept.tolist(), *bites[0].tolist()}) == list(range(len(points)))
@@ -39,14 +47,28 @@ def test_folds_and_necklines_stay():
     neck = rim(160, 0.09)
     neck[:, 1] = np.maximum(0.0, 0.12 - 1.5 * np.abs(neck[:, 0])) * (neck[:, 2] > 0)
     for points in (folded, neck):
-        kept, bites = bridge_bites(points)
+        kept, bites = bridge_bites(points, outward(points))
         assert bites == () and np.array_equal(kept, np.arange(len(points)))
+
+
+def test_a_fold_that_rises_goes_around_air():
+    """A flared hem whose fold lies higher on one side must keep its length: no surface is missing within the fold."""
+    points = rim(160, 0.3)
+    side, out = points[44] - points[40], points[40] / np.linalg.norm(points[40])
+    side /= np.linalg.norm(side)
+    knots = [(0.0, 0.0, 0.0), (0.016, 0.06, 0.02), (0.096, 0.1, 0.05), (0.072, 0.02, 0.09), (0.008, 0.0, 0.09)]
+    fold = np.array([points[40] + along * side + away * out + [0.0, up, 0.0] for along, away, up in knots])
+    fold = [np.linspace(start, end, 6)[:-1] for start, end in pairwise(fold)]
+    points[45:85, 1] += np.linspace(0.09, 0.0, 40)
+    points = np.concatenate([points[:40], *fold, points[45:]])
+    assert bridge_bites(points, outward(points))[1] == ()
+    assert bridge_bites(points, lambda: -outward(points)())[1] != ()
 
 
 def test_long_contours_are_searched_coarsely():
     """A contour of thousands of points must not need a table of all pairs, and still lose its tear."""
     points = torn(rim(6000), start=1000, mouth=150)
-    _, bites = bridge_bites(points)
+    _, bites = bridge_bites(points, outward(points))
     assert len(bites) == 1
 
 

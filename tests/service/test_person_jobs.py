@@ -28,6 +28,12 @@ PERSONS = {"separator": "garmentq_person:take_apart", "person_checker": "garment
 FILE, OTHER = FileRef("a" * 64, "mine.json"), FileRef("b" * 64, "yours.json")
 
 
+@pytest.fixture(scope="session", params=["sqlite", pytest.param("postgresql", marks=pytest.mark.nightly)])
+def database_kind(request):
+    """Choose SQLite; what a person adds to the tables is killed on both databases in the chaos tests."""
+    return request.param
+
+
 @pytest.fixture
 def queue_person(database, store, queue_job, tmp_path):
     """Return a function that queues a person of a file's name."""
