@@ -10,6 +10,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 import numpy as np
 import pytest
 from garmentq.core import pipeline
+from garmentq.core.animate import animation
 from garmentq.core.body import Body
 from garmentq.core.checkpoints import FORMAT, fingerprint, load, pack, save, unpack
 from garmentq.core.fit import Descent, material, shape
@@ -18,7 +19,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-KINDS = (Body, pipeline._KeptDrape, shape._Reached, Descent, material._Tried)
+KINDS = (Body, pipeline._KeptDrape, shape._Reached, Descent, material._Tried, animation._Chunk)
 """Every type that a stage keeps."""
 
 

@@ -17,9 +17,9 @@ LAYERS = ("core", "service", "workers", "cli")
 """From the lowest to the highest."""
 ROOMS = (
     "lazy", "errors", "hooks", "clock", "checkpoints", "settings", "limited", "record_file",
-    "npy", "mesh", "body", "scan",
+    "npy", "mesh", "body", "motion", "scan",
     "segment", "pattern", "simulate", "drape", "grade", "deform", "meshes", "reading", "recovery", "inputs", "person",
-    "case", "fit", "wear", "measure", "export", "pipeline", "person_pipeline",
+    "case", "fit", "wear", "animate", "measure", "export", "pipeline", "person_pipeline",
 )  # fmt: skip
 """The rooms of core, from the lowest to the highest; a new one takes its place here."""
 

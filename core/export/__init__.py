@@ -1,6 +1,7 @@
 """Writers of patterns, meshes, the result folder and its report."""
 
 from ..pattern import save_pattern, write_pattern
+from .animation import write_animation
 from .layout import lay_out
 from .meshes import uv_layout, write_meshes, write_ply
 from .pattern_svg import pattern_svg, write_svg
@@ -14,6 +15,7 @@ __all__ = [
     "report_html",
     "save_pattern",
     "uv_layout",
+    "write_animation",
     "write_meshes",
     "write_pattern",
     "write_ply",

@@ -10,6 +10,7 @@ from numba import njit
 from ..body import sample_distance
 from .block_pattern import Derivatives
 from .scene import Scene
+from .tangent_planes import TangentPlanes, plane_contact
 
 NO_BLOCKS = np.zeros((0, 3, 3))
 """Where a kernel is not asked for Hessian blocks."""
@@ -47,8 +48,23 @@ def contact_forces(scene: Scene, nodes: np.ndarray, areas: np.ndarray | None = N
         areas = scene.topology.rest.node_areas if areas is None else areas
         elements = NodeElements(areas, scene.topology.pattern.diagonal)
         waste = Derivatives(np.zeros((len(nodes), 3)), NO_BLOCKS)
-        contact(nodes, scene.body.arrays, elements, scene.contact.law, 1, False, waste, forces)
+        add_contact(nodes, scene, elements, (1, False), waste, forces)
     return forces
+
+
+def add_contact(
+    nodes: np.ndarray,
+    scene: Scene,
+    elements: NodeElements,
+    order: tuple[int, bool],
+    derivatives: Derivatives,
+    forces: Forces,
+) -> float:
+    """Add a scene's contact with its body and return the energy [J]; `order` is the kernels' order and exactness."""
+    body = scene.body
+    assert body is not None
+    kernel = plane_contact if isinstance(body, TangentPlanes) else contact
+    return float(kernel(nodes, body.arrays, elements, scene.contact.law, *order, derivatives, forces))
 
 
 @njit(cache=True)

@@ -12,7 +12,7 @@ from .block_pattern import Derivatives
 from .collision.barrier import barrier
 from .collision.near import Near, find_near
 from .collision.rubbing import Rubbing, lag_rubbing, rub
-from .contact import NO_BLOCKS, Forces, NodeElements, contact
+from .contact import NO_BLOCKS, Forces, NodeElements, add_contact
 from .friction import Friction, friction
 from .membrane import foresee_stress, membrane
 from .scene import LEVEL, Scene
@@ -137,7 +137,7 @@ class Energy:
         diagonal = topology.pattern.diagonal
         if scene.body is not None:
             elements, forces = NodeElements(topology.rest.node_areas, diagonal), Forces.none(len(nodes))
-            energy += contact(nodes, scene.body.arrays, elements, scene.contact.law, order, exact, found, forces)
+            energy += add_contact(nodes, scene, elements, (order, exact), found, forces)
         if self.friction is not None:
             energy += friction(nodes, self.friction, order, diagonal, found)
         if scene.self_contact is not None:

@@ -12,6 +12,7 @@ from .collision.self_contact import SelfContact
 from .fabric import Fabric
 from .pins import Pins
 from .settings import GRAVITY, ContactSettings
+from .tangent_planes import TangentPlanes
 from .topology import Topology
 
 LEVEL = np.array([1.0, 0.0, 1.0])
@@ -41,7 +42,7 @@ class Scene:
     Attributes:
         topology: The mesh with its rest shape.
         fabric: What it is made of.
-        body: Signed distance to the body, or None.
+        body: Signed distance to the body; of one that moves the planes that the cloth is near; or None.
         pins: Pinned nodes, or None.
         rotation: For cloth in steady rotation, or None.
         bending_friction: Internal friction of bending, or None.
@@ -52,7 +53,7 @@ class Scene:
 
     topology: Topology
     fabric: Fabric
-    body: DistanceGrid | None = None
+    body: DistanceGrid | TangentPlanes | None = None
     pins: Pins | None = None
     rotation: SteadyRotation | None = None
     bending_friction: BendingFriction | None = None

@@ -1,0 +1,10 @@
+"""Cloth in motion: a garment on a wearer who moves."""
+
+from .animation import STAGE, Animation, Verdict, animate, list_times
+from .measured import judge_animation, measure_animation
+from .settings import AnimateBad, AnimateSettings
+
+__all__ = [
+    "STAGE", "AnimateBad", "AnimateSettings", "Animation", "Verdict", "animate", "judge_animation", "list_times",
+    "measure_animation",
+]  # fmt: skip

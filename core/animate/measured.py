@@ -1,0 +1,57 @@
+"""Sum up an animation: its worst frame, its cost, and whether it may be used as it is."""
+
+from __future__ import annotations
+
+from ..recovery import Gate
+from .animation import Animation
+
+DEPTH_MM = 2.0
+"""Depth in the body that passes in any frame [mm]: in motion nothing of it is seen."""
+
+
+def measure_animation(animation: Animation) -> dict[str, float | None]:
+    """Measure the worst of all frames, and the mean cost; units in the names."""
+    verdicts = animation.verdicts
+    return {
+        "frames": float(len(verdicts)),
+        "vertices": float(animation.frames.shape[1]),
+        "max_depth_mm": 1e3 * max(verdict.depth for verdict in verdicts),
+        "crossings": float(max(verdict.crossings for verdict in verdicts)),
+        "frames_crossed": float(sum(verdict.crossings > 0 for verdict in verdicts)),
+        "frames_not_converged": float(sum(not verdict.converged for verdict in verdicts)),
+        "seconds_per_frame": sum(verdict.seconds for verdict in verdicts) / len(verdicts),
+        "steps_per_frame": sum(verdict.steps for verdict in verdicts) / len(verdicts),
+    }
+
+
+def judge_animation(metrics: dict[str, float | None]) -> tuple[Gate, ...]:
+    """Judge what `measure_animation` measured."""
+    depth, crossed, left = (metrics[name] or 0.0 for name in ("max_depth_mm", "crossings", "frames_not_converged"))
+    return (
+        Gate(
+            "converged",
+            "pass" if left == 0 else "warn",
+            left,
+            0.0,
+            "Every step of every frame converged."
+            if left == 0
+            else f"{left:.0f} frames hold a step that did not converge: look at them (frames.json names them).",
+        ),
+        Gate(
+            "depth",
+            "pass" if depth <= DEPTH_MM else "warn",
+            depth,
+            DEPTH_MM,
+            f"The cloth lies up to {depth:.1f} mm inside the body"
+            + ("." if depth <= DEPTH_MM else " in a frame: parts of the body press it between them."),
+        ),
+        Gate(
+            "crossings",
+            "pass" if crossed == 0 else "warn",
+            crossed,
+            0.0,
+            "No face passes through another in any frame."
+            if crossed == 0
+            else f"Up to {crossed:.0f} faces pass through others in a frame (frames.json names them).",
+        ),
+    )

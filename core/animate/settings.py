@@ -1,0 +1,56 @@
+"""What one may choose about an animation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ..errors import BadInput
+from ..simulate import ContactSettings
+from ..simulate.motion_step import StepSettings
+
+
+class AnimateBad(BadInput):
+    """The choice of frames makes no animation; give --fps 1 to 240 and --from before --to."""
+
+    code = "animate.settings_bad"
+
+
+@dataclass(frozen=True)
+class AnimateSettings:
+    """Set an animation.
+
+    Attributes:
+        fps: Frames a second [1/s].
+        begin: Time of the motion at the first frame [s].
+        end: Time of the motion at the last frame [s]; None: where it ends, or four seconds of one that loops.
+        lead: Time in which the wearer goes from the own pose into the motion, before the first frame [s].
+        travel: Furthest that skin near the cloth moves in a step [m]: as far as two edges of the coarsest cloth, so
+            that what rides on it is still stretched by less than it can bear.
+        longest: Longest step [s].
+        halvings: Times that a step which does not converge is halved.
+        step: The steps.
+        contact: How the cloth touches the body.
+        apart: Whether the cloth keeps from passing through itself.
+    """
+
+    fps: float = 30.0
+    begin: float = 0.0
+    end: float | None = None
+    lead: float = 1.0
+    travel: float = 0.03
+    longest: float = 1.0 / 30.0
+    halvings: int = 3
+    step: StepSettings = field(default_factory=StepSettings)
+    contact: ContactSettings = field(default_factory=ContactSettings)
+    apart: bool = True
+
+    def __post_init__(self) -> None:
+        """Check the values.
+
+        Raises:
+            AnimateBad: where one is outside its range.
+        """
+        if not 1.0 <= self.fps <= 240.0 or not 0.0 <= self.begin <= 3600.0 or not 0.0 <= self.lead <= 60.0:
+            raise AnimateBad(f"fps {self.fps:g}, from {self.begin:g} s: {AnimateBad().message}")
+        if self.end is not None and not self.begin < self.end <= 3600.0:
+            raise AnimateBad(f"from {self.begin:g} s to {self.end:g} s: {AnimateBad().message}")

@@ -1,0 +1,58 @@
+"""Write a garment in motion into one folder: caches, a mesh that plays, pictures, verdicts."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from ..animate import Animation
+from .meshes import write_meshes
+from .morph_glb import MOST_BYTES, morph_bytes, write_morphs
+from .motion_pictures import write_preview, write_sheet
+from .point_caches import write_mdd, write_pc2
+
+
+def write_animation(animation: Animation, folder: Path) -> list[Path]:
+    """Write caches, meshes, pictures and verdicts of an animation.
+
+    Args:
+        animation: What to write.
+        folder: Where to; made where it is not there, files of the same names are replaced.
+
+    Returns:
+        The files: garment.obj and garment.ply (the first frame, whose vertex order the caches have), garment.pc2,
+        garment.mdd, garment.glb (left out where it would be larger than `MOST_BYTES`), sheet.png, preview.gif,
+        frames.json.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    garment, frames = animation.worn.garment, animation.frames
+    files = write_meshes(garment, frames[0], folder, "garment", ("obj", "ply"))
+    files.append(write_pc2(frames, folder / "garment.pc2"))
+    files.append(write_mdd(frames, animation.fps, folder / "garment.mdd"))
+    if morph_bytes(garment, frames) <= MOST_BYTES:
+        files.append(write_morphs(garment, frames, animation.fps, folder / "garment.glb"))
+    files.append(write_sheet(animation, folder / "sheet.png"))
+    files.append(write_preview(animation, folder / "preview.gif"))
+    verdicts = folder / "frames.json"
+    verdicts.write_text(json.dumps(describe_frames(animation), indent=1) + "\n", encoding="utf-8")
+    return [*files, verdicts]
+
+
+def describe_frames(animation: Animation) -> dict[str, Any]:
+    """Return rate, times and verdicts as JSON values; units in the names."""
+    return {
+        "fps": animation.fps,
+        "vertices": animation.frames.shape[1],
+        "frames": [
+            {
+                "t": round(float(time), 6),
+                "converged": verdict.converged,
+                "depth_mm": round(1e3 * verdict.depth, 4),
+                "crossings": verdict.crossings,
+                "steps": verdict.steps,
+                "cpu_seconds": round(verdict.seconds, 3),
+            }
+            for time, verdict in zip(animation.times, animation.verdicts, strict=True)
+        ],
+    }

@@ -1,0 +1,14 @@
+"""Motions of a wearer: read from files, retargeted to the wearer's skeleton, sampled at any time."""
+
+from .errors import MotionBad, MotionForeign, MotionTooLarge
+from .moving_body import MovingBody
+from .read import is_motion, load_motion
+from .recording import Recording
+from .retarget import retarget
+from .shipped import SHIPPED, find_shipped
+from .track import LeadIn, Pose, Track
+
+__all__ = [
+    "SHIPPED", "LeadIn", "MotionBad", "MotionForeign", "MotionTooLarge", "MovingBody", "Pose", "Recording", "Track",
+    "find_shipped", "is_motion", "load_motion", "retarget",
+]  # fmt: skip

@@ -1,0 +1,35 @@
+"""A motion as a file holds it, in our axes and by our joints, before it is fitted to a wearer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+MOST_FRAMES = 100_000
+"""Poses at most: 13 minutes at 120 Hz."""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Hold a motion of a foreign skeleton, y up, facing +z in its rest pose, by the names of `JOINTS`.
+
+    Attributes:
+        rate: Poses a second [1/s].
+        turns: Rotation of each joint from the rest pose, in the world's axes (not relative to the parent), shape
+            [pose_count, 24, 3, 3]; of joints that the skeleton lacks, undefined.
+        known: Which joints the skeleton has, shape [24].
+        bones: Unit direction from each joint to its child in the rest pose, zeros where our T-pose is the rest pose,
+            shape [24, 3].
+        root: Place of the pelvis, in legs' lengths, shape [pose_count, 3]; None: the lower foot stays on the floor.
+        loops: Whether the first pose follows the last one, which is like it.
+        notes: What of the file was not used, one sentence each.
+    """
+
+    rate: float
+    turns: np.ndarray
+    known: np.ndarray
+    bones: np.ndarray
+    root: np.ndarray | None
+    loops: bool = False
+    notes: tuple[str, ...] = ()

@@ -1,0 +1,15 @@
+"""The motions that come with garmentq: our own, under CC0."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+FOLDER = Path(__file__).parent / "assets"
+
+SHIPPED = ("walk", "jumping-jack")
+"""Names of the motions: a walk on the spot, half a second a step; a jumping jack, one a second."""
+
+
+def find_shipped(name: str) -> Path | None:
+    """Return the file of a shipped motion, or None where there is none of that name."""
+    return FOLDER / f"{name}.json" if name in SHIPPED else None

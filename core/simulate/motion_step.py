@@ -1,0 +1,160 @@
+"""One implicit Euler step of cloth on a body that moves, solved until it is converged."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..body import SignedDistance
+from .collision.coupling import couple
+from .collision.self_contact import SelfContact
+from .dynamics import State
+from .energy import Energy, Inertia
+from .factorisation import factor_regularised
+from .friction import lag_friction
+from .pins import Pins
+from .quasi_newton import descend
+from .scene import Scene
+from .settings import SettingsBad
+from .solver import Solver, make_solver
+from .tangent_planes import TangentPlanes
+
+
+@dataclass(frozen=True)
+class StepSettings:
+    """Choose how a step of cloth in motion is taken.
+
+    Attributes:
+        damping: Rate at which velocity relative to the air decays [1/s]. A sheet of 120 g/m2 that falls flat comes to
+            1.3 m/s (drag coefficient 1.2), which is 7.5 a second; edge-on it is not held at all. 2 is a third of it,
+            the mean over all directions rounded down, and stands for the yarns' own losses too. Assumed.
+        wind: Velocity of the air [m/s].
+        tolerance: Largest force left on a node, relative to the mean weight of a node. 0.02: an error of 2 cm/s2.
+        still: Motion of the fastest node in a leg under which the step counts as converged [m].
+        steps_per_factor: Quasi-Newton steps with one factored matrix.
+        legs: Matrices factored after which a step gives up; it is then taken in two halves.
+        renewals: Legs before which planes and friction's normal forces are taken anew; in a crease they and the cloth
+            chase each other, and after so many legs they stay as they are.
+        reach: Distance to the skin within which a node sees its plane [m]: further than it goes in a leg.
+        max_step: Largest displacement of a node in a quasi-Newton step [m].
+    """
+
+    damping: float = 2.0
+    wind: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    tolerance: float = 0.02
+    still: float = 1e-4
+    steps_per_factor: int = 8
+    legs: int = 12
+    renewals: int = 5
+    reach: float = 0.03
+    max_step: float = 0.02
+
+    def __post_init__(self) -> None:
+        """Check the values.
+
+        Raises:
+            SettingsBad: where one is negative.
+        """
+        if not self.damping >= 0 or not self.reach > 0 or self.legs < 1:
+            raise SettingsBad(f"damping, reach and legs must not be negative: {self}.")
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Hold a scene with a matrix laid out for the pairs of cloth that touched so far.
+
+    Attributes:
+        energy: The scene without its body, and the pairs that may touch.
+        solver: Analysed for the scene's topology.
+    """
+
+    energy: Energy
+    solver: Solver
+
+    @classmethod
+    def of(cls, scene: Scene) -> Layout:
+        """Return a scene's own layout."""
+        return cls(Energy(scene), make_solver(scene.topology.pattern))
+
+    def at(self, pins: Pins | None, contact: SelfContact | None) -> Layout:
+        """Return the layout with the pins and the self-contact of a step."""
+        scene = replace(self.energy.scene, pins=pins, self_contact=contact)
+        near = self.energy.near if contact is self.energy.scene.self_contact else None
+        return Layout(replace(self.energy, scene=scene, near=near), self.solver)
+
+
+@dataclass(frozen=True)
+class Step:
+    """Describe a step that was taken.
+
+    Attributes:
+        state: The cloth after it.
+        converged: Whether the forces are within the tolerance or nothing moves any more.
+        residual: Largest force left on a node, relative to the mean weight of a node.
+        factors: Matrices factored.
+        layout: For the next step.
+    """
+
+    state: State
+    converged: bool
+    residual: float
+    factors: int
+    layout: Layout
+
+
+def step_in_motion(
+    layout: Layout,
+    before: State,
+    carried: State,
+    body: SignedDistance | None,
+    dt: float,
+    settings: StepSettings = StepSettings(),
+) -> Step:
+    """Take an implicit Euler step of `dt` [s] against air drag, on a body that has moved.
+
+        m (v+ - v) / dt = -dE(x+) - c m (v+ - w),   v+ = (x+ - x) / dt
+
+    is the minimum of E(x+) + (1 + c dt) / (2 dt^2) |x+ - y|_M^2 with y = x + dt (v + c dt w) / (1 + c dt).
+
+    Notation: c `damping`; w `wind`; M masses. The planes of the body and friction's normal forces are taken anew before
+    each leg, so that a converged step is in balance with where it ends.
+
+    Args:
+        layout: The cloth and what acts on it but the body; pins are where they belong after the step.
+        before: The cloth before the step.
+        carried: Where the skin's motion would take nodes and friction's anchors: the nodes are where the minimum is
+            looked for from, so that cloth stays on its side of a limb that moves by more than its thickness.
+        body: The body after the step, or None.
+        dt: Length of the step [s].
+        settings: Limits.
+    """
+    free = 1.0 + settings.damping * dt
+    target = before.nodes + dt * (before.velocities + settings.damping * dt * np.asarray(settings.wind)) / free
+    energy, solver = replace(layout.energy, inertia=Inertia(target, free / dt**2), friction=None), layout.solver
+    energy, share = energy.free_share(before.nodes, carried.nodes - before.nodes)
+    nodes = carried.nodes if share == 1.0 else before.nodes + share * (carried.nodes - before.nodes)
+    planes, motion, factors = TangentPlanes.none(len(nodes)), np.inf, 0
+    while True:
+        energy, solver = couple(energy, solver, nodes)
+        if factors < settings.renewals:
+            if body is not None:
+                planes = planes.renewed(nodes, body, settings.reach)
+                energy = replace(energy, scene=replace(energy.scene, body=planes))
+            energy = replace(energy, friction=lag_friction(energy.scene, nodes, carried.anchors))
+        start, gradient, blocks = energy.hessian(nodes, False)
+        residual = energy.scene.relative_residual(gradient)
+        converged = residual <= settings.tolerance or motion < settings.still
+        if converged or factors == settings.legs or not np.isfinite(residual):
+            break
+        if factor_regularised(energy, solver, nodes, blocks, 0.0) < 0:
+            break
+        leg = descend(
+            energy, solver, nodes, start, gradient,
+            steps=settings.steps_per_factor, residual=0.3 * settings.tolerance, max_step=settings.max_step,
+        )  # fmt: skip
+        energy, nodes, motion, factors = leg.energy, leg.nodes, leg.motion, factors + 1
+    velocities = (nodes - before.nodes) / dt
+    anchors = nodes if energy.friction is None else energy.friction.slide(nodes)
+    bare = replace(energy, scene=replace(energy.scene, body=None), friction=None, inertia=None)
+    return Step(State(nodes, velocities, anchors), bool(converged), residual, factors, Layout(bare, solver))

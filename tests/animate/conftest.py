@@ -1,0 +1,27 @@
+"""A garment small enough to be moved in a test: a skirt on the body that it was drafted for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from garmentq.core.body import DistanceGrid, builtin_body, project_outside
+from garmentq.core.body.exposed import ExposedSurface
+from garmentq.core.drape import pin_waist, remesh
+from garmentq.core.pattern import load_draped_template
+from garmentq.core.simulate import Scene, Topology, equilibrium, get_fabric, soften
+from garmentq.core.wear import Worn
+
+
+@pytest.fixture(scope="session")
+def worn() -> Worn:
+    """Return a pencil skirt of 500 vertices at rest on its wearer."""
+    whole = load_draped_template("pencil_skirt")
+    assert whole is not None
+    body = builtin_body("builtin:female,height=1.70")
+    garment = remesh(whole, 500)
+    fabric = get_fabric("cotton_poplin")
+    grid = DistanceGrid.from_mesh(body.vertices, body.faces)
+    nodes = project_outside(garment.nodes, ExposedSurface.of(body), garment.faces, 3e-3)
+    scene = Scene(Topology.from_garment(garment), soften(fabric), grid, pin_waist(garment.at(nodes)))
+    nodes = project_outside(equilibrium(scene, nodes).nodes, ExposedSurface.of(body), garment.faces)
+    return Worn(garment.at(np.asarray(nodes)), fabric, body, None, None, "pencil_skirt", "skirt")

@@ -1,0 +1,115 @@
+"""JSON keys, SMPL's arrays and the shipped motions."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from garmentq.core.body import JOINTS, builtin_body
+from garmentq.core.body.builtin import named_pose
+from garmentq.core.body.template import rotations_of
+from garmentq.core.motion import (
+    SHIPPED,
+    LeadIn,
+    MotionBad,
+    MovingBody,
+    Pose,
+    find_shipped,
+    load_motion,
+    retarget,
+)  # fmt: skip
+from scipy.spatial.transform import Rotation
+
+
+@pytest.fixture(scope="module")
+def body():
+    return builtin_body("builtin:female,height=1.70,pose=A")
+
+
+def keys(tmp_path, value):
+    path = tmp_path / "m.json"
+    path.write_text(json.dumps(value), encoding="utf-8")
+    return path
+
+
+def test_between_two_keys_joints_turn_by_slerp(tmp_path, body):
+    """Broken where angles are mixed instead of rotations, or the pose by name is another one."""
+    given = {"fps": 10, "keys": [{"t": 0, "pose": "A"}, {"t": 1, "pose": {"left_knee": [80, 0, 0]}}]}
+    track = retarget(load_motion(keys(tmp_path, given)), body)
+    np.testing.assert_allclose(track.at(0.0).turns, rotations_of(named_pose("A")), atol=1e-12)
+    half = track.at(0.55)
+    assert np.degrees(Rotation.from_matrix(half.turns[JOINTS.index("left_knee")]).magnitude()) == pytest.approx(44.0)
+    arm = JOINTS.index("left_shoulder")
+    assert Rotation.from_matrix(half.turns[arm]).magnitude() == pytest.approx(
+        0.45 * np.linalg.norm(named_pose("A")[arm])
+    )
+
+
+def test_angles_are_turned_about_z_first(tmp_path, body):
+    """Broken where the order of a joint's three angles is another: an arm that hangs would swing sideways."""
+    given = {"keys": [{"t": 0, "pose": {"base": "arms-down", "left_shoulder": [30, 0, -90]}}]}
+    track = retarget(load_motion(keys(tmp_path, given)), body)
+    arm = track.at(0.0).turns[JOINTS.index("left_shoulder")] @ [1.0, 0.0, 0.0]
+    np.testing.assert_allclose(arm, [0.0, -np.cos(np.pi / 6), -np.sin(np.pi / 6)], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        [], {}, {"keys": []}, {"keys": [1]}, {"keys": [{"t": 0, "pose": "B"}]}, {"keys": [{"t": "x", "pose": "A"}]},
+        {"keys": [{"t": 1, "pose": "A"}, {"t": 1, "pose": "A"}]}, {"keys": [{"t": 0, "pose": {"nose": [0, 0, 0]}}]},
+        {"keys": [{"t": 0, "pose": {"head": [0, 0]}}]}, {"fps": 1e9, "keys": [{"t": 0, "pose": "A"}]},
+        {"keys": [{"t": 0, "pose": "A", "move": [0, None, 0]}]}, {"keys": [{"t": 0, "pose": {"head": [1e400, 0, 0]}}]},
+    ],
+)  # fmt: skip
+def test_wrong_keys_end_in_codes(given, tmp_path):
+    """Broken where one of these is a traceback or a motion."""
+    with pytest.raises(MotionBad):
+        load_motion(keys(tmp_path, given))
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_shipped_motions_stand_on_the_floor_and_loop(name, body):
+    """Broken where a shipped motion sinks into the floor, jumps at its seam, or leaves the place."""
+    track, mover = retarget(load_motion(find_shipped(name)), body), MovingBody(body)
+    floor = body.vertices[:, 1].min()
+    lowest = min(mover.vertices(track.at(t))[:, 1].min() for t in np.linspace(0, 1, 7))
+    assert lowest == pytest.approx(floor, abs=0.02)
+    step = [
+        np.abs(mover.vertices(track.at(t + 1 / 60)) - mover.vertices(track.at(t))).max() for t in (0.5, 0.9917, 2.3)
+    ]
+    assert max(step) < 0.15
+    np.testing.assert_allclose(track.at(3.25).turns, track.at(0.25).turns, atol=1e-9)
+
+
+def test_the_lead_in_begins_in_the_own_pose(body):
+    """Broken where an animation starts with a jump, or joins the motion late."""
+    track = retarget(load_motion(find_shipped("walk")), body)
+    lead = LeadIn(Pose.of(body), track, 0.5, 1.0)
+    np.testing.assert_allclose(lead.at(-0.5).turns, Pose.of(body).turns, atol=1e-12)
+    np.testing.assert_allclose(lead.at(0.5).turns, track.at(0.5).turns, atol=1e-12)
+
+
+def test_smpl_poses_are_read(tmp_path, body):
+    """Broken where poses are reordered, or z-up collections lie on their back."""
+    poses = np.zeros((3, 72))
+    poses[:, 3 * JOINTS.index("right_elbow") + 1] = 1.0
+    lying = poses.copy()
+    lying[:, 0] = np.pi / 2
+    trans = np.array([[0.0, 0.0, 0.0], [0.0, -0.4, 0.0], [0.0, -0.8, 0.0]])
+    for name, each in (("a", poses), ("b", lying)):
+        path = tmp_path / f"{name}.npz"
+        np.savez(path, poses=each, trans=trans, mocap_framerate=60.0)
+        recording = load_motion(path)
+        assert recording.rate == 60.0
+        track = retarget(recording, body)
+        elbow = Rotation.from_matrix(track.turns[1, JOINTS.index("right_elbow")]).as_rotvec()
+        np.testing.assert_allclose(elbow, [0.0, 1.0, 0.0], atol=1e-9)
+    assert np.ptp(track.pelvis[:, 2]) > 0.7  # -y of a lying file is the front
+    np.savez(tmp_path / "c.npz", poses=np.array([{}, {}], dtype=object))
+    with pytest.raises(MotionBad):
+        load_motion(tmp_path / "c.npz")
+    (tmp_path / "d.npz").write_bytes(b"PK\3\4 no zip")
+    with pytest.raises(MotionBad):
+        load_motion(tmp_path / "d.npz")
