@@ -12,13 +12,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..core.settings import METHODS, PRESETS, RecoverySettings
 from . import exits
 from .bench_lines import Line
 from .bench_process import one_thread, run_in_process
 from .bench_raw import STATE_NAMES, RawChoice, run_raw_packs
 from .bench_target import TargetOrder, empty_line
-from .options import gather, json_option
+from .options import gather, json_option, method_options
 
 if TYPE_CHECKING:
     from ..core.measure import Pack
@@ -46,24 +45,10 @@ class BenchOptions:
     whole: bool
 
 
-_DEFAULT = RecoverySettings()
 bench_options = gather(
     BenchOptions,
     [
-        click.option(
-            "--method",
-            type=click.Choice(METHODS),
-            default=_DEFAULT.method,
-            show_default=True,
-            help="Recovery method.",
-        ),
-        click.option(
-            "--preset",
-            type=click.Choice(PRESETS),
-            default=_DEFAULT.preset,
-            show_default=True,
-            help="Weights of the deformation.",
-        ),
+        *method_options(),
         click.option("--only", multiple=True, metavar="NAME", help="Take only this pack; may be given several times."),
         click.option("--library", is_flag=True, help="Use the shipped templates, not the packs' own."),
         click.option("--damage", is_flag=True, help="Damage each target in ten ways and compare with the clean truth."),

@@ -53,6 +53,27 @@ def gather(record: type, options: Sequence[Decorator], name: str = "options") ->
     return decorate
 
 
+def method_options() -> list[Decorator]:
+    """Return the options that choose how anything is recovered."""
+    default = RecoverySettings()
+    return [
+        click.option(
+            "--method",
+            type=click.Choice(METHODS),
+            default=default.method,
+            show_default=True,
+            help="Recovery method.",
+        ),
+        click.option(
+            "--preset",
+            type=click.Choice(PRESETS),
+            default=default.preset,
+            show_default=True,
+            help="Weights of the deformation.",
+        ),
+    ]
+
+
 @dataclass(frozen=True)
 class OrderOptions:
     """Describe what was typed about how a garment is recovered; each field is the option of its name.
@@ -144,20 +165,7 @@ def order_options(function: Decorator) -> Decorator:
             help="Parameter that the fit keeps fixed; may be given several times.",
         ),
         click.option("--free", type=click.Choice(["symmetry"]), help="Allow left and right to differ."),
-        click.option(
-            "--method",
-            type=click.Choice(METHODS),
-            default=default.method,
-            show_default=True,
-            help="Recovery method.",
-        ),
-        click.option(
-            "--preset",
-            type=click.Choice(PRESETS),
-            default=default.preset,
-            show_default=True,
-            help="Weights of the deformation.",
-        ),
+        *method_options(),
         click.option("--units", type=click.Choice(UNITS), help="Unit of the files.  [default: found]"),
         click.option("--up", type=click.Choice(AXES), help="Up axis of the files.  [default: found]"),
         click.option(

@@ -9,10 +9,9 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from ..core.body import JOINTS, Body
-from ..core.body.builtin import arm_pose, named_pose
+from ..core.body.builtin import arm_pose, named_pose, pose_template
 from ..core.body.fit import SPREADS
-from ..core.body.skinning import skin
-from ..core.body.template import Template, articulate, rotations_of, transforms_of
+from ..core.body.template import Template
 from ..core.mesh import vertex_normals
 
 JITTER = 0.3
@@ -78,27 +77,9 @@ def pose_angles(name: str) -> np.ndarray:
 
 def stand(template: Template, shape: np.ndarray, angles: np.ndarray) -> Body:
     """Return the built-in body of a shape in a pose, its lowest point at y = 0."""
-    rest, joints = template.shaped(shape)
-    floor = np.array([0.0, rest[:, 1].min(), 0.0])
-    rest, joints = rest - floor, joints - floor
-    world, posed = articulate(rotations_of(angles), joints, np.zeros(3))
-    transforms = transforms_of(world, posed, joints)
-    down = -np.array([0.0, skin(rest, template.weights, transforms)[:, 1].min(), 0.0])
-    transforms[:, :3, 3] += down
-    return Body(
-        vertices=skin(rest, template.weights, transforms),
-        faces=template.faces,
-        joints=posed + down,
-        weights=template.weights,
-        transforms=transforms,
-        rest_vertices=rest,
-        rest_faces=template.faces,
-        rest_joints=joints,
-        rest_weights=template.weights,
-        heading=np.eye(3),
-        parameters={"shape": shape, "pose": angles, "translation": down},
-        source="builtin:drawn",
-    )
+    source = "builtin:drawn"
+    lowest = pose_template(template, shape, angles, source).vertices[:, 1].min()
+    return pose_template(template, shape, angles, source, -np.array([0.0, lowest, 0.0]))
 
 
 def at_rest(body: Body) -> Body:

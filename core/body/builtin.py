@@ -60,16 +60,32 @@ def builtin_body(spec: str) -> Body:
     gender, height, weight, pose = parse_spec(spec)
     template = load_template()
     shape = shape_for(template, gender, height, weight)
+    return pose_template(template, shape, named_pose(pose), f"{BUILTIN}{gender}")
+
+
+def pose_template(
+    template: Template, shape: np.ndarray, angles: np.ndarray, source: str, down: np.ndarray | None = None
+) -> Body:
+    """Return the built-in body of a shape in a pose.
+
+    Args:
+        template: The model.
+        shape: Its shape coefficients, shape [shape_count].
+        angles: Axis-angle vectors of the joints [rad], shape [24, 3].
+        source: Where the body is from.
+        down: Translation [m], shape [3]; None: the feet of the rest pose stand at y = 0.
+    """
     rest, joints = template.shaped(shape)
     floor = np.array([0.0, rest[:, 1].min(), 0.0])
     rest, joints = rest - floor, joints - floor
-    angles = named_pose(pose)
     world, posed = articulate(rotations_of(angles), joints, np.zeros(3))
     transforms = transforms_of(world, posed, joints)
+    down = np.zeros(3) if down is None else down
+    transforms[:, :3, 3] += down
     return Body(
         vertices=skin(rest, template.weights, transforms),
         faces=template.faces,
-        joints=posed,
+        joints=posed + down,
         weights=template.weights,
         transforms=transforms,
         rest_vertices=rest,
@@ -77,8 +93,8 @@ def builtin_body(spec: str) -> Body:
         rest_joints=joints,
         rest_weights=template.weights,
         heading=np.eye(3),
-        parameters={"shape": shape, "pose": angles, "translation": np.zeros(3)},
-        source=f"{BUILTIN}{gender}",
+        parameters={"shape": shape, "pose": angles, "translation": down},
+        source=source,
     )
 
 

@@ -2,49 +2,62 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
-from garmentq.core.drape import DrapeSettings, drape_template
+from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template
 from garmentq.core.fit import FitScene, ShapeProblem, ShapeSettings, body_offset, estimate_body_offset, is_estimated
 from garmentq.core.fit.body_offset import _spread
-from garmentq.core.pattern import load_template
-from garmentq.core.simulate import Scene, Topology, equilibrium, get_fabric, soften
+from garmentq.core.pattern import Garment, load_template
+from garmentq.core.simulate import Fabric, Scene, Topology, equilibrium, get_fabric, soften
 from wearers import find_wearer
 
 
-def test_cloth_on_a_body_guessed_too_thin_hangs_where_it_was_scanned() -> None:
-    """Breaks if the body moves the wrong way, by nodes that do not touch, or not far enough: the top then hangs low."""
+@dataclass(frozen=True)
+class Hung:
+    """A top that was scanned on its wearer, and the problem of fitting it on a body guessed 12 mm too thin."""
+
+    wearer: WearerGeometry
+    scanned: Garment
+    thin: WearerGeometry
+    fabric: Fabric
+    problem: ShapeProblem
+
+
+@pytest.fixture(scope="module")
+def hung() -> Hung:
+    """Hang a top."""
     wearer = find_wearer()
-    assert not is_estimated(wearer.body)
     pattern, fabric = load_template("tank"), soften(get_fabric("cotton_poplin"))
     worn = drape_template(pattern, wearer, settings=DrapeSettings(template_vertices=400))
     scanned = worn.at(equilibrium(Scene(Topology.from_garment(worn), fabric, wearer.grid), worn.nodes).nodes)
     thin = wearer.raised(np.full(len(wearer.body.vertices), -0.012))
     scene = Scene(Topology.from_garment(scanned), fabric, thin.grid)
-    problem = ShapeProblem.of(FitScene.of(scanned, pattern, scene), ShapeSettings())
+    return Hung(wearer, scanned, thin, fabric, ShapeProblem.of(FitScene.of(scanned, pattern, scene), ShapeSettings()))
+
+
+def test_cloth_on_a_body_guessed_too_thin_hangs_where_it_was_scanned(hung: Hung) -> None:
+    """Breaks if the body moves the wrong way, by nodes that do not touch, or not far enough: the top then hangs low."""
+    wearer, scanned, thin, problem = hung.wearer, hung.scanned, hung.thin, hung.problem
+    assert not is_estimated(wearer.body)
 
     def fall(drape: np.ndarray) -> float:
         return float((scanned.nodes - drape)[:, 1].mean())
 
-    sunk = fall(problem.drape(pattern, scanned.nodes).nodes)
+    sunk = fall(problem.drape(scanned.pattern, scanned.nodes).nodes)
     heights = estimate_body_offset(problem, thin)
     raised = thin.raised(heights)
-    hung = equilibrium(Scene(Topology.from_garment(scanned), fabric, raised.grid), scanned.nodes).nodes
-    assert sunk > 5e-3 and abs(fall(hung)) < 0.3 * sunk
+    rested = equilibrium(Scene(Topology.from_garment(scanned), hung.fabric, raised.grid), scanned.nodes).nodes
+    assert sunk > 5e-3 and abs(fall(rested)) < 0.3 * sunk
     # far from the cloth nothing is known, and nothing moves; nowhere does the body stand out of the cloth
     assert abs(heights[wearer.body.vertices[:, 1].argmax()]) < 1e-4
     assert raised.exposed.measure(scanned.nodes)[0].min() > -1e-3
 
 
-def test_a_body_still_too_low_is_raised_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_body_still_too_low_is_raised_again(hung: Hung, monkeypatch: pytest.MonkeyPatch) -> None:
     """Breaks if rounds end before the cloth rests where it was scanned: one narrow round leaves 12 mm half done."""
-    wearer = find_wearer()
-    pattern, fabric = load_template("tank"), soften(get_fabric("cotton_poplin"))
-    worn = drape_template(pattern, wearer, settings=DrapeSettings(template_vertices=400))
-    scanned = worn.at(equilibrium(Scene(Topology.from_garment(worn), fabric, wearer.grid), worn.nodes).nodes)
-    thin = wearer.raised(np.full(len(wearer.body.vertices), -0.012))
-    scene = Scene(Topology.from_garment(scanned), fabric, thin.grid)
-    problem = ShapeProblem.of(FitScene.of(scanned, pattern, scene), ShapeSettings())
+    problem, thin = hung.problem, hung.thin
     missing = []
 
     def spread(vertices: np.ndarray, points: np.ndarray, out: np.ndarray, areas: np.ndarray, radius: float) -> object:
