@@ -18,6 +18,7 @@ from sqlalchemy.orm import Session
 from .. import __version__
 from ..core.body import is_builtin
 from ..core.errors import BadInput
+from ..core.person.hints import parse_wearing
 from .database import Database, clock, serialise
 from .families import share, try_again
 from .jobs import JobUnknown, create
@@ -229,6 +230,8 @@ def _describe_person(order: Order, scan: Stored, store: Store) -> dict[str, Any]
         choices,
         order.given_as,
     )
+    if request.wearing is not None:
+        request.choose([part.word for part in parse_wearing(request.wearing)])  # said now, not after the separation
     return pack_request(request)
 
 

@@ -86,7 +86,7 @@ shows a limb's direction, but not its girth."""
 
 
 class NotHuman(BadInput):
-    """The body mesh does not look like a person; check that it is a whole wearer, head to feet, upright, in metres."""
+    """This does not look like a person; check that it is a whole wearer, head to feet, upright, in metres."""
 
     code = "body.not_human"
 

@@ -47,6 +47,12 @@ place is wrong on all of a sleeve at once, but a hand is no trouser leg."""
 KNOWN = ("head", "hand", "foot")
 """Parts of the body of which anatomy knows what they may be."""
 
+NEVER = {
+    Part.SHOES: ("pelvis", "waist", "chest", "neck", "head", "upper_arm", "forearm", "hand", "thigh"),
+    Part.HAIR: ("pelvis", "forearm", "hand", "thigh", "shank", "foot"),
+}
+"""Parts of the body where shoes and hair are not, whatever the colour there."""
+
 ROUNDS = 3
 """Times that models are fitted and asked; what was sure by geometry alone grows by what colour makes sure."""
 
@@ -74,8 +80,8 @@ class ColourModels:
     """How likely each colour is in each part.
 
     Attributes:
-        evidence: log p(colour | part) - log p(colour) of each cell, shape [part_count, *BINS]; 0 for a part without a
-            model.
+        evidence: log p(colour | part) - log p(colour) of each cell, shape [part_count, *BINS]; for a garment without
+            a model that of all garments together, 0 for another part without one.
         fitted: Which parts have a model, bool, shape [part_count].
     """
 
@@ -84,7 +90,7 @@ class ColourModels:
 
     def ask(self, lab: np.ndarray) -> np.ndarray:
         """Return the evidence for each part at colours, shape [n, part_count]."""
-        light, red, yellow = _cells(lab)
+        light, red, yellow = cells_of(lab)
         return np.asarray(self.evidence[:, light, red, yellow].T)
 
 
@@ -111,10 +117,19 @@ def fit_colours(lab: np.ndarray, posterior: np.ndarray, sources: np.ndarray) -> 
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = np.where(everything > 0.0, ((1.0 - FLOOR) * h + FLOOR * everything) / everything, 1.0)
         evidence[group] = np.log(np.maximum(ratio, FLOOR))
+    worn = [PARTS.index(part) for part in GARMENTS]
+    known = [k for k in worn if fitted[k]]
+    if known:
+        # A garment that nothing is sure of would be made of the others: a dress, of what was taken for top and skirt.
+        share = mass[known] / mass[known].sum()
+        mixed = np.log(np.einsum("k,klab->lab", share, np.exp(evidence[known])))
+        evidence[[k for k in worn if not fitted[k]]] = mixed
     return ColourModels(evidence, fitted)
 
 
-def use_colours(posterior: np.ndarray, rgb: np.ndarray, place: BodyPlace, links: Links) -> np.ndarray:
+def use_colours(
+    posterior: np.ndarray, rgb: np.ndarray, place: BodyPlace, links: Links, tone: np.ndarray | None = None
+) -> np.ndarray:
     """Return the posterior by geometry and colour, shape [n, part_count].
 
     Args:
@@ -122,20 +137,33 @@ def use_colours(posterior: np.ndarray, rgb: np.ndarray, place: BodyPlace, links:
         rgb: Colours in 0..1, shape [n, 3].
         place: Where on the body the points lie.
         links: Neighbours.
+        tone: Evidence for skin by its colour, shape [n], or None.
     """
     lab = to_lab(rgb)
     if is_painted(lab, place.rest[:, 2] > np.median(place.rest[:, 2]), posterior, PARTS):
         return posterior
     sources = find_sources(place)
     near = links.weakened(lab * CONTRAST, EDGE)
-    known = place.parts[:, [list(FOLDED).index(name) for name in KNOWN]].sum(axis=1, keepdims=True) > 0.5
-    geometry, belief = np.log(np.maximum(posterior, np.where(known, DOUBT[1], DOUBT[0]))), posterior
+    geometry, belief = np.log(np.maximum(posterior, find_doubt(place))), posterior
     for _ in range(ROUNDS):
-        models = fit_colours(lab, belief, sources)
+        models = fit_colours(lab, belief, sources if tone is None else sources & ~find_strays(belief, tone))
         logit = geometry + models.ask(lab)
         both = np.exp(logit - logit.max(axis=1, keepdims=True))
         belief = diffuse(both / both.sum(axis=1, keepdims=True), near)
     return belief
+
+
+def find_doubt(place: BodyPlace) -> np.ndarray:
+    """Return the least probability of each part by geometry that colour starts from, shape [n, part_count]."""
+
+    def on(names: tuple[str, ...]) -> np.ndarray:
+        return np.asarray(place.parts[:, [list(FOLDED).index(name) for name in names]].sum(axis=1) > 0.5)
+
+    doubt = np.full((len(place.parts), len(PARTS)), DOUBT[0])
+    doubt[on(KNOWN)] = DOUBT[1]
+    for part, names in NEVER.items():
+        doubt[on(names), PARTS.index(part)] = DOUBT[1]
+    return doubt
 
 
 def find_sources(place: BodyPlace) -> np.ndarray:
@@ -144,6 +172,25 @@ def find_sources(place: BodyPlace) -> np.ndarray:
     sources = np.ones((len(place.parts), len(PARTS)), bool)
     sources[:, PARTS.index(Part.SKIN)] = head + hand > 0.5
     return sources
+
+
+def find_strays(posterior: np.ndarray, tone: np.ndarray) -> np.ndarray:
+    """Mark skin that was taken for a garment, bool, shape [n, part_count], so that no model learns the skin's colour.
+
+    What has the colour of the skin is skin where most of the garment has another; a garment in the skin's colour keeps
+    all that it has.
+
+    Args:
+        posterior: Probability of each part, shape [n, part_count].
+        tone: Evidence for skin by its colour, shape [n].
+    """
+    strays = np.zeros(posterior.shape, bool)
+    like_skin = tone > 0.0
+    for k, part in enumerate(PARTS):
+        sure = posterior[:, k] >= SURE
+        if part in GARMENTS and like_skin[sure].sum() < 0.5 * sure.sum():
+            strays[:, k] = like_skin
+    return strays
 
 
 def is_painted(lab: np.ndarray, front: np.ndarray, posterior: np.ndarray, parts: tuple[Part, ...]) -> bool:
@@ -166,14 +213,15 @@ def is_painted(lab: np.ndarray, front: np.ndarray, posterior: np.ndarray, parts:
     return False
 
 
-def _cells(lab: np.ndarray) -> tuple[np.ndarray, ...]:
+def cells_of(lab: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return the cell of each colour, shape [n, 3], in the grid of `BINS`: an index for each of its three axes."""
     cell = ((lab - LOW) / STEP).astype(np.int64)
     return tuple(np.clip(cell, 0, np.array(BINS) - 1).T)
 
 
 def _histogram(lab: np.ndarray, weight: np.ndarray) -> np.ndarray:
     """Return the share of each cell, blurred, shape `BINS`."""
-    counts = np.bincount(np.ravel_multi_index(_cells(lab), BINS), weight, int(np.prod(BINS))).reshape(BINS)
+    counts = np.bincount(np.ravel_multi_index(cells_of(lab), BINS), weight, int(np.prod(BINS))).reshape(BINS)
     blurred = gaussian_filter(counts, BLUR, mode="constant", truncate=3.0)
     return np.asarray(blurred / max(float(blurred.sum()), 1e-300))
 

@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from ..body import JOINTS
 from ..mesh import unit
+from .colour import CONTRAST, to_lab
 from .features import LENGTH, Features
 from .limbs import Limb
 from .points import FittedPerson, PersonPoints
@@ -42,6 +43,9 @@ REGION_WEIGHT = 0.012
 clear edge, as the fit is off over lengths of 10 cm."""
 KNOWN_WEIGHT = 0.01
 """Log-probability of one cell's unit of log-odds: a row of 8 mm around a limb, told with odds of 20, says 1.5."""
+TONE_WEIGHT = 0.02
+"""Log-probability of one cell's unit of evidence for skin by its colour: a row around a limb in another colour than the
+skin's says 2.9, as much as one that is told to be cloth with odds of 500."""
 SURE = 0.04
 """Log-probability of a cell where anatomy knows: the trunk is clothed; head, hands and feet are not."""
 WARMTH = 3.0
@@ -90,7 +94,7 @@ class PersonRings:
 
 @dataclass(frozen=True)
 class _Cells:
-    """What is measured on a limb's cells: step [m], ridge, contrast, offset [m], log-odds of cloth where known."""
+    """What is measured on a limb's cells: step [m], ridge, contrast, offset [m], and what is told of them."""
 
     step: np.ndarray
     ridge: np.ndarray
@@ -98,6 +102,7 @@ class _Cells:
     offset: np.ndarray
     is_near: np.ndarray
     known: np.ndarray | None
+    tone: np.ndarray | None
 
     def edge(self, sign: float, use_colours: bool = False) -> np.ndarray:
         """Return the evidence for a garment's end whose side before (+1) or beyond (-1) is the higher."""
@@ -113,7 +118,8 @@ class _Cells:
         if limb in ARMS:
             folds = np.quantile(np.where(self.is_near, self.offset, 0.0), FOLD_SHARE, axis=1, keepdims=True)
             units = 0.5 * (units + np.clip((folds - FOLD) / scale, -1.0, 2.0))
-        return np.where(self.is_near, REGION_WEIGHT * units, 0.0)
+        told = REGION_WEIGHT * units - (0.0 if self.tone is None else TONE_WEIGHT * self.tone)
+        return np.where(self.is_near, told, 0.0)
 
 
 def find_rings(
@@ -121,19 +127,21 @@ def find_rings(
     features: Features,
     fit: FittedPerson,
     known: np.ndarray | None = None,
+    tone: np.ndarray | None = None,
 ) -> PersonRings:
-    """Find all rings; colours, where there are some, count for the ring between upper and lower alone.
+    """Find all rings; where there are colours, the skin's own says where it is seen, and means of cloth where two meet.
 
     Args:
         points: The samples.
         features: Their description.
         fit: The body fitted to them.
         known: Log-odds of clothes against the rest where something has told them, shape [n]; else the offset does.
+        tone: Evidence for skin by its colour, shape [n], or None.
     """
     body = fit.body
     grids = {limb: unroll(features.place, body, limb) for limb in Limb}
-    colours = None if points.colours is None else _lab_of(points.colours) * LAB_WEIGHTS
-    cells = {limb: _measure(grid, features, colours, known) for limb, grid in grids.items()}
+    colours = None if points.colours is None else to_lab(points.colours) * CONTRAST
+    cells = {limb: _measure(grid, features, colours, _Told(known, tone)) for limb, grid in grids.items()}
     joints = dict(zip(JOINTS, body.rest_joints, strict=True))
     wrist = float(np.abs(joints["left_wrist"] - joints["left_shoulder"])[0])
     ankle = float((joints["left_hip"] - joints["left_ankle"])[1])
@@ -152,14 +160,22 @@ def find_rings(
     )
 
 
-def _measure(grid: UnrolledGrid, features: Features, colours: np.ndarray | None, known: np.ndarray | None) -> _Cells:
+@dataclass(frozen=True)
+class _Told:
+    """What is told of samples: log-odds of clothes, evidence for skin by its colour; shape [n] or None."""
+
+    cloth: np.ndarray | None
+    skin: np.ndarray | None
+
+
+def _measure(grid: UnrolledGrid, features: Features, colours: np.ndarray | None, told: _Told) -> _Cells:
     offset = grid.spread(features.column("offset") * LENGTH)
     contrast = None
     if colours is not None:
         contrast = contrasts(np.stack([grid.spread(channel) for channel in colours.T], axis=2))
     ridge = ridges(grid.spread(features.column("curvature_12")))
-    odds = None if known is None else grid.spread(known)
-    return _Cells(step_heights(offset), ridge, contrast, offset, grid.is_near, odds)
+    odds, tone = (None if values is None else grid.spread(values) for values in (told.cloth, told.skin))
+    return _Cells(step_heights(offset), ridge, contrast, offset, grid.is_near, odds, tone)
 
 
 def _find_pair(
@@ -228,8 +244,6 @@ def _find_neckline(grid: UnrolledGrid, cells: _Cells) -> Ring:
 
 WAIST_FROM = 0.22
 """Station on the trunk [m below the neck joint] where waists begin: below the bust's middle."""
-LAB_WEIGHTS = np.array([0.4, 1.0, 1.0])
-"""Lightness counts less than hue: shade changes it."""
 WAIST_PRIOR = -26.0
 """Log-probability of a ring against none that the best one of noise and folds gains by itself."""
 
@@ -287,15 +301,6 @@ def _tube(points: PersonPoints, features: Features) -> float:
         for near in (np.abs(place.station - row) < 0.01 for row in rows)
     ]
     return float(np.mean(here))
-
-
-def _lab_of(colours: np.ndarray) -> np.ndarray:
-    """Convert sRGB in 0..1, shape [n, 3], to CIE Lab (D65), shape [n, 3]."""
-    linear = np.where(colours <= 0.04045, colours / 12.92, ((colours + 0.055) / 1.055) ** 2.4)
-    matrix = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
-    ratio = linear @ matrix.T / np.array([0.9505, 1.0, 1.089])
-    f = np.where(ratio > 0.008856, np.cbrt(ratio), 7.787 * ratio + 16 / 116)
-    return np.stack([116 * f[:, 1] - 16, 500 * (f[:, 0] - f[:, 1]), 200 * (f[:, 1] - f[:, 2])], axis=1)
 
 
 def spread_over(rings: PersonRings, limb: Limb, ring: Ring, count: int) -> np.ndarray:

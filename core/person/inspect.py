@@ -14,6 +14,7 @@ from ..scan import Pieces, load_pieces
 from ..scan.load_raw import load_raw
 from ..scan.refusal import NoFaces
 from .given import Given, describe_given
+from .separate import check_alone
 from .whole import shows_person, stands_tall
 
 PERSON, GARMENT = "person", "garment"
@@ -30,6 +31,7 @@ def inspect_person(path: Path, units: str | None = None, up: str | None = None) 
         BadInput: where it is no person, or cannot be used.
     """
     raw = load_raw(path, units, up)
+    check_alone(raw)
     fit = fit_person(raw.points, raw.normals, raw.is_oriented)
     found = describe_given(Given(raw))
     body = {

@@ -35,17 +35,43 @@ def _head(place: BodyPlace) -> np.ndarray:
 
 HAIR_OFFSET = 0.012
 """Offset [m] beyond which what is on the head is hair: the fit is off by less on faces."""
-HAIR_ON_SCALP = 0.92
-"""Share of people with hair where hair grows."""
+HAIR_ODDS = 2.4
+"""Log-odds of hair where hair grows before anything is seen: eleven of twelve people have some there."""
+SCALP_PATCHES = 3.0
+"""Independent observations that the colour of a whole scalp counts as: it is one thing, lit from above."""
+CROPPED = (0.006, 0.003)
+"""Offset [m] of a scalp from which on it is covered whatever its colour, and how sharply: the fit's error and half."""
 
 
-def hair_probability(features: Features, body: Body) -> np.ndarray:
-    """Compute the probability that what is on head and neck is hair and not skin, shape [n]; 0 elsewhere."""
+def scalp_hair_probability(features: Features, grows: np.ndarray, tone: np.ndarray | None) -> float:
+    """Compute the probability that hair grows where it can: a scalp that is thin and has the skin's colour is bald.
+
+    Args:
+        features: The samples' description.
+        grows: How much each place belongs to the scalp, shape [n].
+        tone: Evidence for skin by its colour, shape [n], or None: then nothing tells a cropped head from a bald one.
+    """
+    own = grows > 0.5
+    if tone is None or not own.any():
+        return float(_soft(HAIR_ODDS))
+    thick = float(np.median(features.column("offset_mean_20")[own])) * LENGTH
+    colour = SCALP_PATCHES * float(np.median(tone[own]))
+    return float(_soft(HAIR_ODDS - colour + np.clip((thick - CROPPED[0]) / CROPPED[1], 0.0, 4.0)))
+
+
+def hair_probability(features: Features, body: Body, tone: np.ndarray | None = None) -> np.ndarray:
+    """Compute the probability that what is on head and neck is hair and not skin, shape [n]; 0 elsewhere.
+
+    Args:
+        features: The samples' description.
+        body: The fitted body.
+        tone: Evidence for skin by its colour, shape [n], or None.
+    """
     place = features.place
     grows = scalp(place, body)
     thick = _soft((features.column("offset_mean_20") * LENGTH - HAIR_OFFSET) / 0.003)
     head = np.clip(2.0 * _head(place), 0.0, 1.0)
-    return np.asarray(head * (grows * HAIR_ON_SCALP + (1 - grows) * 0.9 * thick))
+    return np.asarray(head * (grows * scalp_hair_probability(features, grows, tone) + (1 - grows) * 0.9 * thick))
 
 
 LOCK = 0.018

@@ -17,25 +17,30 @@ TUBE_SHARE = 0.6
 """Share of a skirt's height that spans from leg to leg, at least; trousers span near the crotch alone."""
 
 
-def predict_by_rules(points: PersonPoints, features: Features, fit: FittedPerson) -> np.ndarray:
+def predict_by_rules(
+    points: PersonPoints, features: Features, fit: FittedPerson, tone: np.ndarray | None = None
+) -> np.ndarray:
     """Compute the posterior of the parts at each sample by rules.
 
     Args:
         points: The samples.
         features: Their description.
         fit: The body fitted to them.
+        tone: Evidence for skin by its colour (`skin_evidence`), shape [n], or None.
 
     Returns:
         Probabilities in the order of `PARTS`, rows sum to 1, shape [n, 8].
     """
-    return combine(points, features, fit, find_rings(points, features, fit))
+    return combine(points, features, fit, find_rings(points, features, fit, tone=tone), tone)
 
 
-def combine(points: PersonPoints, features: Features, fit: FittedPerson, rings: PersonRings) -> np.ndarray:
+def combine(
+    points: PersonPoints, features: Features, fit: FittedPerson, rings: PersonRings, tone: np.ndarray | None = None
+) -> np.ndarray:
     """Compute the posterior from the rings, as `predict_by_rules`."""
     count = len(features.values)
     cloth = cloth_probability(rings, features)
-    hair = hair_probability(features, fit.body)
+    hair = hair_probability(features, fit.body, tone)
     shod = shoe_probability(features)
     shoe = shod * np.maximum(
         *(spread_over(rings, limb, ring, count) for limb, ring in zip(_LEGS, rings.ankles, strict=True))

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..body import Body, PersonFit, PointWeights, fit_person, refit_person
+from ..body.presence import SeveralPersons
 from ..hooks import SILENT, Hooks
 from ..scan.raw import RawScan
 from .colour import use_colours
@@ -23,6 +24,7 @@ from .part import CLOTH, PARTS, Part
 from .points import PersonPoints, sample_person
 from .rules import predict_by_rules
 from .separation import Separation
+from .tone import skin_evidence
 
 STAGE = "separate"
 """Name under which progress is reported."""
@@ -66,6 +68,8 @@ def separate(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT) ->
         BadInput: where the scan is no person.
     """
     hints = hints or Hints()
+    if hints.label is None:
+        check_alone(raw)
     fit: PersonFit | _Given
     if hints.body is not None:
         fit = _Given(hints.body)
@@ -105,6 +109,16 @@ def separate(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT) ->
     return Separation(body, label, confidence, garments, outfits, warnings, problem)
 
 
+def check_alone(raw: RawScan) -> None:
+    """Check that one person is in a scan, as far as that is known before any body is fitted.
+
+    Raises:
+        SeveralPersons: where two stand apart.
+    """
+    if raw.pieces > 1:
+        raise SeveralPersons()
+
+
 def weigh(posterior: np.ndarray) -> PointWeights:
     """Return what a posterior, shape [n, part_count], says of where the body is."""
     cloth, ignored = (posterior[:, [PARTS.index(part) for part in parts]].sum(axis=1) for parts in (CLOTH, IGNORED))
@@ -123,9 +137,10 @@ def to_file(raw: RawScan, label: np.ndarray, confidence: np.ndarray) -> tuple[np
 def _predict(points: PersonPoints, fit: PersonFit | _Given, links: Links) -> tuple[np.ndarray, Features]:
     """Return the posterior by geometry and colour, shape [n, part_count], and the features."""
     features = describe_points(points, fit)
-    posterior = diffuse(predict_by_rules(points, features, fit), links)
+    tone = None if points.colours is None else skin_evidence(points.colours, features.place, fit.body)
+    posterior = diffuse(predict_by_rules(points, features, fit, tone), links)
     if points.colours is not None:
-        posterior = use_colours(posterior, points.colours, features.place, links)
+        posterior = use_colours(posterior, points.colours, features.place, links, tone)
     return posterior, features
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from ..mesh import HalfEdges, face_areas, face_normals, find_components
 from ..mesh.point_normals import find_normals, thin_points
 from .planes import find_planes
-from .upright import Profile, Upright, find_upright
+from .upright import Profile, Upright, find_upright, turn_upright
 
 SAMPLES = 24_000
 """Points that decisions are made on: one every 9 mm of a person."""
@@ -53,7 +53,7 @@ class Cleaned:
     Attributes:
         kept: True at points of the person, shape [n].
         samples: Points uniform over the person's surface, in the file's unit and axes, shape [m, 3].
-        pieces: Separate pieces of a person's size, all of them kept.
+        pieces: Separate pieces of a person's size beside each other, all of them kept.
         notes: What was dropped, one sentence each.
     """
 
@@ -131,7 +131,7 @@ def _judge(samples: np.ndarray, normals: np.ndarray, profiles: list[Profile], ax
     for k in rivals:
         if k != best and _is_second(samples[left[piece == k]], samples[own], found[k], found[best]):
             whole[left[piece == k]] = True
-            pieces += 1
+            pieces += _stands_beside(samples[left[piece == k]], samples[own], found[best].up)
     height = float(np.ptp(samples[own], axis=0).max())
     least = max(3, int(DUST * own.sum()))
     for k in np.flatnonzero(size >= least).tolist():
@@ -147,6 +147,16 @@ def _is_second(piece: np.ndarray, person: np.ndarray, found: Upright, first: Upr
     size = np.linalg.norm(np.ptp(piece, axis=0)) / np.linalg.norm(np.ptp(person, axis=0))
     is_large = len(piece) >= SECOND[0] * len(person) and size >= SECOND[1]
     return bool(is_large and found.misfit <= ALIKE * first.misfit)
+
+
+def _stands_beside(piece: np.ndarray, person: np.ndarray, up: str) -> bool:
+    """Check whether a piece stands beside a person, and is not the upper or lower half that a gap parts from it.
+
+    Beside each other, heights overlap by more than half of the smaller one.
+    """
+    heights = [turn_upright(points, up)[:, 1] for points in (piece, person)]
+    overlap = min(h.max() for h in heights) - max(h.min() for h in heights)
+    return bool(overlap > 0.5 * min(float(np.ptp(h)) for h in heights))
 
 
 def _is_part(piece: np.ndarray, person: np.ndarray, reach: float) -> bool:

@@ -27,7 +27,7 @@ class RawScan:
         sha256: Hash of the file's bytes (hex); empty for one made in memory.
         units: Unit of the file: `m`, `cm`, `mm`, `inch`, `foot`, or `unknown` where the height was assumed.
         up_axis: Axis of the file that became y, with its sign: `y`, `z`, `-y`, `-z`, `x`, `-x`.
-        pieces: Separate pieces of a person's size, all kept: 2 where two people stand apart.
+        pieces: Separate pieces of a person's size beside each other, all kept: 2 where two people stand apart.
         notes: What was guessed, removed or mended, one short sentence each.
     """
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..mesh import ClosedCurve
+from .loop import smoothed_length
 
 PINCH = 0.15
 """Largest chord across a pinch, over the shorter way around: where scanned legs touch it has 0.01 to 0.05; a skirt's
@@ -20,6 +21,9 @@ FINEST = 600
 def split_legs(points: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     """Split a closed curve at its narrowest pinch, if it has one: an eight that is nearly closed in the middle.
 
+    Ways around are those along the smoothed curve: noise makes a ragged one half as long again, and a flat hem's chord
+    would look short beside it.
+
     Args:
         points: Along the curve [m], shape [n, 3].
 
@@ -30,7 +34,7 @@ def split_legs(points: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     coarse = points[::stride]
     if len(coarse) < 8:
         return None
-    steps = ClosedCurve(coarse).lengths
+    steps = ClosedCurve(coarse).lengths * (smoothed_length(points) / ClosedCurve(coarse).length)
     place = np.concatenate([[0.0], np.cumsum(steps)[:-1]])
     length = float(steps.sum())
     arc = np.abs(place[:, None] - place)

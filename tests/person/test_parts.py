@@ -198,3 +198,12 @@ def test_touching_legs_are_two():
     first, second = split_legs(pinched)
     assert abs(len(first) - len(second)) < 8
     assert np.sign(pinched[first, 0].mean()) != np.sign(pinched[second, 0].mean())
+
+
+def test_a_ragged_hem_is_one():
+    """Broken where noise, which makes a loop longer and its chords no longer, splits a skirt's flat hem."""
+    t = np.linspace(0.0, 2.0 * np.pi, 300, endpoint=False)
+    flat = np.stack([0.3 * np.cos(t), np.zeros(300), 0.075 * np.sin(t)], axis=1)
+    ragged = flat + np.random.default_rng(0).normal(0.0, 0.004, flat.shape)
+    assert np.linalg.norm(np.roll(ragged, 1, axis=0) - ragged, axis=1).sum() > 2.3  # flat: 1.28
+    assert split_legs(ragged) is None

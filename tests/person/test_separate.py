@@ -12,6 +12,7 @@ import trimesh
 from click.testing import CliRunner
 from garmentq.cli.main import group
 from garmentq.core.body import JOINTS, builtin_body
+from garmentq.core.body.presence import SeveralPersons
 from garmentq.core.mesh import vertex_normals
 from garmentq.core.person import Part
 from garmentq.core.person.garments import PartNotWorn, cut_garment_of, find_surface
@@ -124,3 +125,14 @@ def test_an_inferred_opening_is_not_trusted(mended):
     assert reading.body is separation.body and reading.category == "trousers"
     trusted = {c.name: c.trusted for c in segment_garment(reading.pieces.garment, reading.body).contours}
     assert trusted == {"leg.left": True, "leg.right": True, "waist": False}
+
+
+def test_two_who_stand_apart_are_refused_before_any_fit(monkeypatch):
+    """Broken where nobody reads how many persons' sizes were found, and two bodies are searched for 8 s."""
+    import garmentq.core.person.separate as module
+
+    monkeypatch.setattr(module, "fit_person", None)
+    every = np.arange(3)
+    raw = RawScan(np.eye(3), np.zeros((0, 3), int), None, False, None, None, every, every, pieces=2)
+    with pytest.raises(SeveralPersons):
+        separate(raw)

@@ -6,6 +6,7 @@ import trimesh
 from garmentq.core.body import builtin_body
 from garmentq.core.errors import BadInput
 from garmentq.core.scan import Limits, load_raw
+from garmentq.core.scan.clean import _stands_beside
 from garmentq.core.scan.open3d_library import load_open3d
 from garmentq.core.scan.parse import parse
 from hypothesis import HealthCheck, given, settings
@@ -249,6 +250,15 @@ def test_two_people_are_not_made_one(tmp_path):
     raw = read(write_cloud(tmp_path / "p.ply", np.concatenate([P, P + (1.9, 0.0, 0.1)]), None, None))
     assert raw.pieces == 2 and (raw.place >= 0).mean() > 0.999
     assert any("2 separate pieces" in note for note in raw.notes)
+
+
+def test_halves_of_one_person_are_not_two():
+    """Broken where a gap at the waist makes two persons of one: they stand over each other, not beside."""
+    low, high = P[P[:, 1] < P[:, 1].mean()], P[P[:, 1] > P[:, 1].mean()]
+    assert not _stands_beside(high, low, "y")
+    assert _stands_beside(P + (1.9, 0.2, 0.1), P, "y")
+    lying = (high[:, [0, 2, 1]], low[:, [0, 2, 1]])
+    assert not _stands_beside(*lying, "z")
 
 
 HEADER = b"VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 9\nHEIGHT 1\nPOINTS 9\n"

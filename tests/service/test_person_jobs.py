@@ -195,6 +195,15 @@ def test_labels_with_names_are_of_a_person(settings, database, store, tmp_path):
     assert kept.is_new and find_job(database, kept.job).kind == "recover"
 
 
+def test_a_choice_that_fits_two_is_refused_at_once(database, store, tmp_path):
+    """Breaks where a job is queued that is sure to end as ambiguous: who names two garments has to say whose it is."""
+    scan = put_file(tmp_path, "anna.ply")
+    order = Order(scan, None, wearing="upper, lower", settings=RecoverySettings(template="tshirt"))
+    with pytest.raises(ChoiceAmbiguous):
+        submit(database, store, order)
+    assert submit(database, store, replace(order, wearing="upper")).is_new
+
+
 def test_an_old_request_is_as_it_was():
     """Breaks where the hash of an order of an earlier version changes: its result would be computed anew."""
     packed = pack_request(RecoverRequest(FILE, "builtin:female", None))
