@@ -35,6 +35,7 @@ from .surface import Closest, TriangleSurface, barycentric_coordinates
 
 if TYPE_CHECKING:
     from .collapse import CollapsedMesh, collapse_edges
+    from .contour import measure_contour
     from .intersections import intersecting_pairs, self_intersections, undo_crossings
     from .linear import Factor, NotDefinite, Solver, SuperLU, analyse, factor_general, factor_symmetric
     from .multifrontal import Cholesky
@@ -51,6 +52,7 @@ _LAZY = {
     "factor_general": "linear",
     "factor_symmetric": "linear",
     "intersecting_pairs": "intersections",
+    "measure_contour": "contour",
     "self_intersections": "intersections",
     "undo_crossings": "intersections",
 }
@@ -90,6 +92,7 @@ __all__ = [
     "intersecting_pairs",
     "lump",
     "mean_curvature",
+    "measure_contour",
     "polar_rotations",
     "polyline_length",
     "principal_stretches",

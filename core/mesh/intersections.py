@@ -1,4 +1,4 @@
-"""Faces of a mesh that pass through another face of it, and steps that would make them do so."""
+"""Faces of a mesh that pass through another face of it, where they meet, and steps that would make them do so."""
 
 from __future__ import annotations
 

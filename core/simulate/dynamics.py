@@ -66,14 +66,17 @@ def move_on(
 
     x+ = argmin E(x) + |x - x0 - damping dt v0|_M^2 / (2 dt^2),  v+ = (x+ - x0) / dt (thesis eq. 3.2, solved to
     `newton_per_step` iterations with the PSD Hessian). The body may differ from call to call (one that moves or is
-    inflated).
+    inflated). Faces of the cloth that cross each other pass until they no longer do, and are pulled apart.
     """
     solver, energy = solver or make_solver(scene.topology.pattern), Energy(scene)
-    for _ in range(steps):
+    for n in range(steps):
         nodes, pinned = state.nodes, move_pins(state.nodes, scene.pins, settings.max_step)
         friction = lag_friction(scene, nodes, state.anchors)
         inertia = Inertia(nodes + settings.damping * dt * state.velocities, 1.0 / dt**2)
-        energy = replace(energy, friction=friction, inertia=inertia).lag_rubbing(nodes, state.rubbing)
+        energy = replace(energy, friction=friction, inertia=inertia)
+        if energy.push is not None or n == 0:
+            energy = energy.pull_apart(nodes)
+        energy = energy.lag_rubbing(nodes, state.rubbing)
         energy, free = energy.free_share(nodes, pinned - nodes)
         pinned = pinned if free == 1.0 else nodes + free * (pinned - nodes)
         energy, solver, end = _step(energy, solver, pinned, settings)

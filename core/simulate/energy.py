@@ -12,6 +12,7 @@ from .block_pattern import Derivatives
 from .collision.barrier import barrier
 from .collision.near import Near, find_near
 from .collision.rubbing import Rubbing, lag_rubbing, rub
+from .collision.untangle import pull_apart
 from .contact import NO_BLOCKS, Forces, NodeElements, add_contact
 from .friction import Friction, friction
 from .membrane import foresee_stress, membrane
@@ -47,6 +48,7 @@ class Energy:
         friction: Lagged friction, or None.
         inertia: For an implicit time step, or None.
         rubbing: Lagged friction of cloth on cloth, or None.
+        push: A constant force on each node [N], shape [node_count, 3], or None.
         near: The pairs of cloth that may touch, where they were last looked for; only saves the search for them.
     """
 
@@ -54,6 +56,7 @@ class Energy:
     friction: Friction | None = None
     inertia: Inertia | None = None
     rubbing: Rubbing | None = None
+    push: np.ndarray | None = None
     near: Near | None = None
 
     @property
@@ -81,6 +84,11 @@ class Energy:
         watching = self.watch(nodes, nodes + step)
         assert watching.near is not None
         return watching, watching.near.free_share(nodes, step)
+
+    def pull_apart(self, nodes: np.ndarray) -> Energy:
+        """Return the same energy whose contact waits where faces cross at nodes [m], pushed so that they part."""
+        scene, push = pull_apart(self.scene, nodes)
+        return replace(self, scene=scene, push=push, near=self.near if scene is self.scene else None)
 
     def lag_rubbing(self, nodes: np.ndarray, before: Rubbing | None = None) -> Energy:
         """Return the same energy with the friction of cloth on cloth that follows from nodes [m], [node_count, 3].
@@ -169,6 +177,9 @@ class Energy:
         masses, gravity = scene.masses, np.asarray(scene.gravity, dtype=np.float64)
         energy = -float(masses @ (nodes @ gravity))
         gradient -= masses[:, None] * scene.acceleration(nodes)
+        if self.push is not None:
+            energy -= float((self.push * nodes).sum())
+            gradient -= self.push
         diagonal = scene.topology.pattern.diagonal
         if scene.rotation is not None:
             outward = LEVEL * (nodes - np.asarray(scene.rotation.centre))

@@ -12,7 +12,8 @@ from ..errors import BadInput
 from ..hooks import SILENT, Hooks
 from .collision.coupling import couple
 from .collision.rubbing import Rubbing
-from .energy import Energy
+from .collision.untangle import is_resolving
+from .energy import Energy, Inertia
 from .factorisation import factor_regularised
 from .friction import lag_friction
 from .outcome import Outcome
@@ -34,6 +35,13 @@ cloth is caught in a crease of the body they and the cloth chase each other roun
 drapes that come to rest by themselves slow down by a tenth every few legs. Twelve took trousers 3 to 9 legs longer
 each time they were draped, and the fit's misfit was the same to 0.04 mm.
 """
+
+
+_PATIENCE = 4
+"""Rounds of untangling without fewer faces crossed after which contact is off for those that are."""
+
+_PULL = 0.02
+"""Length of a step of untangling [s]: in it the contours' tension moves a node by a centimetre at most."""
 
 
 class NodesBad(BadInput):
@@ -130,7 +138,7 @@ def equilibrium(
     forces are taken anew before each leg, so that at rest they are those of where the cloth rests; only where that
     makes the cloth creep on by less than `_SETTLED` a leg, or where the two chase each other for `_CHASE` legs, are
     they left as they are. With bending friction folds stay where they are until more than the yarns' friction bends
-    them.
+    them. Cloth that crosses itself at the start is untangled first where the scene has self-contact.
 
     **Deviation** from Newton with the exact Hessian: see `docs/adr`, "Descend by quasi-Newton steps".
 
@@ -151,7 +159,10 @@ def equilibrium(
         raise NodesBad()
     anchors = nodes.copy() if anchors is None else anchors
     solver = solver or make_solver(scene.topology.pattern)
-    energy, progress, outcome = Energy(scene), _Progress(settings, stop), None
+    energy = Energy(scene)
+    if scene.self_contact is not None:
+        energy, solver, nodes = _untangle(energy, solver, nodes, anchors, settings)
+    progress, outcome = _Progress(settings, stop), None
     while outcome is None:
         hooks.check()
         pinned = move_pins(nodes, scene.pins, settings.max_step)
@@ -159,6 +170,9 @@ def equilibrium(
         if not arrived:
             energy, free = energy.free_share(nodes, pinned - nodes)
             nodes = pinned if free == 1.0 else nodes + free * (pinned - nodes)
+        cloth = energy.scene.self_contact
+        if cloth is not None and cloth.crossed.any():
+            energy = replace(energy.pull_apart(nodes), push=None)
         energy, solver = couple(energy, solver, nodes)
         if progress.follows:
             energy = energy.lag_rubbing(nodes, energy.rubbing)
@@ -180,3 +194,24 @@ def equilibrium(
     slid = anchors if energy.friction is None else energy.friction.slide(nodes)
     residual = scene.relative_residual(gradient)
     return Drape(nodes, residual, progress.legs, end, outcome, slid, scene.rotation, energy.rubbing)
+
+
+def _untangle(
+    energy: Energy, solver: Solver, nodes: np.ndarray, anchors: np.ndarray, settings: SolveSettings
+) -> tuple[Energy, Solver, np.ndarray]:
+    """Pull apart, in short damped steps, what crosses at nodes [m]; contact waits for what does not come apart."""
+    scene, counts = energy.scene, []
+    while True:
+        energy = energy.pull_apart(nodes)
+        assert energy.scene.self_contact is not None
+        counts.append(int(energy.scene.self_contact.crossed.sum()))
+        if not is_resolving(counts, _PATIENCE):
+            return replace(energy, inertia=None, push=None), solver, nodes
+        inertia = Inertia(nodes, 1.0 / _PULL**2)
+        energy, solver = couple(
+            replace(energy, friction=lag_friction(scene, nodes, anchors), inertia=inertia), solver, nodes
+        )
+        start, gradient, blocks = energy.hessian(nodes, False)
+        if factor_regularised(energy, solver, nodes, blocks, 0.0) >= 0:
+            leg = descend(energy, solver, nodes, start, gradient, steps=4, residual=0.0, max_step=settings.max_step)
+            energy, nodes = leg.energy, leg.nodes

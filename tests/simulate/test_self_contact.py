@@ -17,6 +17,7 @@ from garmentq.core.simulate import (
     SettingsBad,
     SolveSettings,
     Topology,
+    equilibrium,
     move_on,
     settle,
 )
@@ -256,3 +257,32 @@ def test_friction_against_differences_and_balanced(touching):
     ends = [e.gradient(nodes + s * along)[1] for e in (energy, bare) for s in (1e-9, -1e-9)]
     turned = (ends[0] - ends[1] - ends[2] + ends[3]) / 2e-9
     assert np.abs(turned.ravel() - matrix @ along.ravel()).max() < 1e-5 * np.abs(turned).max()
+
+
+def poke(sheet, cloth, where) -> tuple[Scene, np.ndarray]:
+    """Give two level sheets 4 mm apart, the upper one pushed through the lower one by 4 mm at one of its points."""
+    flat, faces = sheet(13, 13, 0.12, 0.12)
+    count = len(flat)
+    topology = Topology.from_mesh(np.concatenate([faces, faces + count]), np.concatenate([flat[faces]] * 2))
+    upper = flat * 0.97 + 0.0017
+    away = np.linalg.norm(upper - where, axis=1)
+    nodes = np.concatenate([
+        np.column_stack([flat[:, 0], np.zeros(count), -flat[:, 1]]),
+        np.column_stack([upper[:, 0], 4e-3 - 8e-3 * np.exp(-((away / 0.02) ** 2)), -upper[:, 1]]),
+    ])  # fmt: skip
+    return Scene(topology, cloth, gravity=(0.0, 0.0, 0.0), self_contact=SelfContact.of(topology)), nodes
+
+
+@pytest.mark.parametrize("where", [(0.06, 0.06), (0.0, 0.06)])
+def test_what_starts_crossed_comes_apart(sheet, cloth, where):
+    """A contour that does not contract, or contact that holds crossed faces where they are, breaks this.
+
+    Once inside the sheet, where the contour is closed, and once at its border, where it is open.
+    """
+    scene, nodes = poke(sheet, cloth, np.array(where))
+    faces = scene.topology.faces
+    assert len(self_intersections(nodes, faces)) > 20
+    rest = equilibrium(scene, nodes, settings=SolveSettings(max_iterations=1))
+    assert len(self_intersections(rest.nodes, faces)) == 0
+    state = settle(scene, nodes, steps=15, dt=0.01)
+    assert len(self_intersections(state.nodes, faces)) == 0

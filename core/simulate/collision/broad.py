@@ -61,7 +61,7 @@ def fill_cells(low, high, grid):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def find_overlaps(low, high, other_low, other_high, cells, grid):  # type: ignore[no-untyped-def]
+def find_overlaps(low, high, other_low, other_high, cells, grid, same):  # type: ignore[no-untyped-def]
     """Return all pairs of a box and another one that overlap, shape [pair_count, 2], each once.
 
     Args:
@@ -69,6 +69,7 @@ def find_overlaps(low, high, other_low, other_high, cells, grid):  # type: ignor
         other_low, other_high: Of those in the cells.
         cells: What `fill_cells` gave for them.
         grid: Origin, side and counts of the cells.
+        same: Both are the same boxes: a box is not paired with itself, and with each other one once.
     """
     starts, members = cells
     origin, size, counts = grid
@@ -84,6 +85,8 @@ def find_overlaps(low, high, other_low, other_high, cells, grid):  # type: ignor
                     c = (i * counts[1] + j) * counts[2] + k
                     for m in range(starts[c], starts[c + 1]):
                         b = members[m]
+                        if same and b <= a:
+                            continue
                         if (
                             other_low[b, 0] > high[a, 0]
                             or other_high[b, 0] < low[a, 0]

@@ -88,10 +88,10 @@ def find_near(cloth: SelfContact, start: np.ndarray, end: np.ndarray | None = No
         wrap_boxes(start, end, each, inflation) for each in (singles, cloth.sheets, cloth.sides)
     )
     grid = choose_cells(face_low, face_high, float((face_high - face_low).mean()))
-    over = find_overlaps(low, high, face_low, face_high, fill_cells(face_low, face_high, grid), grid)
+    over = find_overlaps(low, high, face_low, face_high, fill_cells(face_low, face_high, grid), grid, False)
     faced = np.concatenate([singles[over[:, 0]], cloth.sheets[over[:, 1]]], axis=1)
-    over = find_overlaps(edge_low, edge_high, edge_low, edge_high, fill_cells(edge_low, edge_high, grid), grid)
-    over = over[over[:, 0] < over[:, 1]]
+    cells = fill_cells(edge_low, edge_high, grid)
+    over = find_overlaps(edge_low, edge_high, edge_low, edge_high, cells, grid, True)
     edged = np.concatenate([cloth.sides[over[:, 0]], cloth.sides[over[:, 1]]], axis=1)
     kept = [
         nodes[_keep(start, step, nodes, kind, cloth.reach, 2.0 * margin)]
