@@ -1,0 +1,57 @@
+"""The whole road on trousers whose waist a top hides."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from garmentq.core.drape import DrapeSettings, drape_template
+from garmentq.core.pattern import load_template, panel_area
+from garmentq.core.pipeline import recover
+from garmentq.core.reading import Reading
+from garmentq.core.recovery import Recovery, Request
+from garmentq.core.scan import Pieces, Scan
+from garmentq.core.segment import find_loops
+from garmentq.core.settings import RecoverySettings
+from wearers import find_wearer
+
+WEARER = "builtin:female,height=1.68,pose=A"
+COVERED = 0.18
+"""Height below the waist down to which a top hangs [m]."""
+WIDER = np.array([1.06, 1.0])
+
+
+@pytest.fixture(scope="module")
+def recovery(tmp_path_factory: pytest.TempPathFactory) -> Recovery:
+    """Recover trousers 6 % wider than their base pattern, seen below the hem of a top alone."""
+    base = load_template("trousers")
+    worn = drape_template(base.with_points(base.points * WIDER), find_wearer(WEARER), settings=DrapeSettings(1500))
+    waist = next(contour for contour in worn.contours if contour.name == "waist")
+    hem = worn.nodes[waist.vertices, 1].min() - COVERED
+    used, faces = np.unique(worn.faces[(worn.nodes[worn.faces][:, :, 1] < hem).all(axis=1)], return_inverse=True)
+    nodes, faces = worn.nodes[used], faces.reshape(-1, 3)
+    hidden = np.zeros(len(nodes), bool)
+    hidden[max(find_loops(faces), key=lambda loop: nodes[loop, 1].mean())] = True
+    pieces = Pieces(Scan(nodes, faces, name="trousers", hidden=hidden), None)
+    settings = RecoverySettings(method="deform", vertex_count=1000, template="trousers")
+    return recover(Request(tmp_path_factory.mktemp("scan"), WEARER, settings=settings, reading=Reading(pieces)))
+
+
+@pytest.mark.nightly
+def test_trousers_do_not_end_where_a_top_covers_them(recovery: Recovery) -> None:
+    """Fails if the pattern were cut off at the top's hem, which takes a fifth of its area, or drawn out above it."""
+    base = load_template("trousers")
+    for ours, panel in zip(recovery.pattern.panels, base.with_points(base.points * WIDER).panels, strict=True):
+        assert panel_area(ours) == pytest.approx(panel_area(panel), rel=0.06)
+
+
+@pytest.mark.nightly
+def test_what_is_guessed_is_said_and_not_measured(recovery: Recovery) -> None:
+    """Fails if hidden cloth counted as a misfit, or if nothing told that a part is the base pattern's."""
+    waist = recovery.target.contour("waist")
+    assert waist is not None
+    assert not waist.trusted
+    assert len(recovery.target.vertices) == len(recovery.scan.vertices)
+    assert recovery.metrics["surface_rms_mm.s2t"] < 2.5
+    assert 10.0 < recovery.metrics["hidden_percent"] < 40.0
+    assert {gate.name: gate.verdict for gate in recovery.gates}["hidden"] == "warn"
+    assert any("'waist' is hidden" in warning for warning in recovery.warnings)
