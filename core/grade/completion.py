@@ -13,6 +13,10 @@ from ..pattern import Garment
 from ..segment import Contour, Target, smoothed_length
 from .registration import HiddenCloth, RegistrationSettings, register_coarsely
 
+AHEAD = 0.3
+"""Share of a template's contour that lies ahead of the hidden border from which that contour is hidden: the share from
+which a scan's is. A neckline below hair is seen for the rest; a base pattern that ends before the border ends there."""
+
 
 def complete_target(worn: Garment, target: Target, skin: ExposedSurface, hooks: Hooks = SILENT) -> Target:
     """Complete a target below what covers it with the cloth of a base pattern that is worn by the same wearer.
@@ -39,10 +43,13 @@ def complete_target(worn: Garment, target: Target, skin: ExposedSurface, hooks: 
     nodes = project_outside(nodes, skin, worn.faces)
     seen = TriangleSurface(target.vertices, target.faces)
     beyond = Rim.between(target.faces, target.hidden).lies_ahead(seen, seen.closest(nodes))
+    ends = [end for end in ends if beyond[end.vertices].mean() > AHEAD]
+    links = HalfEdges.of(worn.faces, len(nodes)).adjacency
+    for end in ends:  # where a part of it is seen, the strip along it lies on the scan
+        rim = np.bincount(end.vertices, minlength=len(nodes))
+        beyond |= (rim + links @ rim) > 0
     inner = worn.faces[beyond[worn.faces].all(axis=1)]
     _, piece = HalfEdges.of(inner, len(nodes)).vertex_pieces
-    used = np.isin(np.arange(len(nodes)), inner)
-    ends = [end for end in ends if used[end.vertices].all()]
     inner = inner[np.isin(piece[inner[:, 0]], [piece[end.vertices[0]] for end in ends])]
     return _join(target, nodes, inner, ends) if len(inner) else target
 

@@ -115,3 +115,21 @@ def test_all_of_a_hidden_rim_is_hidden_and_nothing_of_another() -> None:
     assert not found[hem.vertices].any()
     assert found.sum() == len(waist.vertices)
     assert mark_hidden_border(target.faces, None, target.contours) is None
+
+
+def test_a_contour_that_is_seen_in_part_is_completed_as_a_whole(worn, skin) -> None:
+    """Fails if a neckline half of which hair covers were left without an end, and so drawn out by what pulls at it."""
+    target = cover(worn)
+    tube = worn.nodes[worn.faces].mean(axis=1)
+    chosen = worn.faces[(tube[:, 1] < worn.nodes[:, 1].max() - CUT) | (tube[:, 2] > 0.0)]
+    used, faces = np.unique(chosen, return_inverse=True)
+    nodes, faces = worn.nodes[used], faces.reshape(-1, 3)
+    loops = sorted(find_loops(faces), key=lambda loop: nodes[loop, 1].mean())
+    contours = (Contour("hem", loops[0], 1.0), Contour("waist", loops[1], 1.0, trusted=False, hidden=True))
+    hidden = np.isin(np.arange(len(nodes)), loops[1])
+    part = replace(target, vertices=nodes, faces=faces, normals=vertex_normals(nodes, faces), contours=contours)
+    completed = complete_target(worn, replace(part, hidden=hidden), skin)
+    waist = completed.contour("waist")
+    assert waist.trusted
+    np.testing.assert_allclose(completed.vertices[waist.vertices, 1], TOP, atol=8e-3)
+    assert np.isin(waist.vertices, completed.faces).all()
