@@ -145,3 +145,33 @@ def check_body(request: dict[str, Any], files: str) -> dict[str, Any]:
     given = read_body_file(path, request.get("units"), request.get("up"), Limits(is_confined=True))
     write_record(given, folder / BODY)
     return describe_body_file(given)
+
+
+def check_motion(request: dict[str, Any], files: str) -> dict[str, Any]:
+    """Read the file of a motion in a limited process, and write it as arrays.
+
+    Args:
+        request: The job's request, as it is stored, with the field `motion`.
+        files: Folder that holds each file of the request, as FIELD/NAME.
+
+    Returns:
+        What was understood, as JSON values.
+
+    Raises:
+        BadInput: where it cannot be used.
+    """
+    from ..core.motion import load_motion
+    from ..core.record_file import write_record
+    from .kinds.animate_request import MOTION
+
+    folder = Path(files)
+    recording = load_motion(folder / "motion" / request["motion"]["name"])
+    write_record(recording, folder / MOTION)
+    return {
+        "motion": {
+            "poses": len(recording.turns),
+            "rate": round(recording.rate, 3),
+            "joints": int(recording.known.sum()),
+            "notes": list(recording.notes),
+        }
+    }

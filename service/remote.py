@@ -60,7 +60,7 @@ MOST_JOBS = 1000
 POLL_SECONDS = 0.5
 """How often a service is asked for news [s]; progress is written twice a second."""
 
-UPLOADS = {"body": "bodies"}
+UPLOADS = {"body": "bodies", "motion": "motions"}
 """What each file of a derived job is uploaded as, by its field."""
 
 ID_LENGTH = 12

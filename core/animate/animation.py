@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..body import penetration_depth, project_outside
+from ..body import penetration_depth, project_outside, skin, unskin
 from ..checkpoints import load, save
 from ..hooks import SILENT, Hooks
 from ..mesh import self_intersections
@@ -69,6 +69,13 @@ class Animation:
     frames: np.ndarray
     transforms: np.ndarray
     verdicts: tuple[Verdict, ...]
+
+    def bodies(self, indices: np.ndarray | None = None) -> np.ndarray:
+        """Return the wearer's mesh in some frames, all where None [m], shape [count, vertex_count, 3]."""
+        body = self.worn.body
+        rest = unskin(body.vertices, body.weights, body.transforms)
+        chosen = self.transforms if indices is None else self.transforms[indices]
+        return np.stack([skin(rest, body.weights, transforms) for transforms in chosen])
 
 
 @dataclass(frozen=True)

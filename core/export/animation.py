@@ -6,11 +6,13 @@ import json
 from pathlib import Path
 from typing import Any
 
-from ..animate import Animation
-from .meshes import write_meshes
+from ..animate import Animation, Moved
+from .animation_report import report_animation
+from .meshes import write_meshes, write_ply
 from .morph_glb import MOST_BYTES, morph_bytes, write_morphs
 from .motion_pictures import write_preview, write_sheet
 from .point_caches import write_mdd, write_pc2
+from .result import write_json
 
 
 def write_animation(animation: Animation, folder: Path) -> list[Path]:
@@ -37,6 +39,26 @@ def write_animation(animation: Animation, folder: Path) -> list[Path]:
     verdicts = folder / "frames.json"
     verdicts.write_text(json.dumps(describe_frames(animation), indent=1) + "\n", encoding="utf-8")
     return [*files, verdicts]
+
+
+def write_moved(moved: Moved, folder: Path) -> list[Path]:
+    """Write an animation with its numbers and report.
+
+    Returns:
+        The files: those of `write_animation`, body.ply (the wearer where the motion started from), body.pc2 (the
+        wearer's mesh in each frame; left out beyond `MOST_BYTES`), metrics.json, manifest.json, report.html.
+    """
+    files, animation = write_animation(moved.animation, folder), moved.animation
+    body = animation.worn.body
+    files.append(write_ply(body.vertices, body.faces, folder / "body.ply"))
+    if 12 * body.vertices.size // 3 * len(animation.frames) <= MOST_BYTES:
+        files.append(write_pc2(animation.bodies(), folder / "body.pc2"))
+    files.append(write_json(moved.metrics, folder / "metrics.json"))
+    files.append(write_json(moved.manifest, folder / "manifest.json"))
+    report = folder / "report.html"
+    preview, sheet = ((folder / name).read_bytes() for name in ("preview.gif", "sheet.png"))
+    report.write_text(report_animation(moved, preview, sheet), encoding="utf-8")
+    return [*files, report]
 
 
 def describe_frames(animation: Animation) -> dict[str, Any]:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..body import skin, unskin
 from .picture import Camera, ColouredMesh, aim, draw
 from .views import DRAPED, SKIN
 
@@ -66,13 +65,12 @@ def write_preview(animation: Animation, path: Path) -> Path:
 def _draw(animation: Animation, indices: np.ndarray, size: tuple[int, int]) -> list[np.ndarray]:
     """Draw wearer and garment in some frames from one camera that goes with the pelvis; RGBA each."""
     body, faces = animation.worn.body, animation.worn.garment.faces
-    rest = unskin(body.vertices, body.weights, body.transforms)
     scenes = []
-    for index in indices:
+    for index, wearer in zip(indices, animation.bodies(indices), strict=True):
         transforms = animation.transforms[index]
         pelvis = transforms[0, :3, :3] @ body.rest_joints[0] + transforms[0, :3, 3]
         place = pelvis * np.array([1.0, 0.0, 1.0])
-        scenes.append((skin(rest, body.weights, transforms) - place, animation.frames[index] - place))
+        scenes.append((wearer - place, animation.frames[index] - place))
     camera = _aim(np.concatenate([part for scene in scenes for part in scene]), body.heading, size)
     return [
         draw([ColouredMesh(wearer, body.faces, SKIN), ColouredMesh(cloth, faces, DRAPED)], camera)

@@ -25,8 +25,14 @@ from .schemas import Sha256
 
 router = APIRouter(tags=["files"])
 
-KINDS = {"scans": "a scan", "bodies": "a wearer's mesh", "labels": "a label file", "patterns": "a pattern file"}
-EXTENSIONS = {"labels": (".npz", ".npy", ".json", ".txt"), "patterns": (".json",)}
+KINDS = {
+    "scans": "a scan",
+    "bodies": "a wearer's mesh",
+    "labels": "a label file",
+    "patterns": "a pattern file",
+    "motions": "a motion",
+}
+EXTENSIONS = {"labels": (".npz", ".npy", ".json", ".txt"), "patterns": (".json",), "motions": (".bvh", ".npz", ".json")}
 DIGEST = "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"
 EXAMPLE = {"sha256": DIGEST, "name": "skirt.ply", "size": 512034}
 

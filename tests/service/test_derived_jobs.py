@@ -143,3 +143,68 @@ def test_only_ended_garments_of_ones_own_are_worn(settings, database, store, res
         submit_derived(services, DerivedOrder("dress", result, key="stranger"))
     assert caught.value.code == "job.unknown"
     assert find_job(database, result).state == "succeeded"
+
+
+@pytest.fixture
+def still(monkeypatch):
+    """Let moving take no time: every frame is the garment at rest, but each frame's body is the motion's."""
+    from garmentq.core.animate import Animation, Verdict
+
+    def frames(worn, motion, settings, hooks):
+        from garmentq.core.animate import list_times
+        from garmentq.core.motion import MovingBody
+
+        times = list_times(motion, settings)
+        transforms = np.stack([MovingBody(worn.body).transforms(motion.at(float(t))) for t in times])
+        nodes = np.tile(worn.garment.nodes, (len(times), 1, 1))
+        return Animation(worn, settings.fps, times, nodes, transforms, (Verdict(True, 0.0, 0, 1, 1, 0.1),) * len(times))
+
+    monkeypatch.setattr("garmentq.core.animate.moved.animate", frames)
+
+
+KEYS = b'{"keys": [{"t": 0, "pose": "A"}, {"t": 1, "pose": {"left_knee": [40, 0, 0]}}]}'
+
+
+def test_result_moves(backend, result, still, settings, database, store, tmp_path):
+    """Broken where the motion's file, its range or its rate get lost on the way, or numbers cannot be searched."""
+    path = tmp_path / "bend.json"
+    path.write_bytes(KEYS)
+    options = {"fps": 10.0, "begin": 0.5}
+    done = backend.submit_derived(DerivedOrder("animate", result, options, {"motion": path}))
+    work_off(settings, database)
+    report = backend.find_job(done.job)
+    assert (report.state, report.error) == ("succeeded", None)
+    assert (report.kind, report.garment, report.metrics["frames"]) == ("animate", "skirt", 6.0)
+    assert [gate.verdict for gate in report.gates] == ["pass"] * 3
+    found = backend.find_jobs(JobQuery(wheres=["max_depth_mm < 2", "crossings < 1", "kind = animate"]))
+    assert [job.id for job in found] == [done.job]
+    paths = {path.name for path in export_files(database, store, done.job, tmp_path / "out")}
+    assert {"garment.pc2", "garment.mdd", "garment.glb", "body.pc2", "sheet.png", "preview.gif", "report.html"} <= paths
+
+
+def test_a_motions_file_goes_through_the_check(backend, result, still, settings, database, tmp_path):
+    """Broken where a user's motion is read outside the limited process, or a bad one is no bad input."""
+    path = tmp_path / "bad.bvh"
+    path.write_bytes(b"HIERARCHY\n}\nMOTION\n")
+    done = backend.submit_derived(DerivedOrder("animate", result, {}, {"motion": path}))
+    work_off(settings, database)
+    report = backend.find_job(done.job)
+    assert report.state == "failed" and report.bad_input and report.stage == "check"
+    assert report.error["code"] == "motion.bad" if isinstance(report.error, dict) else "motion.bad" in str(report.error)
+
+
+@pytest.mark.parametrize(
+    ("code", "options"),
+    [
+        ("job.request_bad", {"motion": "moonwalk"}),
+        ("job.request_bad", {}),
+        ("animate.settings_bad", {"motion": "walk", "fps": 0.0}),
+        ("animate.settings_bad", {"motion": "walk", "begin": 2.0, "end": 1.0}),
+        ("animate.settings_bad", {"motion": "walk", "damping": -1.0}),
+    ],
+)
+def test_what_makes_no_animation_is_refused_at_once(backend, result, code, options):
+    """Broken where such an order is a queued job, a traceback or a fault of the service."""
+    with pytest.raises(GarmentqError) as caught:
+        backend.submit_derived(DerivedOrder("animate", result, options))
+    assert caught.value.code == code

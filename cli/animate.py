@@ -1,0 +1,52 @@
+"""`garmentq animate`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..core.motion.shipped import SHIPPED
+from .derived import DerivedOptions, derived_options
+
+
+@click.command("animate")
+@click.argument("job")
+@click.option(
+    "--motion", required=True, help=f"A file (.bvh, .npz, .json; docs/animate.md), or one of {', '.join(SHIPPED)}."
+)
+@click.option("--fps", type=click.FloatRange(1, 240), default=30.0, show_default=True, help="Frames a second.")
+@click.option("--from", "begin", type=click.FloatRange(0), default=0.0, show_default=True, help="First second of it.")
+@click.option("--to", "end", type=click.FloatRange(0), help="Last second of it.  [default: its end; 4 s if it loops]")
+@click.option("--damping", type=click.FloatRange(0, 100), help="Drag of the air, 1/s.  [default: 2]")
+@derived_options
+@click.pass_context
+def command(
+    context: click.Context,
+    job: str,
+    motion: str,
+    fps: float,
+    begin: float,
+    end: float | None,
+    damping: float | None,
+    options: DerivedOptions,
+) -> None:
+    """Move a stored result with its wearer.
+
+    The wearer of a recovery, or of what `garmentq dress` put on another body, goes through a motion, and the cloth with
+    it. Prints the id of the job; with --wait the result: whether every frame converged, lies outside the body and
+    crosses itself nowhere. Files: point caches (PC2, MDD), a GLB that plays, a contact sheet, a preview.
+
+    \b
+    Example:
+      garmentq animate 3685ecfd4f81 --motion walk --wait
+      garmentq animate 3685ecfd4f81 --motion dance.bvh --fps 24 --from 1 --to 5 --out danced
+      garmentq query --where 'max_depth_mm < 2' --where 'kind = animate'
+    """
+    from ..service.derived import DerivedOrder
+    from .derived import run_derived
+
+    chosen = {"motion": motion if motion in SHIPPED else None, "fps": fps, "begin": begin, "end": end}
+    given = {name: value for name, value in {**chosen, "damping": damping}.items() if value is not None}
+    files = {} if motion in SHIPPED else {"motion": Path(motion)}
+    context.exit(run_derived(DerivedOrder("animate", job, given, files), options))

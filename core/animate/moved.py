@@ -1,0 +1,91 @@
+"""Move a stored garment with its wearer, and judge it: what a job of it does."""
+
+from __future__ import annotations
+
+import resource
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..clock import Clock
+from ..motion import LeadIn, Pose, Recording, retarget
+from ..recovery import Gate
+from ..wear import Worn
+from .animation import STAGE, Animation, animate
+from .measured import judge_animation, measure_animation
+from .settings import AnimateSettings
+
+STAGES = (STAGE, "measure")
+"""Stages of an animation, after those that read its input."""
+
+
+@dataclass(frozen=True)
+class Moved:
+    """Hold a garment in motion with everything that was found of it.
+
+    Attributes:
+        animation: The frames.
+        motion: Name of the motion.
+        metrics: Flat dotted names to numbers.
+        gates: The verdicts.
+        warnings: What the user should know, one sentence each.
+        stage_seconds: CPU seconds by stage name.
+        cpu_seconds: CPU seconds of the whole.
+        peak_mb: Largest resident memory of the process [MB].
+        manifest: What reproduces the result.
+    """
+
+    animation: Animation
+    motion: str
+    metrics: dict[str, float | None]
+    gates: tuple[Gate, ...]
+    warnings: tuple[str, ...] = ()
+    stage_seconds: dict[str, float] = field(default_factory=dict)
+    cpu_seconds: float = 0.0
+    peak_mb: float = 0.0
+    manifest: dict[str, Any] = field(default_factory=dict)
+
+
+def move_worn(worn: Worn, recording: Recording, name: str, settings: AnimateSettings, clock: Clock) -> Moved:
+    """Move a garment on its wearer by a recording.
+
+    Args:
+        worn: The garment as a result keeps it.
+        recording: The motion as it was read.
+        name: What it is called.
+        settings: Frames and steps.
+        clock: Times the stages.
+
+    Raises:
+        AnimateBad: where no frame is asked for, or more than can be kept.
+        Cancelled: as soon as the clock's hooks say so.
+    """
+    with clock.stage(STAGE, "moving the wearer") as hooks:
+        track = retarget(recording, worn.body)
+        lead = LeadIn(Pose.of(worn.body), track, settings.begin, settings.lead)
+        animation = animate(worn, lead, settings, hooks)
+    with clock.stage("measure", "judging the frames"):
+        metrics = measure_animation(animation)
+    warnings = list(recording.notes)
+    if worn.rotation is not None:
+        warnings.append("the scanned cloth was in motion; here it moves from rest.")
+    return Moved(
+        animation=animation,
+        motion=name,
+        metrics=metrics,
+        gates=judge_animation(metrics),
+        warnings=tuple(warnings),
+        stage_seconds=clock.seconds,
+        cpu_seconds=clock.total,
+        peak_mb=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
+        manifest={
+            "motion": name,
+            "fps": settings.fps,
+            "from": float(animation.times[0]),
+            "to": float(animation.times[-1]),
+            "damping_per_s": settings.step.damping,
+            "body": worn.body.source,
+            "fabric": worn.fabric.name,
+            "template": worn.template,
+            "category": worn.category,
+        },
+    )

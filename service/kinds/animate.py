@@ -1,0 +1,77 @@
+"""The kind `animate`: a stored result moves with its wearer."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from sqlalchemy.orm import Session
+
+from ..jobs import Claim
+from ..models import JobRow
+from .animate_request import MOTION, AnimateRequest
+from .dress import GARMENTS
+from .dress_request import RESULT
+from .kind import Kind, Outcome, Work
+from .rows import add_metrics, add_pattern, describe_body, show_garment, summarise
+
+if TYPE_CHECKING:
+    from ...core.animate import AnimateSettings, Moved
+    from ...core.hooks import Hooks
+    from ..settings import ServiceSettings
+
+MOTION_CHECKER = "garmentq.service.checking:check_motion"
+"""What reads a motion's file first, in a limited process."""
+
+
+class Animate(Kind):
+    """Move a stored result with its wearer."""
+
+    name = "animate"
+    request = AnimateRequest
+    stages = ("check", "animate", "measure")
+    reads = MappingProxyType({RESULT: GARMENTS})
+
+    def checker(self, settings: ServiceSettings) -> str:
+        """Return the reader of motions."""
+        return MOTION_CHECKER
+
+    def run(self, request: AnimateRequest, work: Work, hooks: Hooks) -> Moved:
+        """Move the garment and write the files."""
+        from ...core.animate import move_worn
+        from ...core.clock import Clock
+        from ...core.export.animation import write_moved
+        from ...core.motion import Recording, find_shipped, load_motion
+        from ...core.record_file import read_record
+        from ...core.wear import load_worn
+
+        worn, clock = load_worn(work.inputs[RESULT]), Clock(hooks)
+        if isinstance(request.motion, str):
+            path = find_shipped(request.motion)
+            assert path is not None
+            name, recording = request.motion, load_motion(path)
+        else:
+            name, recording = request.motion.name, read_record(Recording, work.files / MOTION)
+        moved = move_worn(worn, recording, name, _choose(request), clock)
+        write_moved(moved, work.out)
+        return moved
+
+    def store(self, session: Session, claim: Claim, result: Moved) -> Outcome:
+        """Add the rows of pattern, fabric, body and numbers."""
+        worn = result.animation.worn
+        session.add(describe_body(claim.job, worn.body))
+        add_pattern(session, claim.job, worn.pattern, worn.fabric, (worn.category, worn.template))
+        add_metrics(session, claim.job, result.metrics)
+        return Outcome(summarise(result))
+
+    def show(self, session: Session, row: JobRow) -> dict[str, Any]:
+        """Return garment, template, fabric and body by name."""
+        return show_garment(session, row.id)
+
+
+def _choose(request: AnimateRequest) -> AnimateSettings:
+    from ...core.animate import AnimateSettings
+    from ...core.simulate.motion_step import StepSettings
+
+    step = StepSettings() if request.damping is None else StepSettings(damping=request.damping)
+    return AnimateSettings(fps=request.fps, begin=request.begin, end=request.end, step=step)

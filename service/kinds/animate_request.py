@@ -1,0 +1,45 @@
+"""What an animation is asked for; light, since the limited process that reads its file imports it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...core.motion.shipped import SHIPPED
+from .request import FileRef, RequestBad
+
+MOTION = "motion.npz"
+"""Holds what was read of the motion's file, beside its folder."""
+
+
+@dataclass(frozen=True)
+class AnimateRequest:
+    """Ask for a stored result in motion.
+
+    Attributes:
+        motion: A motion's file, or the name of a shipped one.
+        fps: Frames a second [1/s].
+        begin: Time of the motion at the first frame [s].
+        end: Time of the motion at the last frame [s], or None: its end, or four seconds of one that loops.
+        damping: Rate at which velocity relative to the air decays [1/s], or None: as usual.
+    """
+
+    motion: FileRef | str
+    fps: float = 30.0
+    begin: float = 0.0
+    end: float | None = None
+    damping: float | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what makes no animation.
+
+        Raises:
+            RequestBad: where the motion is neither a file nor shipped.
+            AnimateBad: where the frames make no animation.
+        """
+        from ...core.animate.settings import AnimateBad, AnimateSettings
+
+        if isinstance(self.motion, str) and self.motion not in SHIPPED:
+            raise RequestBad(f"no motion '{self.motion[:40]}' is shipped; there are {', '.join(SHIPPED)}, and files.")
+        if self.damping is not None and not 0.0 <= self.damping <= 100.0:
+            raise AnimateBad(f"a damping of {self.damping:g} a second is outside 0 to 100.")
+        AnimateSettings(fps=self.fps, begin=self.begin, end=self.end)
