@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,8 @@ from .judge import NUMBERS
 
 SAMPLES = 1500
 """Samples of a scan that are trained on: neighbours are so alike that more of them add time alone."""
+FILE = "boosted.joblib"
+"""Name of the trees' file."""
 TREES = 100
 """Trees for each part."""
 
@@ -36,3 +39,19 @@ def predict_boosted(trees: Any, scan: Described) -> np.ndarray:
     out = np.full((len(found), len(NUMBERS)), np.log(1e-6))
     out[:, [int(np.flatnonzero(NUMBERS == number)[0]) for number in trees.classes_]] = found
     return out
+
+
+def save_boosted(trees: Any, folder: Path) -> None:
+    """Write the trees into a folder, to be compared with others on this machine: no format to ship."""
+    import joblib
+
+    joblib.dump(trees, folder / FILE)
+
+
+def load_boosted(folder: Path) -> Any | None:
+    """Read the trees that a training of one's own left in a folder, or None where there are none."""
+    if not (folder / FILE).exists():
+        return None
+    import joblib
+
+    return joblib.load(folder / FILE)

@@ -1,8 +1,8 @@
 """Fit the body to simulated scans and describe their samples: what the trainers read.
 
-Run as `python -m garmentq.training.describe --persons DIR --out DIR`. The body is fitted to the noisy scan as it is to
-any scan, never taken from the simulation: a trainer must see the offsets that a separation will see. Of every other
-scan it is fitted once more with the labels, a share of them wrong, as a separation's second round is.
+Run as `python -m garmentq.training.describe --persons DIR --out DIR`. The body is fitted to the noisy scan as a
+separation fits it, below what the rules take for cloth, never taken from the simulation: a trainer must see the offsets
+that a separation will see, with the errors that wrong labels make.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import argparse
 import json
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -18,21 +18,19 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..core.body.fit import State
-from ..core.body.person import PersonFit, PointWeights, fit_person, refit_person
+from ..core.body.person import PersonFit, fit_person
 from ..core.body.registration import body_of_state
 from ..core.body.template import load_template
 from ..core.errors import GarmentqError
-from ..core.person import CLOTH, Part
+from ..core.person.diffusion import link_points
 from ..core.person.features import VERSION, describe_points
 from ..core.person.points import PersonPoints, sample_person
 from ..core.person.rules import predict_by_rules
+from ..core.person.separate import fit_below_clothes
+from ..core.scan.raw import RawScan
+from .colours import paint
 from .runtime import network_inputs
 from .shards import Shard, load_shard
-
-WRONG = (0.02, 0.2)
-"""Range of the share of patches whose label is wrong when the body is fitted for the second round."""
-PATCH = 0.05
-"""Width [m] of a patch whose label is wrong."""
 
 
 @dataclass(frozen=True)
@@ -71,22 +69,21 @@ class Described:
         return network_inputs(self.values, self.rules)
 
 
-def describe(shard: Shard, rounds: int) -> Described:
-    """Fit the body to a scan and describe its samples.
-
-    Args:
-        shard: The scan.
-        rounds: 1 for the fit that knows nothing, 2 for one more with labels of which some are wrong.
-    """
-    raw = shard.raw_scan()
+def describe(shard: Shard) -> Described:
+    """Fit the body to a scan as a separation does, and describe its samples."""
+    raw = painted_scan(shard)
     fit = fit_person(raw.points, raw.normals, True)
     points = sample_person(raw, fit)
+    fit = fit_below_clothes(fit, points, link_points(points.positions, points.normals))
+    return describe_fitted(shard, points, fit)
+
+
+def describe_fitted(shard: Shard, points: PersonPoints, fit: PersonFit) -> Described:
+    """Describe the samples of a scan to which the body was fitted."""
     near = nearest_points(points, shard)
-    if rounds > 1:
-        fit = _refit(fit, points, shard.label[near], int(shard.about["seed"]))
     features = describe_points(points, fit)
     error = cKDTree(fit.body.vertices).query(shard.body_vertices)[0]
-    about = shard.about | {"rounds": rounds, "version": VERSION, "body_error": float(error.mean())}
+    about = shard.about | {"version": VERSION, "coloured": points.colours is not None}
     return Described(
         features.values,
         points.positions,
@@ -98,8 +95,13 @@ def describe(shard: Shard, rounds: int) -> Described:
         shard.tightness[near],
         shard.border[near],
         pack_state(fit.state),
-        about,
+        about | {"body_error": float(error.mean())},
     )
+
+
+def painted_scan(shard: Shard) -> RawScan:
+    """Return a scan with the colours that its scanner gave."""
+    return replace(shard.raw_scan(), colours=paint(shard))
 
 
 def pack_state(state: State) -> np.ndarray:
@@ -119,17 +121,6 @@ def nearest_points(points: PersonPoints, shard: Shard) -> np.ndarray:
     length = 0.01
     tree = cKDTree(np.hstack([shard.points, length * shard.normals]))
     return np.asarray(tree.query(np.hstack([points.positions, length * points.normals]))[1])
-
-
-def _refit(fit: PersonFit, points: PersonPoints, label: np.ndarray, seed: int) -> PersonFit:
-    """Fit again with labels of which a share of patches is another sample's."""
-    rng = np.random.default_rng(seed)
-    cell = np.unique(np.floor(points.positions / PATCH).astype(int), axis=0, return_inverse=True)[1].ravel()
-    wrong = rng.random(cell.max() + 1) < rng.uniform(*WRONG)
-    label = np.where(wrong[cell], rng.choice(label, cell.max() + 1)[cell], label)
-    cloth = np.isin(label, [int(part) for part in CLOTH]).astype(float)
-    ignored = np.isin(label, [int(part) for part in (Part.HAIR, Part.SHOES, Part.OTHER)]).astype(float)
-    return refit_person(fit, points.positions, points.normals, PointWeights(cloth, ignored))
 
 
 def save_described(described: Described, path: Path) -> None:
@@ -170,7 +161,7 @@ def describe_folder(persons: Path, out: Path, limit: float | None = None) -> int
         cpu = time.process_time()
         shard = load_shard(path)
         try:
-            described = describe(shard, 1 + (shard.about["seed"] + shard.about["scan"]) % 2)
+            described = describe(shard)
         except GarmentqError as problem:
             (out / path.with_suffix(".none").name).write_text(str(problem))
             print(f"{path.stem} {problem}", flush=True)

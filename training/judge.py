@@ -6,13 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..core.measure import measure_calibration
+from ..core.measure.raw_labels import SURE
 from ..core.person import CLOTH, PARTS
-
-BINS = 15
-"""Bins of confidence for the calibration error."""
-
-SURE = 0.9
-"""Probability from which a point counts as surely told."""
 
 NUMBERS = np.array([int(part) for part in PARTS])
 """Label of each column of a posterior."""
@@ -44,13 +40,17 @@ class Judged:
 def judge(posteriors: list[np.ndarray], labels: list[np.ndarray]) -> Judged:
     """Compare posteriors in the order of `PARTS` with labels, one of each per scan."""
     found = [NUMBERS[posterior.argmax(axis=1)] for posterior in posteriors]
+    return judge_labels(found, [posterior.max(axis=1) for posterior in posteriors], labels)
+
+
+def judge_labels(found: list[np.ndarray], confidences: list[np.ndarray], labels: list[np.ndarray]) -> Judged:
+    """Compare labels that were found, each with its confidence, with the true ones, one of each per scan."""
     means, cloths = [], []
     cloth = [int(part) for part in CLOTH]
     for ours, true in zip(found, labels, strict=True):
         means.append(np.mean([iou(ours == number, true == number) for number in np.unique(true)]))
         cloths.append(iou(np.isin(ours, cloth), np.isin(true, cloth)))
-    ours, true = np.concatenate(found), np.concatenate(labels)
-    confidence = np.concatenate([posterior.max(axis=1) for posterior in posteriors])
+    ours, true, confidence = (np.concatenate(each) for each in (found, labels, confidences))
     right, sure = ours == true, confidence >= SURE
     classes = {part.word: iou(ours == int(part), true == int(part)) for part in PARTS if (true == int(part)).any()}
     return Judged(
@@ -58,7 +58,7 @@ def judge(posteriors: list[np.ndarray], labels: list[np.ndarray]) -> Judged:
         mean_iou=float(np.mean(means)),
         cloth_iou=float(np.mean(cloths)),
         iou=classes,
-        ece=calibration_error(confidence, right),
+        ece=measure_calibration(true, ours, confidence).error,
         sure=float(sure.mean()),
         sure_right=float(right[sure].mean()) if sure.any() else 1.0,
     )
@@ -68,14 +68,6 @@ def iou(ours: np.ndarray, true: np.ndarray) -> float:
     """Return intersection over union of two masks, 1 where both are empty."""
     union = int((ours | true).sum())
     return float((ours & true).sum() / union) if union else 1.0
-
-
-def calibration_error(confidence: np.ndarray, right: np.ndarray) -> float:
-    """Return the expected calibration error: mean gap of confidence and share right in `BINS` bins of confidence."""
-    place = np.minimum((confidence * BINS).astype(int), BINS - 1)
-    count = np.bincount(place, minlength=BINS)
-    gap = np.bincount(place, confidence, BINS) - np.bincount(place, right, BINS)
-    return float(np.abs(gap).sum() / max(count.sum(), 1))
 
 
 def find_temperature(logits: np.ndarray, labels: np.ndarray) -> float:

@@ -19,7 +19,7 @@ from torch.nn import functional
 
 from ..core.person import GARMENTS, PARTS
 from ..core.person.features import LENGTH, NAMES, VERSION
-from .boosted import predict_boosted, train_boosted
+from .boosted import predict_boosted, save_boosted, train_boosted
 from .describe import Described, load_described
 from .judge import NUMBERS, Judged, find_temperature, judge
 from .network import PersonNetwork, save_weights, to_torch
@@ -187,6 +187,7 @@ def main() -> None:
     if options.boosted:
         start = time.process_time()
         trees = train_boosted(train, options.seed)
+        save_boosted(trees, options.out)
         figures["boosted"] = {"seconds": time.process_time() - start}
         logits = {name: [predict_boosted(trees, scan) for scan in scans] for name, scans in sets.items()}
         cooled = calibrate(logits["validation"], validation)

@@ -80,7 +80,9 @@ class PersonRings:
         ankles: The upper ends of the shoes, left and right, if there are shoes.
         neckline: The neck's opening.
         waists: Rings between upper and lower, the best first.
+        waists_by_shape: The same without colours: of one cloth above and below, they alone show where it ends.
         tube: Share of the height below the crotch where cloth spans from leg to leg: near 1 for skirts.
+        is_coloured: Whether colours counted for the waists.
     """
 
     grids: dict[Limb, UnrolledGrid]
@@ -89,7 +91,9 @@ class PersonRings:
     ankles: tuple[Ring, Ring]
     neckline: Ring
     waists: tuple[Waist, ...]
+    waists_by_shape: tuple[Waist, ...]
     tube: float
+    is_coloured: bool
 
 
 @dataclass(frozen=True)
@@ -149,14 +153,17 @@ def find_rings(
     hems = _find_pair(grids, cells, LEGS, (0.05, ankle - 0.02))
     ankles = _find_ankles(grids, cells, LEGS, ankle)
     hem = float(np.mean([grids[limb].stations[ring.rows].mean() for limb, ring in zip(LEGS, hems, strict=True)]))
+    waists = tuple(_find_waists(grids, cells, hem, use_colours) for use_colours in (True, False))
     return PersonRings(
         grids=grids,
         sleeves=sleeves,
         hems=hems,
         ankles=ankles,
         neckline=_find_neckline(grids[Limb.NECK], cells[Limb.NECK]),
-        waists=_find_waists(grids, cells, LEGS, hem),
+        waists=waists[0],
+        waists_by_shape=waists[1],
         tube=_tube(points, features),
+        is_coloured=colours is not None,
     )
 
 
@@ -249,26 +256,26 @@ WAIST_PRIOR = -26.0
 
 
 def _find_waists(
-    grids: dict[Limb, UnrolledGrid], cells: dict[Limb, _Cells], legs: tuple[Limb, Limb], hem: float
+    grids: dict[Limb, UnrolledGrid], cells: dict[Limb, _Cells], hem: float, use_colours: bool
 ) -> tuple[Waist, ...]:
     """Find rings between upper and lower: on the trunk with either side higher, on the legs with the upper over."""
     found = []
     trunk = grids[Limb.TRUNK]
-    crotch = trunk.stations[-1] - np.ptp(grids[legs[0]].stations) + 0.10
+    crotch = trunk.stations[-1] - np.ptp(grids[LEGS[0]].stations) + 0.10
     outside = (trunk.stations < WAIST_FROM) | (trunk.stations > crotch)
     for sign in (1.0, -1.0):
-        edge = cells[Limb.TRUNK].edge(sign, True)
+        edge = cells[Limb.TRUNK].edge(sign, use_colours)
         edge[outside] = -50.0
         ring = find_ring(edge, None, WARMTH)
         found.append(Waist((Limb.TRUNK,), (ring,), sign > 0, ring.score + WAIST_PRIOR))
-    edges = _couple(*((grids[limb], cells[limb].edge(1.0, True)) for limb in legs))
+    edges = _couple(*((grids[limb], cells[limb].edge(1.0, use_colours)) for limb in LEGS))
     rings = []
-    for limb, edge in zip(legs, edges, strict=True):
+    for limb, edge in zip(LEGS, edges, strict=True):
         stations = grids[limb].stations
         edge[(stations < 0.05) | (stations > hem - 0.08)] = -50.0
         rings.append(find_ring(edge, None, WARMTH))
     score = 0.5 * (rings[0].score + rings[1].score) / (1 + COUPLING) + WAIST_PRIOR
-    found.append(Waist(legs, (rings[0], rings[1]), True, score))
+    found.append(Waist(LEGS, (rings[0], rings[1]), True, score))
     return tuple(sorted(found, key=lambda waist: -waist.score))
 
 

@@ -7,18 +7,20 @@ from itertools import product
 import numpy as np
 
 from ..body import JOINTS, Body
+from .confidence import temper
 from .limbs import BodyPlace
 from .part import GARMENTS, PARTS, Part
 from .separation import Outfit
 
 READINGS: tuple[tuple[tuple[Part, ...], float], ...] = (
     ((Part.UPPER, Part.LOWER), 0.0),
-    ((Part.ONE_PIECE,), -1.0),
+    ((Part.ONE_PIECE,), 0.0),
     ((Part.UPPER,), -3.0),
     ((Part.LOWER,), -3.0),
 )
-"""What people wear below an outer layer, each with its log-probability before anything is seen, up to a constant:
-a third as many dresses as tops with something below; a top or a bottom alone is one person in twenty."""
+"""What people wear below an outer layer, each with its log-probability before anything is seen, up to a constant: a top
+or a bottom alone is one person in twenty. How much oftener two pieces are than one is in the posterior already
+(`rules.two_piece_probability`)."""
 
 OUTER = -3.0
 """Log-odds of an outer layer before anything is seen: people are scanned indoors."""
@@ -27,8 +29,14 @@ WAIST = 0.10
 """Height of the waist line over the hip joints on the T-pose [m]: where a dress would be cut in two."""
 
 PATCHES = 12.0
-"""Independent observations that all points of a scan count as: what the geometry takes for a dress it does so on all of
-it at once, so that thousands of points say little more than a dozen would."""
+"""Independent observations that all points of a scan count as: errors are alike over a limb or a side of the trunk, so
+that thousands of points say little more than a dozen would."""
+
+COVERED = 0.7
+"""Share of what looks like a top that is an outer layer's where one is worn: it hides the top but for an open front."""
+
+LEAST_SHARE = 1e-3
+"""Least probability of one piece and of two: what a waist shows can be a belt, or be hidden."""
 
 FAINT = 0.05
 """Probability of upper and lower together up to which the waist line decides where a dress is cut, and not they."""
@@ -78,8 +86,10 @@ def rank_outfits(
 ) -> tuple[Outfit, ...]:
     """Return the readings, the likeliest first.
 
-    score(H) = log p(H) + `PATCHES` mean_i log sum_k p(k | i), k over what H names itself: a point that looks like a
-    dress speaks for the dress and not for top and skirt.
+    score(H) = log p(H) + log p(one piece or several) + `PATCHES` mean_i log sum_k p(k | i, H), with p(k | i, H) as
+    `read_as`: what H has no place for speaks against it. Whether there is one piece or several is one fact of the whole
+    person, the mean over what is garment at all, and counts once, however many points repeat it. The difference of two
+    scores is therefore the log-odds of the readings.
 
     Args:
         posterior: Of the samples, which are even, shape [n, part_count].
@@ -89,12 +99,50 @@ def rank_outfits(
     """
     if wearing is not None:
         return (Outfit(wearing, 0.0),)
-    bare = [COLUMN[part] for part in PARTS if part not in GARMENTS]
+    several = several_probability(posterior)
     found = []
     for (inner, prior), outer in product(READINGS, (False, True)):
         outfit = tuple(part for part in GARMENTS if part in inner or (outer and part is Part.OUTER))
-        allowed = posterior[:, bare + [COLUMN[part] for part in outfit]].sum(axis=1)
-        score = prior + OUTER * outer + PATCHES * float(np.log(np.maximum(allowed, FLOOR)).mean())
-        found.append(Outfit(outfit, score))
+        allowed = read_as(posterior, outfit, above).sum(axis=1)
+        worn = 1.0 - several if Part.ONE_PIECE in outfit else several
+        score = prior + OUTER * outer + np.log(worn) + PATCHES * np.log(np.maximum(allowed, FLOOR)).mean()
+        found.append(Outfit(outfit, float(score)))
     fitting = [outfit for outfit in found if set(marked) <= set(outfit.parts)]
     return tuple(sorted(fitting or [Outfit(marked, 0.0)], key=lambda outfit: -outfit.score))
+
+
+def several_probability(posterior: np.ndarray) -> float:
+    """Return the probability that what is worn below an outer layer is several garments and not one piece.
+
+    Args:
+        posterior: Of the samples, shape [n, part_count].
+    """
+    upper, lower, whole = posterior[:, [COLUMN[part] for part in (Part.UPPER, Part.LOWER, Part.ONE_PIECE)]].sum(axis=0)
+    share = (upper + lower) / max(upper + lower + whole, 1e-9)
+    return float(np.clip(share, LEAST_SHARE, 1.0 - LEAST_SHARE))
+
+
+def outfit_probabilities(outfits: tuple[Outfit, ...]) -> np.ndarray:
+    """Return the probability of each reading: exp(score), to a sum of 1, shape [outfit_count]."""
+    scores = np.array([outfit.score for outfit in outfits])
+    likely = np.exp(scores - scores.max())
+    return np.asarray(likely / likely.sum())
+
+
+def read_all(posterior: np.ndarray, outfits: tuple[Outfit, ...], above: np.ndarray) -> np.ndarray:
+    """Return the posterior over all readings, sum_H p(H) p(k | i, H), rows sum to 1, shape [n, part_count].
+
+    Each reading's is tempered, and not the sum: smoothing blurs the parts, but not what is known of the outfit.
+    A label that only the best reading gives is no likelier than that reading. Nothing tells a coat from a top: where an
+    outer layer is worn, `COVERED` of what looks like a top, or like one piece above the waist, is it.
+    """
+    upper, whole, outer = (COLUMN[part] for part in (Part.UPPER, Part.ONE_PIECE, Part.OUTER))
+    total = np.zeros_like(posterior)
+    for outfit, likely in zip(outfits, outfit_probabilities(outfits), strict=True):
+        read = read_as(posterior, outfit.parts, above)
+        if Part.OUTER in outfit.parts and len(outfits) > 1:
+            hidden = COVERED * np.stack([read[:, upper], read[:, whole] * above], axis=1)
+            read[:, [upper, whole]] -= hidden
+            read[:, outer] += hidden.sum(axis=1)
+        total += likely * temper(read / read.sum(axis=1, keepdims=True))
+    return total

@@ -12,16 +12,16 @@ from ..body.presence import SeveralPersons
 from ..hooks import SILENT, Hooks
 from ..scan.raw import RawScan
 from .colour import use_colours
-from .confidence import judge, temper
+from .confidence import judge, leave_foreign, temper
 from .crumbs import give_crumbs
 from .diffusion import Links, diffuse, link_points
 from .features import Features, describe_points
 from .garments import find_garments
 from .hints import Hints
 from .marks import apply_marks, garments_marked
-from .outfit import above_waist, rank_outfits, read_as
+from .outfit import above_waist, rank_outfits, read_all, read_as
 from .part import CLOTH, PARTS, Part
-from .points import PersonPoints, sample_person
+from .points import FittedPerson, PersonPoints, sample_person
 from .rules import predict_by_rules
 from .separation import Separation
 from .tone import skin_evidence
@@ -78,14 +78,15 @@ def separate(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT) ->
     points = sample_person(raw, fit)
     links = link_points(points.positions, points.normals)
     told = None if hints.label is None else _sample_labels(raw, points, hints.label[raw.origin])
-    for turn in range(ROUNDS):
-        hooks.progress(STAGE, turn / (ROUNDS + 1), "telling the parts apart")
-        posterior = told if told is not None else _predict(points, fit, links)[0]
-        fit = _refit(fit, points, posterior, hooks)
-    posterior, features = (told, describe_points(points, fit)) if told is not None else _predict(points, fit, links)
+    if not isinstance(fit, _Given):
+        fit = fit_below_clothes(fit, points, links, told, hooks)
+    posterior, features = (
+        (told, describe_points(points, fit)) if told is not None else predict_parts(points, fit, links)
+    )
     hooks.progress(STAGE, 0.8, "choosing the outfit")
     above = above_waist(features.place, fit.body)
     outfits = rank_outfits(posterior, above, _worn(hints), garments_marked(hints.marks))
+    believed = read_all(posterior, outfits, above)
     posterior = read_as(posterior, outfits[0].parts, above)
     posterior /= posterior.sum(axis=1, keepdims=True)
     area = np.full(len(posterior), points.spacing**2)
@@ -93,10 +94,11 @@ def separate(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT) ->
     if told is None:
         column = give_crumbs(column, points.positions, area, links)
         column = apply_marks(column, hints.marks, raw, points, links)
-    posterior = temper(_believe(posterior, column))
+    first = posterior.argmax(axis=1)
+    believed, posterior = (_exchange(one, first, column) for one in (leave_foreign(believed), temper(posterior)))
     fit = _refit(fit, points, posterior, hooks)
-    carried = points.carry(posterior.astype(np.float32))
-    at, sure = NUMBERS[carried.argmax(axis=1)], carried.max(axis=1)
+    best = points.carry(posterior.astype(np.float32)).argmax(axis=1)
+    at, sure = NUMBERS[best], points.carry(believed.astype(np.float32))[np.arange(len(best)), best]
     if hints.label is not None:
         at, sure = hints.label[raw.origin], np.full(len(at), TOLD, np.float32)
     hooks.progress(STAGE, 0.9, "looking at the garments' openings")
@@ -119,6 +121,25 @@ def check_alone(raw: RawScan) -> None:
         raise SeveralPersons()
 
 
+def fit_below_clothes(
+    fit: PersonFit, points: PersonPoints, links: Links, told: np.ndarray | None = None, hooks: Hooks = SILENT
+) -> PersonFit:
+    """Return the body fitted again, `ROUNDS` times, below what is told to be cloth on the one before.
+
+    Args:
+        fit: As if bare.
+        points: The samples.
+        links: Their neighbours.
+        told: The posterior where it is known, shape [n, part_count]; else it is predicted.
+        hooks: Progress and cancellation.
+    """
+    for turn in range(ROUNDS):
+        hooks.progress(STAGE, turn / (ROUNDS + 1), "telling the parts apart")
+        posterior = told if told is not None else predict_parts(points, fit, links)[0]
+        fit = refit_person(fit, points.positions, points.normals, weigh(posterior), hooks)
+    return fit
+
+
 def weigh(posterior: np.ndarray) -> PointWeights:
     """Return what a posterior, shape [n, part_count], says of where the body is."""
     cloth, ignored = (posterior[:, [PARTS.index(part) for part in parts]].sum(axis=1) for parts in (CLOTH, IGNORED))
@@ -134,7 +155,7 @@ def to_file(raw: RawScan, label: np.ndarray, confidence: np.ndarray) -> tuple[np
     return labels, sure
 
 
-def _predict(points: PersonPoints, fit: PersonFit | _Given, links: Links) -> tuple[np.ndarray, Features]:
+def predict_parts(points: PersonPoints, fit: FittedPerson, links: Links) -> tuple[np.ndarray, Features]:
     """Return the posterior by geometry and colour, shape [n, part_count], and the features."""
     features = describe_points(points, fit)
     tone = None if points.colours is None else skin_evidence(points.colours, features.place, fit.body)
@@ -165,9 +186,9 @@ def _sample_labels(raw: RawScan, points: PersonPoints, label: np.ndarray) -> np.
     return posterior
 
 
-def _believe(posterior: np.ndarray, column: np.ndarray) -> np.ndarray:
-    """Return the posterior with the chosen part likeliest: where another was, the two change places."""
-    rows, best = np.arange(len(column)), posterior.argmax(axis=1)
+def _exchange(posterior: np.ndarray, first: np.ndarray, column: np.ndarray) -> np.ndarray:
+    """Return the posterior with the first and the chosen part's probabilities exchanged, shape [n, part_count]."""
+    rows = np.arange(len(column))
     changed = posterior.copy()
-    changed[rows, column], changed[rows, best] = posterior[rows, best], posterior[rows, column]
+    changed[rows, column], changed[rows, first] = posterior[rows, first], posterior[rows, column]
     return changed

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from garmentq.core.person import GARMENTS, PARTS, Part
 from garmentq.core.person.colour import fit_colours, is_painted, to_lab
-from garmentq.core.person.confidence import NoCloth, Unsure, judge, temper
+from garmentq.core.person.confidence import FOREIGN, NoCloth, Unsure, judge, leave_foreign, temper
 from garmentq.core.person.crumbs import give_crumbs
 from garmentq.core.person.diffusion import diffuse, link_points
 from garmentq.core.person.hints import HintBad, parse_mark, parse_wearing
 from garmentq.core.person.labels import has_names, read_parts, write_labels
-from garmentq.core.person.outfit import rank_outfits, read_as
+from garmentq.core.person.outfit import outfit_probabilities, rank_outfits, read_all, read_as
 from garmentq.core.person.separation import FoundContour, FoundGarment, Outfit
 from garmentq.core.scan import LabelsUnreadable
 from garmentq.core.segment.legs import split_legs
@@ -133,6 +133,22 @@ def test_a_dress_read_as_two_is_cut_at_the_waist():
     assert PARTS[read_as(read, (Part.ONE_PIECE,), above).argmax(axis=1)[0]] is Part.ONE_PIECE
 
 
+@pytest.mark.parametrize("odds", [0.6, 0.8])
+def test_doubt_of_the_outfit_is_doubt_of_each_point(odds):
+    """Broken where thousands of points that repeat one fact make it sure, or a label is surer than its reading."""
+    rest = (1.0 - odds) / 2
+    posterior = np.array([spread(SKIN=1.0)] * 40 + [spread(ONE_PIECE=odds, UPPER=rest, LOWER=rest)] * 60)
+    above = np.linspace(0.0, 1.0, 100)
+    outfits = rank_outfits(posterior, above)
+    assert outfits[0].parts == (Part.ONE_PIECE,)
+    assert outfits[0].score - outfits[1].score == pytest.approx(np.log(odds / (1.0 - odds)), abs=0.05)
+    believed = read_all(posterior, outfits, above)
+    np.testing.assert_allclose(believed.sum(axis=1), 1.0)
+    assert believed[60:, PARTS.index(Part.ONE_PIECE)].mean() == pytest.approx(odds, abs=0.06)
+    assert believed[:40, PARTS.index(Part.SKIN)].min() > 0.99
+    assert outfit_probabilities(outfits).sum() == pytest.approx(1.0)
+
+
 def test_tempering_keeps_order_and_softens():
     """Broken where a temperature above 1 makes surer."""
     posterior = np.array([[0.7, 0.2, 0.1]])
@@ -207,3 +223,11 @@ def test_a_ragged_hem_is_one():
     ragged = flat + np.random.default_rng(0).normal(0.0, 0.004, flat.shape)
     assert np.linalg.norm(np.roll(ragged, 1, axis=0) - ragged, axis=1).sum() > 2.3  # flat: 1.28
     assert split_legs(ragged) is None
+
+
+def test_what_no_rule_knows_is_left_a_share():
+    """Broken where a part of which one in ten is a hat is stated as sure, or a row no longer sums to 1."""
+    left = leave_foreign(np.array([spread(HAIR=1.0), spread(SKIN=1.0)]))
+    np.testing.assert_allclose(left.sum(axis=1), 1.0)
+    assert left[0, PARTS.index(Part.HAIR)] == pytest.approx(1.0 - FOREIGN[Part.HAIR], abs=0.02)
+    assert left[0].argmax() == PARTS.index(Part.HAIR)

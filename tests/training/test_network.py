@@ -10,7 +10,7 @@ from garmentq.core.person import PARTS
 from garmentq.core.person.features import NAMES
 from garmentq.core.person.limbs import Limb
 from garmentq.training.describe import Described
-from garmentq.training.judge import calibration_error, find_temperature, judge
+from garmentq.training.judge import find_temperature, judge, judge_labels
 from garmentq.training.network import PersonNetwork, save_weights, to_torch
 from garmentq.training.runtime import STATIONS, Cells, load_network
 from garmentq.training.train import cells_of, predict, soften, train_network
@@ -97,8 +97,13 @@ def test_figures_of_known_posteriors():
     assert figures.cloth_iou == pytest.approx(0.5)
     assert figures.sure == pytest.approx(0.75)
     assert figures.sure_right == pytest.approx(1.0)
-    assert calibration_error(np.array([0.8] * 10), np.array([True] * 8 + [False] * 2)) == pytest.approx(0.0, abs=1e-12)
-    assert calibration_error(np.array([1.0] * 10), np.array([True] * 5 + [False] * 5)) == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize(("confidence", "right", "error"), [(0.8, 8, 0.0), (1.0, 5, 0.5)])
+def test_confidence_of_labels_is_judged(confidence, right, error):
+    """Broken where the posterior's largest is taken for the confidence that was stated."""
+    found, true = np.zeros(10, int), np.array([0] * right + [10] * (10 - right))
+    assert judge_labels([found], [np.full(10, confidence)], [true]).ece == pytest.approx(error, abs=1e-12)
 
 
 def test_the_temperature_is_found():
