@@ -138,15 +138,23 @@ class HalfEdges:
 
     @cached_property
     def _edges(self) -> tuple[np.ndarray, np.ndarray]:
-        low, high = np.minimum(self.tail, self.head), np.maximum(self.tail, self.head)
-        base = max(self.vertex_count, 1)
-        keys, edge = np.unique(low * base + high, return_inverse=True)
-        return np.stack([keys // base, keys % base], axis=1), edge.reshape(-1)
+        base, order = max(self.vertex_count, 1), self._by_edge
+        keys = self._keys[order]
+        first = np.r_[True, keys[1:] != keys[:-1]][: len(keys)]
+        edge = np.zeros(len(keys), dtype=np.int64)
+        edge[order] = np.cumsum(first) - 1
+        keys = keys[first]
+        return np.stack([keys // base, keys % base], axis=1), edge
 
     @cached_property
     def _by_edge(self) -> np.ndarray:
         """Half-edges ordered by edge, then by their own number."""
-        return np.argsort(self.edge, kind="stable")
+        return np.argsort(self._keys, kind="stable")
+
+    @cached_property
+    def _keys(self) -> np.ndarray:
+        """Number for each half-edge that orders undirected edges by their ends, shape [3 face_count]."""
+        return np.minimum(self.tail, self.head) * max(self.vertex_count, 1) + np.maximum(self.tail, self.head)
 
 
 def find_components(count: int, first: np.ndarray, second: np.ndarray) -> tuple[int, np.ndarray]:

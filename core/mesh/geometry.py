@@ -25,7 +25,7 @@ def area_vectors(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
 
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Compute a x b of rows, shape [n, 3]: the bits of `np.cross`, of millions in a fifth of its time."""
-    found = np.empty_like(a)
+    found = np.zeros_like(a)
     for k, (i, j) in enumerate(((1, 2), (2, 0), (0, 1))):
         found[:, k] = a[:, i] * b[:, j] - a[:, j] * b[:, i]
     return found
@@ -52,10 +52,9 @@ def vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
 
     Zero where a vertex has no area.
     """
-    vectors, total = area_vectors(vertices, faces), np.zeros_like(vertices)
-    for k in range(3):
-        np.add.at(total, faces[:, k], vectors)
-    return unit(total)
+    vectors, corners = area_vectors(vertices, faces), faces.T.ravel()
+    total = [np.bincount(corners, np.tile(column, 3), len(vertices)) for column in vectors.T]
+    return unit(np.stack(total, axis=1))
 
 
 def unit(vectors: np.ndarray) -> np.ndarray:

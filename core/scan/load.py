@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ..body import is_smpl, load_smpl
-from ..mesh import vertex_normals
+from ..mesh import HalfEdges, vertex_normals
 from . import refusal
 from .counts import check_counts
 from .header import Declared, check_header
@@ -42,6 +42,8 @@ class _Mesh:
     """Index in the file of each vertex."""
     count: int
     """Vertices in the file."""
+    edges: HalfEdges
+    """How the faces join; the repair has found it already."""
 
 
 def load_scan(
@@ -89,7 +91,7 @@ def load_pair(
     try:
         settled = _settle(body_mesh, units, up, "body")
     except refusal.UpAmbiguous:
-        settled = _settle(body_mesh, units, find_up(garment_mesh.vertices, garment_mesh.faces), "body")
+        settled = _settle(body_mesh, units, find_up(garment_mesh.vertices, garment_mesh.edges), "body")
     wearer = _finish(body_mesh, *settled)
     garment = _place(garment_mesh, wearer, settled, units is not None, up is not None)
     return _face_outward(garment, wearer), wearer
@@ -102,7 +104,7 @@ def _settle(mesh: _Mesh, units: str | None, up: str | None, kind: str) -> tuple[
     else:
         units = find_units(mesh.vertices, kind, faces=mesh.faces if kind == "garment" else None)
     if up is None:
-        up = "y" if mesh.format == "glb" else find_up(mesh.vertices, mesh.faces, kind)
+        up = "y" if mesh.format == "glb" else find_up(mesh.vertices, mesh.edges, kind)
     return units, up
 
 
@@ -123,7 +125,7 @@ def _place(mesh: _Mesh, body: Scan, like: tuple[str, str], units_given: bool, up
     if len({garment.units for garment in found}) > 1:
         raise refusal.UnitsAmbiguous(f"{mesh.name} lies on its body in several units; say which with --units.")
     if len(found) > 1:
-        up = find_up(mesh.vertices, mesh.faces)
+        up = find_up(mesh.vertices, mesh.edges)
         found = [garment for garment in found if garment.up_axis == up]
     if not found:
         raise refusal.BodyApart(
@@ -195,6 +197,7 @@ def _read(path: Path, limits: Limits) -> _Mesh:
         repairs=surface.repairs,
         origin=surface.origin,
         count=len(vertices),
+        edges=surface.edges,
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh import face_normals
+from ..mesh import HalfEdges, face_normals
 from .refusal import ChoiceBad, UnitsAmbiguous, UnitsUnknown, UpAmbiguous
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
@@ -91,7 +91,7 @@ def check_size(vertices: np.ndarray, units: str, kind: str) -> None:
         raise UnitsUnknown(f"In {units} the {kind} would be {longest:.3g} m long; give its true unit with --units.")
 
 
-def find_up(vertices: np.ndarray, faces: np.ndarray, kind: str = "garment") -> str:
+def find_up(vertices: np.ndarray, edges: HalfEdges, kind: str = "garment") -> str:
     """Find the axis (`y` or `z`) that points up.
 
     A body is longer than deep. A garment's openings (hem, waist, neck) face up and down: their area vectors, each
@@ -100,13 +100,12 @@ def find_up(vertices: np.ndarray, faces: np.ndarray, kind: str = "garment") -> s
     Raises:
         UpAmbiguous: where neither axis leads.
     """
-    from ..mesh import HalfEdges
     from .repair import boundary_pieces
 
     if kind == "body":
         _, y, z = np.ptp(vertices, axis=0)
     else:
-        areas = boundary_pieces(vertices, HalfEdges.of(faces))[3]
+        areas = boundary_pieces(vertices, edges)[3]
         _, y, z = np.abs(areas).sum(axis=0) if len(areas) else np.ptp(vertices, axis=0)
     if y >= UP_RATIO * z:
         return "y"

@@ -7,6 +7,7 @@ import pytest
 import trimesh
 from garmentq.core.body import builtin_body
 from garmentq.core.errors import BadInput
+from garmentq.core.mesh import HalfEdges
 from garmentq.core.scan import find_units, find_up, load_pair, load_scan
 
 
@@ -155,10 +156,10 @@ def test_up_axis_by_openings_and_by_shape():
     j = np.arange(around)
     k = (j + 1) % around
     faces = np.concatenate([np.stack([j, k, k + around], 1), np.stack([j, k + around, j + around], 1)])
-    assert find_up(skirt, faces) == "y"
-    assert find_up(skirt[:, [0, 2, 1]], faces) == "z"
-    assert find_up(BODY.vertices, BODY.faces, "body") == "y"
-    assert find_up(BODY.vertices[:, [0, 2, 1]], BODY.faces, "body") == "z"
+    assert find_up(skirt, HalfEdges.of(faces)) == "y"
+    assert find_up(skirt[:, [0, 2, 1]], HalfEdges.of(faces)) == "z"
+    assert find_up(BODY.vertices, HalfEdges.of(BODY.faces), "body") == "y"
+    assert find_up(BODY.vertices[:, [0, 2, 1]], HalfEdges.of(BODY.faces), "body") == "z"
     with pytest.raises(BadInput) as caught:
-        find_up(skirt @ np.linalg.qr(np.array([[1.0, 0, 0], [0, 1, 1], [0, -1, 1]]))[0], faces)
+        find_up(skirt @ np.linalg.qr(np.array([[1.0, 0, 0], [0, 1, 1], [0, -1, 1]]))[0], HalfEdges.of(faces))
     assert caught.value.code == "scan.up_ambiguous"
