@@ -1,0 +1,68 @@
+"""Self-contact's cost: sheets with and without it in turns, where nothing is near and where sheets lie on sheets.
+
+python benchmarks/self_contact.py [--side 1K|3K|8K] [--layers N]
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import click
+import numpy as np
+from garmentq.core.mesh import self_intersections
+from garmentq.core.simulate import Scene, SelfContact, State, Topology, equilibrium, move_on
+from garmentq.core.simulate.collision.near import find_near
+from sheet import SIDES, cpu, quickest, sheet_on_ball
+
+STEPS = 10
+
+
+def stack(scene: Scene, nodes: np.ndarray, layers: int) -> tuple[Scene, np.ndarray]:
+    """Lay sheets on each other, 4 mm apart and each 2 mm aside, as pieces of one cloth."""
+    topology, count = scene.topology, len(nodes)
+    faces = np.concatenate([topology.faces + k * count for k in range(layers)])
+    several = Topology.from_mesh(faces, np.tile(topology.rest.corners, (layers, 1, 1)))
+    shift = np.array([2e-3, 4e-3, -2e-3])
+    return replace(scene, topology=several), np.concatenate([nodes + k * shift for k in range(layers)])
+
+
+def compare(name: str, scene: Scene, nodes: np.ndarray) -> None:
+    """Take time steps and an equilibrium with and without self-contact in turns; print CPU seconds and crossings."""
+    kinds = {"off": scene, "on": replace(scene, self_contact=SelfContact.of(scene.topology))}
+    start = State(nodes, np.zeros_like(nodes), nodes)
+    spent: dict[str, list[float]] = {"off": [], "on": []}
+    ends: dict[str, np.ndarray] = {}
+    for turn in range(3):
+        for kind, each in kinds.items():
+            moving, state = cpu(lambda each=each: move_on(each, start, steps=STEPS))
+            resting, drape = cpu(lambda each=each, state=state: equilibrium(each, state.nodes, anchors=state.anchors))
+            if turn:  # the first one warms up
+                spent[kind].append(np.array([moving, resting, drape.iterations]))
+            ends[kind] = drape.nodes
+    least = {kind: np.min(found, axis=0) for kind, found in spent.items()}
+    for kind, (moving, resting, legs) in least.items():
+        crossed = len(self_intersections(ends[kind], scene.topology.faces))
+        click.echo(
+            f"{name} {len(nodes)} nodes, {kind}: {1e3 * moving / STEPS:.0f} ms a step, equilibrium {resting:.2f} s in "
+            f"{legs:.0f} legs, {crossed} faces cross"
+        )
+    ratio = least["on"] / least["off"]
+    search = quickest(lambda: find_near(kinds["on"].self_contact, ends["on"]))
+    click.echo(
+        f"{name}: on / off {ratio[0]:.2f} a step, {ratio[1]:.2f} to rest; one search {search:.1f} ms, "
+        f"{100 * search / (1e3 * least['on'][0] / STEPS):.0f} % of a step"
+    )
+
+
+@click.command()
+@click.option("--side", type=click.Choice(list(SIDES)), default="1K", help="Nodes of a sheet.")
+@click.option("--layers", default=3, help="Sheets of the stack.")
+def main(side: str, layers: int) -> None:
+    """Compare one sheet, where nothing is near, and a stack."""
+    scene, nodes, _ = sheet_on_ball(SIDES[side])
+    compare("sheet", scene, nodes)
+    compare("stack", *stack(scene, nodes, layers))
+
+
+if __name__ == "__main__":
+    main()
