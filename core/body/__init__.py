@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from .current import carry_outside
     from .distance import DistanceBad, DistanceGrid, sample_distance
     from .exposed import ExposedSurface, penetration_depth
+    from .girths import BELOW_ARMPIT, GIRTHS, Tape, armpit_height, crotch_height, measure_girths
+    from .measured import MeasureRange
+    from .measures_file import MeasuresBad, read_measures
     from .model import BodyModel
     from .person import PersonFit, PersonSettings, PointWeights, fit_person, refit_person
     from .posing import check_wearer, pose_body
@@ -24,6 +27,15 @@ if TYPE_CHECKING:
     from .solid import Solid
 
 _LAZY = {
+    "MeasuresBad": "measures_file",
+    "read_measures": "measures_file",
+    "BELOW_ARMPIT": "girths",
+    "GIRTHS": "girths",
+    "Tape": "girths",
+    "armpit_height": "girths",
+    "crotch_height": "girths",
+    "measure_girths": "girths",
+    "MeasureRange": "measured",
     "POSES": "builtin",
     "BodyMissing": "builtin",
     "BodyModel": "model",
@@ -60,7 +72,9 @@ _LAZY = {
 # Modules with compiled kernels or heavy libraries: imported on first use, so that the room itself stays light.
 
 __all__ = [
+    "BELOW_ARMPIT",
     "BUILTIN",
+    "GIRTHS",
     "JOINTS",
     "PARENTS",
     "POSES",
@@ -71,6 +85,8 @@ __all__ = [
     "DistanceBad",
     "DistanceGrid",
     "ExposedSurface",
+    "MeasureRange",
+    "MeasuresBad",
     "NotHuman",
     "PersonFit",
     "PersonSettings",
@@ -78,18 +94,23 @@ __all__ = [
     "SignedDistance",
     "SmplBad",
     "Solid",
+    "Tape",
+    "armpit_height",
     "builtin_body",
     "carry_outside",
     "check_wearer",
+    "crotch_height",
     "describe_bodies",
     "fit_person",
     "is_builtin",
     "is_smpl",
     "load_smpl",
+    "measure_girths",
     "parse_spec",
     "penetration_depth",
     "pose_body",
     "project_outside",
+    "read_measures",
     "refit_person",
     "register_body",
     "rest_body",

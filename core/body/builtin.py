@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..errors import BadInput
 from .body import JOINTS, Body
+from .girths import GIRTHS
+from .measured import DENSITY, Wanted, shape_for, volume_of
 from .skinning import skin
 from .spec import BUILTIN, is_builtin
 from .template import Template, articulate, load_template, rotations_of, transforms_of
-
-DENSITY = 985.0
-"""Mean density of a living body with air in its lungs [kg/m3]; turns the mesh's volume into the weight asked for.
-Assumed: bodies lie between about 0.94 (lungs full) and 1.06 (lungs empty, lean) times water's."""
 
 HEIGHTS = (1.40, 2.10)
 """Heights [m] that the shape directions were drawn for; beyond them bodies look wrong."""
@@ -39,7 +38,7 @@ class BodyMissing(BadInput):
 
 
 class BodySpecBad(BadInput):
-    """The built-in body is builtin:female|male[,height=1.70][,weight=62][,pose=T|A|arms-down|stride|seated]."""
+    """The built-in body is builtin:female|male[,height=1.70][,weight=62][,waist=0.72][,pose=A]; see docs/body.md."""
 
     code = "body.spec_bad"
 
@@ -47,20 +46,22 @@ class BodySpecBad(BadInput):
 def builtin_body(spec: str) -> Body:
     """Make the built-in body that a description asks for.
 
-    The shape is the most probable one of that gender with the height (and weight) given. The feet stand at y = 0 below
-    the pelvis at x = z = 0, facing +z.
+    The shape is the most probable one of that gender with the height, weight and girths given. The feet stand at y = 0
+    below the pelvis at x = z = 0, facing +z.
 
     Args:
-        spec: `builtin:female` or `builtin:male`, then any of `height` [m], `weight` [kg], `pose` (one of `POSES`).
+        spec: `builtin:female` or `builtin:male`, then any of `height` [m], `weight` [kg], the girths of `GIRTHS` [m],
+            and `pose` (one of `POSES`).
 
     Raises:
         BodyMissing: where the description is empty.
         BodySpecBad: where it cannot be read or asks for a body outside the model's range.
+        MeasureRange: where a girth lies outside its range.
     """
-    gender, height, weight, pose = parse_spec(spec)
+    asked = parse_spec(spec)
     template = load_template()
-    shape = shape_for(template, gender, height, weight)
-    return pose_template(template, shape, named_pose(pose), f"{BUILTIN}{gender}")
+    shape = shape_for(template, asked.wanted)
+    return pose_template(template, shape, named_pose(asked.pose), f"{BUILTIN}{asked.wanted.gender}")
 
 
 def pose_template(
@@ -106,16 +107,29 @@ def describe_bodies() -> tuple[dict[str, Any], ...]:
     template = load_template()
     bodies = []
     for gender, height in USUAL_HEIGHTS.items():
-        vertices, _ = template.shaped(shape_for(template, gender, height, None))
-        usual = DENSITY * _volume(vertices, template.faces)[0]
+        vertices, _ = template.shaped(shape_for(template, Wanted(gender, height)))
+        usual = DENSITY * volume_of(vertices, template.faces)[0]
         low, high = (round(index * height**2) for index in MASS_INDICES)
         ranges = ((*HEIGHTS, height), (low, high, round(usual)))
         bodies.append({"spec": f"{BUILTIN}{gender}", "ranges": ranges, "poses": POSES})
     return tuple(bodies)
 
 
-def parse_spec(spec: str) -> tuple[str, float, float | None, str]:
-    """Read gender, height [m], weight [kg] and pose out of a description.
+@dataclass(frozen=True)
+class BodySpec:
+    """What a description asks for.
+
+    Attributes:
+        wanted: Gender and measures.
+        pose: One of `POSES`.
+    """
+
+    wanted: Wanted
+    pose: str = "T"
+
+
+def parse_spec(spec: str) -> BodySpec:
+    """Return what a description asks for.
 
     Raises:
         BodyMissing: where it is empty.
@@ -132,43 +146,18 @@ def parse_spec(spec: str) -> tuple[str, float, float | None, str]:
         key, _, value = word.partition("=")
         if key == "pose" and value in POSES:
             pose = value
-        elif key in ("height", "weight") and key not in numbers:
+        elif key in ("height", "weight", *GIRTHS) and key not in numbers:
             numbers[key] = _number(spec, key, value)
         else:
             raise BodySpecBad(f"'{word}' in '{spec}' is not understood. {BodySpecBad().message}")
-    height, weight = numbers.get("height", USUAL_HEIGHTS[words[0]]), numbers.get("weight")
+    height, weight = numbers.pop("height", USUAL_HEIGHTS[words[0]]), numbers.pop("weight", None)
     if not HEIGHTS[0] <= height <= HEIGHTS[1]:
         raise BodySpecBad(f"height={height:g} is outside {HEIGHTS[0]:.2f} to {HEIGHTS[1]:.2f} m (height is in metres).")
     low, high = (index * height**2 for index in MASS_INDICES)
     if weight is not None and not low <= weight <= high:
         raise BodySpecBad(f"weight={weight:g} is outside {low:.0f} to {high:.0f} kg for a height of {height:.2f} m.")
-    return words[0], height, weight, pose
-
-
-def shape_for(template: Template, gender: str, height: float, weight: float | None) -> np.ndarray:
-    """Give the most probable shape coefficients [k] of a gender with a height [m] and a weight [kg].
-
-    With z ~ N(mean, C) and the constraints c(z) = (height, volume), minimise (z - mean)' C^-1 (z - mean) subject to
-    c(z) = target: each Newton step on the linearised constraints is z = mean + C A' (A C A')^-1 (t - c(z) + A (z -
-    mean)), with A the derivative of c. The volume is cubic and the height piecewise linear in z, so a few steps do.
-    """
-    mean, covariance = template.means[gender], template.covariances[gender]
-    shape = mean.copy()
-    for _ in range(8):
-        vertices, _ = template.shaped(shape)
-        top, bottom = vertices[:, 1].argmax(), vertices[:, 1].argmin()
-        values = [vertices[top, 1] - vertices[bottom, 1]]
-        slopes = [template.directions[:, top, 1] - template.directions[:, bottom, 1]]
-        targets = [height]
-        if weight is not None:
-            volume, slope = _volume(vertices, template.faces)
-            values.append(volume)
-            slopes.append(np.tensordot(template.directions, slope, axes=2))
-            targets.append(weight / DENSITY)
-        a = np.array(slopes)
-        gap = np.array(targets) - np.array(values) + a @ (shape - mean)
-        shape = mean + covariance @ a.T @ np.linalg.solve(a @ covariance @ a.T, gap)
-    return shape
+    girths = {name: numbers[name] for name in GIRTHS if name in numbers}
+    return BodySpec(Wanted(words[0], height, weight, girths), pose)
 
 
 def named_pose(name: str) -> np.ndarray:
@@ -215,12 +204,3 @@ def _number(spec: str, key: str, value: str) -> float:
     if not math.isfinite(number):
         raise BodySpecBad(f"{key}='{value}' in '{spec}' is not a number. {BodySpecBad().message}")
     return number
-
-
-def _volume(vertices: np.ndarray, faces: np.ndarray) -> tuple[float, np.ndarray]:
-    """Give the enclosed volume [m3] and its derivative by the vertices [n, 3]."""
-    a, b, c = (vertices[faces[:, k]] for k in range(3))
-    slope = np.zeros_like(vertices)
-    for k, opposite in enumerate((np.cross(b, c), np.cross(c, a), np.cross(a, b))):
-        np.add.at(slope, faces[:, k], opposite / 6)
-    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6), slope

@@ -5,20 +5,12 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from ..body import Body, rest_body
+from ..body import BELOW_ARMPIT, Body, armpit_height, crotch_height, rest_body
 from ..pattern import BodyMeasures, Pattern, draft_template
 from .dress import convex_girth
-from .stance import crotch_height
 
 STEP = 0.01
 """Distance of the heights at which girths are taken [m]: the spacing of the body's vertices."""
-
-ARM_ROOT = 0.04
-"""How far outside the shoulder's joint the arm's underside gives the height of the armpit [m]: past the rounding of the
-trunk into the arm, before the arm tapers."""
-
-BELOW_ARMPIT = 0.04
-"""How far below the armpit the bust is measured [m], where a tape lies under the arms."""
 
 WAIST_SPAN = 7
 """Cuts over which the trunk's girth is averaged before its narrowest place is looked for: the width of a waistband;
@@ -46,8 +38,7 @@ def measure_wearer(body: Body) -> BodyMeasures:
     heights = rest.vertices[:, 1]
     half = abs(shoulder[0] - centre)
     crotch = crotch_height(rest)
-    root = (np.abs(off - half - ARM_ROOT) < STEP) & (heights > rest.joint("spine3")[1])
-    armpit = float(heights[root].min())
+    armpit = armpit_height(rest)
     seat = np.arange(crotch, rest.joint("pelvis")[1], STEP)
     trunk = np.arange(rest.joint("pelvis")[1], armpit - BELOW_ARMPIT, STEP)
     around_seat = np.array([convex_girth(rest, height) for height in seat])

@@ -4,19 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..body import Body
+from ..body import Body, crotch_height
 from ..mesh import HalfEdges, find_components
 
 ACROSS = 0.01
-"""Distance from the middle within which the crotch is looked for [m]: the spacing of the body's vertices."""
-
-
-def crotch_height(body: Body) -> float:
-    """Give the height of the crotch of a body in its T-pose [m]: the lowest skin in the middle, above the knees."""
-    pelvis = body.joint("pelvis")
-    middle = np.abs(body.vertices[:, 0] - pelvis[0]) < ACROSS
-    heights = body.vertices[middle & (body.vertices[:, 1] > 0.5 * pelvis[1]), 1]
-    return float(heights.min()) if len(heights) else 0.5 * float(pelvis[1])
+"""Length of a leg below which it is none [m]: the spacing of the body's vertices."""
 
 
 def spread_legs(nodes: np.ndarray, faces: np.ndarray, body: Body) -> np.ndarray:

@@ -1,0 +1,215 @@
+"""Girths of a body as a tailor's tape takes them, in its T-pose: convex hulls of exact cross-sections."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from ..mesh import HalfEdges, find_components
+from .body import Body
+from .skinning import rest_body
+
+GIRTHS = ("chest", "waist", "hip", "thigh", "upper_arm")
+"""What can be measured: round the trunk under the arms, where it is narrowest, where it is widest from the crotch to
+the pelvis; round a thigh below the crotch; round an upper arm, the mean of both sides for the last two."""
+
+STEP = 0.01
+"""Distance of the heights among which the narrowest and the widest place are looked for [m]: the vertices' spacing."""
+
+ACROSS = 0.01
+"""Distance from the middle within which the crotch is looked for [m]: the spacing of the body's vertices."""
+
+ARM_ROOT = 0.04
+"""How far outside the shoulder's joint the arm's underside gives the height of the armpit [m]: past the rounding of the
+trunk into the arm, before the arm tapers."""
+
+BELOW_ARMPIT = 0.04
+"""How far below the armpit the chest is measured [m], where a tape lies under the arms."""
+
+BELOW_CROTCH = 0.03
+"""How far below the crotch a thigh is measured [m]: where the legs have parted."""
+
+ALONG_ARM = 0.35
+"""Share of the way from shoulder to elbow at which the upper arm is measured: the middle of the biceps."""
+
+
+def crotch_height(body: Body) -> float:
+    """Return the height of the crotch of a body in its T-pose [m]: the lowest skin in the middle, above the knees."""
+    pelvis = body.joint("pelvis")
+    middle = np.abs(body.vertices[:, 0] - pelvis[0]) < ACROSS
+    heights = body.vertices[middle & (body.vertices[:, 1] > 0.5 * pelvis[1]), 1]
+    return float(heights.min()) if len(heights) else 0.5 * float(pelvis[1])
+
+
+def armpit_height(body: Body) -> float:
+    """Return the height of the armpits of a body in its T-pose [m]."""
+    centre, shoulder = body.joint("pelvis")[0], body.joint("left_shoulder")
+    off, heights = np.abs(body.vertices[:, 0] - centre), body.vertices[:, 1]
+    root = (np.abs(off - abs(shoulder[0] - centre) - ARM_ROOT) < STEP) & (heights > body.joint("spine3")[1])
+    return float(heights[root].min())
+
+
+@dataclass(frozen=True)
+class Girth:
+    """Hold one girth.
+
+    Attributes:
+        value: The girth [m].
+        level: Where it was taken: a height [m], of the upper arm the distance from the middle.
+        slope: Its derivative by the vertices of the T-pose, the level held, shape [vertex_count, 3].
+    """
+
+    value: float
+    level: float
+    slope: np.ndarray
+
+
+@dataclass(frozen=True)
+class Tape:
+    """Measure a body in its T-pose.
+
+    Attributes:
+        body: The body in its T-pose, as `rest_body` gives it.
+    """
+
+    body: Body
+
+    @classmethod
+    def of(cls, body: Body) -> Tape:
+        """Lay a tape about a body's fitted model, whatever its pose."""
+        return cls(rest_body(body))
+
+    @cached_property
+    def edges(self) -> np.ndarray:
+        """Return the edges of the mesh, shape [edge_count, 2]."""
+        return HalfEdges.of(self.body.rest_faces).edges
+
+    def measure(self, name: str) -> Girth:
+        """Return one of `GIRTHS`."""
+        if name == "chest":
+            return self.trunk(armpit_height(self.body) - BELOW_ARMPIT)
+        if name == "waist":
+            return self._best(self.waist_span, least=True)
+        if name == "hip":
+            return self._best((crotch_height(self.body), float(self.body.joint("pelvis")[1])), least=False)
+        if name == "thigh":
+            return self._limbs(1, crotch_height(self.body) - BELOW_CROTCH)
+        shoulder, elbow = (self.body.joint(f"left_{joint}")[0] for joint in ("shoulder", "elbow"))
+        return self._limbs(0, float(shoulder + ALONG_ARM * (elbow - shoulder)))
+
+    @property
+    def waist_span(self) -> tuple[float, float]:
+        """Return the heights between which the waist lies [m]: from the pelvis to below the armpits."""
+        return float(self.body.joint("pelvis")[1]), armpit_height(self.body) - BELOW_ARMPIT
+
+    def trunk(self, height: float) -> Girth:
+        """Return the girth of trunk, or of both legs together, at a height [m]; the arms are left out."""
+        centre, shoulder = self.body.joint("pelvis")[0], self.body.joint("left_shoulder")[0]
+        section = Section.of(self.body.vertices, self.edges, self.body.rest_faces, 1, height)
+        return section.girth(np.abs(section.middles[:, 0] - centre) < abs(shoulder - centre))
+
+    def _best(self, span: tuple[float, float], least: bool) -> Girth:
+        """Return the least or the largest girth of the trunk in a span of heights [m]."""
+        found = [self.trunk(height) for height in np.arange(*span, STEP)]
+        values = [girth.value for girth in found]
+        return found[int(np.argmin(values) if least else np.argmax(values))]
+
+    def _limbs(self, axis: int, level: float) -> Girth:
+        """Return the mean girth of both thighs at a height, or of both arms at a distance from the middle [m]."""
+        body, centre = self.body, float(self.body.joint("pelvis")[0])
+        found = []
+        for sign in (1.0, -1.0):
+            at = level if axis == 1 else centre + sign * (level - centre)
+            section = Section.of(body.vertices, self.edges, body.rest_faces, axis, at)
+            if axis == 1:
+                chosen = sign * (section.middles[:, 0] - centre) > 0.0
+            else:
+                chosen = np.ones(len(section.middles), dtype=bool)
+            found.append(section.girth(chosen))
+        return Girth(0.5 * sum(g.value for g in found), level, 0.5 * (found[0].slope + found[1].slope))
+
+
+@dataclass(frozen=True)
+class Section:
+    """Hold where a plane cuts the edges of a mesh.
+
+    Attributes:
+        ends: Both ends of each cut edge, shape [cut_count, 2].
+        share: Way from the first to the second at which it is cut, shape [cut_count].
+        part: The connected part of the cut to which each belongs, shape [cut_count].
+        middles: Mean of each part's points [m], shape [part_count, 3].
+        vertices: Of the mesh [m], shape [vertex_count, 3].
+        axis: The axis that the plane is across.
+        level: Where it is [m].
+    """
+
+    ends: np.ndarray
+    share: np.ndarray
+    part: np.ndarray
+    middles: np.ndarray
+    vertices: np.ndarray
+    axis: int
+    level: float
+
+    @classmethod
+    def of(cls, vertices: np.ndarray, edges: np.ndarray, faces: np.ndarray, axis: int, level: float) -> Section:
+        """Cut a mesh by the plane across an axis (0 to 2) at a level [m]."""
+        side = vertices[:, axis] > level
+        cut = np.flatnonzero(side[edges[:, 0]] != side[edges[:, 1]])
+        ends = edges[cut]
+        first, second = vertices[ends[:, 0]], vertices[ends[:, 1]]
+        share = (level - first[:, axis]) / (second[:, axis] - first[:, axis])
+        points = first + share[:, None] * (second - first)
+        # Two edges of a face that is cut are joined.
+        count = len(vertices)
+        key = np.sort(ends, axis=1) @ [count, 1]
+        order = np.argsort(key)
+        own = faces[(side[faces].any(axis=1)) & ~side[faces].all(axis=1)]
+        sides = np.sort(np.stack([own, own[:, [1, 2, 0]]], axis=2), axis=2) @ [count, 1]
+        place = np.searchsorted(key[order], sides)
+        place = np.minimum(place, max(len(key) - 1, 0))
+        hit = key[order][place] == sides if len(key) else np.zeros_like(sides, dtype=bool)
+        pairs = order[place[hit]].reshape(-1, 2)
+        number, part = find_components(len(cut), pairs[:, 0], pairs[:, 1])
+        size = np.maximum(np.bincount(part, minlength=number), 1)
+        middles = np.stack([np.bincount(part, points[:, k], number) / size for k in range(3)], axis=1)
+        return cls(ends, share, part, middles, vertices, axis, level)
+
+    def girth(self, chosen: np.ndarray) -> Girth:
+        """Return the perimeter of the convex hull of chosen parts, shape [part_count], and its derivative.
+
+        The hull's corners are points p = a + t (b - a) of edges, t = (level - a_y) / (b_y - a_y); at a level that is
+        held, dp = (1 - t) da + t db + dt (b - a) with dt = -((1 - t) da_y + t db_y) / (b_y - a_y).
+        """
+        slope = np.zeros_like(self.vertices)
+        own = np.flatnonzero(chosen[self.part]) if len(self.part) else np.zeros(0, dtype=int)
+        if len(own) < 3:
+            return Girth(float("nan"), self.level, slope)
+        flat = [k for k in range(3) if k != self.axis]
+        first, second = self.vertices[self.ends[own, 0]], self.vertices[self.ends[own, 1]]
+        share = self.share[own, None]
+        points = (first + share * (second - first))[:, flat]
+        corners = ConvexHull(points).vertices
+        ring = points[corners]
+        ahead = np.roll(ring, -1, axis=0) - ring
+        length = np.linalg.norm(ahead, axis=1, keepdims=True)
+        unit = ahead / np.maximum(length, 1e-15)
+        by_point = np.zeros((len(corners), 3))
+        by_point[:, flat] = np.roll(unit, 1, axis=0) - unit
+        along = (second - first)[corners]
+        share = share[corners]
+        by_share = (by_point * along).sum(axis=1, keepdims=True) / along[:, [self.axis]]
+        for end, weight in ((0, 1.0 - share), (1, share)):
+            force = weight * by_point
+            force[:, [self.axis]] -= weight * by_share
+            np.add.at(slope, self.ends[own[corners], end], force)
+        return Girth(float(length.sum()), self.level, slope)
+
+
+def measure_girths(body: Body) -> dict[str, float]:
+    """Return every girth of `GIRTHS` of a body [m], taken in its T-pose."""
+    tape = Tape.of(body)
+    return {name: tape.measure(name).value for name in GIRTHS}

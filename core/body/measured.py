@@ -1,0 +1,173 @@
+"""The most probable shape of the built-in body with given measures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import BadInput
+from .body import Body
+from .girths import Tape
+from .template import Template
+
+DENSITY = 985.0
+"""Mean density of a living body with air in its lungs [kg/m3]; turns the mesh's volume into the weight asked for.
+Assumed: bodies lie between about 0.94 (lungs full) and 1.06 (lungs empty, lean) times water's."""
+
+SPREAD = 3.0
+"""Standard deviations from what is most probable with the measures before it within which a girth may lie. Of bodies as
+those that the shape directions were drawn from one in 370 lies further out; there the model extrapolates."""
+
+STEPS = 40
+"""Most Newton steps; without girths three to five are taken, with five girths at the ends of their ranges up to 20."""
+
+SHARES = (1.0, 0.5, 0.25, 0.1)
+"""Shares of a Newton step that are tried until one helps; the last is taken in any case."""
+
+EXACT = 1e-4
+"""Mismatch of a girth that ends the search [m]; a thirtieth of what is promised."""
+
+PROMISED = 3e-3
+"""Largest mismatch of a girth that counts as met [m]: a tape's."""
+
+
+class MeasureRange(BadInput):
+    """A measure lies outside what the built-in body can have with the other measures; the message has the range."""
+
+    code = "body.measure_range"
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What a shape is to have.
+
+    Attributes:
+        gender: `female` or `male`.
+        height: From the soles to the crown [m].
+        weight: [kg], or None: the most probable.
+        girths: Some of `GIRTHS` [m].
+    """
+
+    gender: str
+    height: float
+    weight: float | None = None
+    girths: Mapping[str, float] | None = None
+
+
+def shape_for(template: Template, wanted: Wanted) -> np.ndarray:
+    """Return the most probable shape coefficients [k] of a gender with a height, and perhaps a weight and girths.
+
+    With z ~ N(mean, C) and the constraints c(z) = t, minimise (z - mean)' C^-1 (z - mean) subject to c(z) = t: each
+    Newton step on the linearised constraints is z = mean + C A' (A C A')^-1 (t - c(z) + A (z - mean)), with A the
+    derivative of c. The volume is cubic and the height piecewise linear in z, a girth nearly linear. Girths are added
+    one by one, so that each is judged by what is probable with those before it.
+
+    Raises:
+        MeasureRange: where a girth lies further than `SPREAD` standard deviations from the most probable one.
+    """
+    girths = dict(wanted.girths or {})
+    shape = _solve(template, wanted, (), template.means[wanted.gender])
+    for count, name in enumerate(girths, start=1):
+        _check_range(template, wanted, tuple(girths)[: count - 1], name, shape)
+        shape = _solve(template, wanted, tuple(girths)[:count], shape)
+    return shape
+
+
+def rest_of(template: Template, shape: np.ndarray) -> Body:
+    """Return the built-in body of a shape in its T-pose, where the model stands."""
+    vertices, joints = template.shaped(shape)
+    eyes = np.tile(np.eye(4), (len(joints), 1, 1))
+    faces, weights = template.faces, template.weights
+    return Body(vertices, faces, joints, weights, eyes, vertices, faces, joints, weights, np.eye(3))
+
+
+def volume_of(vertices: np.ndarray, faces: np.ndarray) -> tuple[float, np.ndarray]:
+    """Return the enclosed volume [m3] and its derivative by the vertices [n, 3]."""
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    slope = np.zeros_like(vertices)
+    for k, opposite in enumerate((np.cross(b, c), np.cross(c, a), np.cross(a, b))):
+        np.add.at(slope, faces[:, k], opposite / 6)
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6), slope
+
+
+def _solve(template: Template, wanted: Wanted, names: tuple[str, ...], start: np.ndarray) -> np.ndarray:
+    """Return the most probable shape with height, weight and the girths of some names, searched from a start."""
+    mean, covariance = template.means[wanted.gender], template.covariances[wanted.gender]
+    shape, scale = start.copy(), _scale(wanted, names)
+    values, a = _constraints(template, wanted, names, shape)
+    for step in range(STEPS):
+        gap = _targets(wanted, names) - values
+        if step > 0 and np.abs(gap).max() < (EXACT if names else 1e-9):
+            break
+        moved = mean + covariance @ a.T @ np.linalg.solve(a @ covariance @ a.T, gap + a @ (shape - mean))
+        # The narrowest and the widest place jump between heights: a step that does not help is shortened.
+        for share in SHARES:
+            tried = shape + share * (moved - shape)
+            values, a = _constraints(template, wanted, names, tried)
+            if step == 0 or np.abs(scale * (_targets(wanted, names) - values)).max() < np.abs(scale * gap).max():
+                break
+        shape = tried
+    if names:
+        values, _ = _constraints(template, wanted, names, shape)
+        missed = np.abs(_targets(wanted, names) - values)[-len(names) :]
+        if missed.max() > PROMISED:
+            worst = names[int(missed.argmax())]
+            raise MeasureRange(
+                f"{worst}={(wanted.girths or {})[worst]:g} m cannot be met together with the other measures (by "
+                f"{1e3 * missed.max():.0f} mm); leave out the measures that matter least."
+            )
+    return shape
+
+
+def _scale(wanted: Wanted, names: tuple[str, ...]) -> np.ndarray:
+    """Return the weights by which mismatches are compared: litres of volume as centimetres of length."""
+    return np.array([1.0] + [10.0] * (wanted.weight is not None) + [1.0] * len(names))
+
+
+def _targets(wanted: Wanted, names: tuple[str, ...]) -> np.ndarray:
+    weight = [] if wanted.weight is None else [wanted.weight / DENSITY]
+    return np.array([wanted.height, *weight, *((wanted.girths or {})[name] for name in names)])
+
+
+def _constraints(
+    template: Template, wanted: Wanted, names: tuple[str, ...], shape: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return height, volume and girths of a shape, and their derivatives by its coefficients, shape [n, k]."""
+    body = rest_of(template, shape)
+    vertices = body.vertices
+    top, bottom = vertices[:, 1].argmax(), vertices[:, 1].argmin()
+    values = [float(vertices[top, 1] - vertices[bottom, 1])]
+    slopes = [template.directions[:, top, 1] - template.directions[:, bottom, 1]]
+    if wanted.weight is not None:
+        volume, slope = volume_of(vertices, template.faces)
+        values.append(volume)
+        slopes.append(np.tensordot(template.directions, slope, axes=2))
+    tape = Tape(body)
+    for name in names:
+        girth = tape.measure(name)
+        values.append(girth.value)
+        slopes.append(np.tensordot(template.directions, girth.slope, axes=2))
+    return np.array(values), np.array(slopes)
+
+
+def _check_range(template: Template, wanted: Wanted, known: tuple[str, ...], name: str, shape: np.ndarray) -> None:
+    """Check a girth against its spread around the most probable one with the measures before it.
+
+    With C given A: C - C A' (A C A')^-1 A C, the variance of a girth with derivative a is a C_A a'.
+    """
+    covariance = template.covariances[wanted.gender]
+    values, a = _constraints(template, wanted, (*known, name), shape)
+    before, own = a[:-1], a[-1]
+    left = own @ covariance - own @ covariance @ before.T @ np.linalg.solve(
+        before @ covariance @ before.T, before @ covariance
+    )
+    reach = SPREAD * float(np.sqrt(max(left @ own, 0.0)))
+    low, high = values[-1] - reach, values[-1] + reach
+    asked = (wanted.girths or {})[name]
+    if not low <= asked <= high:
+        raise MeasureRange(
+            f"{name}={asked:g} is outside {low:.2f} to {high:.2f} m, which is what a {wanted.gender} body has with "
+            f"the measures before it (girths are in metres)."
+        )
