@@ -93,18 +93,3 @@ def run_derived(order: DerivedOrder, options: DerivedOptions) -> int:
     note(f"job {done.job}" + ("" if done.is_new else f" (known, {done.state})"))
     folder = options.out or settings.home / "results" / done.job
     return wait_and_show(backend, done.job, folder.absolute(), Wait(options.timeout, options.as_json, keep_up))
-
-
-def choose_body(body: str | None, measures: Path | None) -> str | None:
-    """Return the body that was typed, or the built-in one with the measures of a file.
-
-    Raises:
-        UsageError: where both are given.
-    """
-    if measures is None:
-        return body
-    if body is not None:
-        raise click.UsageError("give --body or --measures, not both.")
-    from ..core.body import read_measures
-
-    return read_measures(measures)

@@ -2,38 +2,69 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import click
 
 from ..core.body import is_builtin
 from .derived import DerivedOptions, derived_options
-from .options import AXES, UNITS
+from .options import AXES, UNITS, gather
+
+
+@dataclass(frozen=True)
+class WearerOptions:
+    """Describe what was typed about who is to wear a garment; each field is the option of its name."""
+
+    body: str | None
+    measures: Path | None
+    pose: str | None
+    fabric: str | None
+    units: str | None
+    up: str | None
+
+
+def wearer_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options of who is to wear a garment; the command takes them as one `wearer: WearerOptions`."""
+    options = [
+        click.option("--body", help="Who wears it: a mesh file, or builtin:male,height=1.85.  [default: the wearer]"),
+        click.option("--measures", type=click.Path(path_type=Path), help="Who wears it: measures in cm, CSV or JSON."),
+        click.option("--pose", help="Pose of the body: T, A, arms-down, stride, seated.  [default: its own]"),
+        click.option("--fabric", help="A name from `garmentq materials`.  [default: the result's own]"),
+        click.option("--units", type=click.Choice(UNITS[:3]), help="Unit of the body's file.  [default: found]"),
+        click.option("--up", type=click.Choice(AXES[:2]), help="Up axis of the body's file.  [default: found]"),
+    ]
+    return gather(WearerOptions, options, "wearer")(function)
+
+
+def split_wearer(wearer: WearerOptions) -> tuple[dict[str, Any], dict[str, Path]]:
+    """Return the options and files of a derived job's request that say who is to wear a garment.
+
+    Raises:
+        UsageError: where a body and measures are given.
+        MeasuresBad: where the measures cannot be read.
+    """
+    body = wearer.body
+    if wearer.measures is not None:
+        if body is not None:
+            raise click.UsageError("give --body or --measures, not both.")
+        from ..core.body import read_measures
+
+        body = read_measures(wearer.measures)
+    built_in = body if is_builtin(body) else None
+    given = {"body": built_in, **{name: getattr(wearer, name) for name in ("pose", "fabric", "units", "up")}}
+    files = {} if body is None or built_in else {"body": Path(body)}
+    return {name: value for name, value in given.items() if value is not None}, files
 
 
 @click.command("dress")
 @click.argument("job")
-@click.option("--body", help="Who wears it: a mesh file, or builtin:male,height=1.85,weight=85.  [default: the wearer]")
-@click.option(
-    "--measures", type=click.Path(path_type=Path), help="Who wears it: a file of measures in cm, CSV or JSON."
-)
-@click.option("--pose", help="Pose of the body: T, A, arms-down, stride, seated.  [default: its own]")
-@click.option("--fabric", help="A name from `garmentq materials`.  [default: the result's own]")
-@click.option("--units", type=click.Choice(UNITS[:3]), help="Unit of the body's file.  [default: found]")
-@click.option("--up", type=click.Choice(AXES[:2]), help="Up axis of the body's file.  [default: found]")
+@wearer_options
 @derived_options
 @click.pass_context
-def command(
-    context: click.Context,
-    job: str,
-    body: str | None,
-    measures: Path | None,
-    pose: str | None,
-    fabric: str | None,
-    units: str | None,
-    up: str | None,
-    options: DerivedOptions,
-) -> None:
+def command(context: click.Context, job: str, wearer: WearerOptions, options: DerivedOptions) -> None:
     """Dress another body in a stored result.
 
     The pattern stays as it is, and is draped on the other body in its own cloth or another one. Prints the id of the
@@ -46,10 +77,7 @@ def command(
       garmentq dress 3685ecfd4f81 --measures anna.csv --pose stride --wait --json
     """
     from ..service.derived import DerivedOrder
-    from .derived import choose_body, run_derived
+    from .derived import run_derived
 
-    body = choose_body(body, measures)
-    given = {"body": body if is_builtin(body) else None, "pose": pose, "fabric": fabric, "units": units, "up": up}
-    files = {} if body is None or is_builtin(body) else {"body": Path(body)}
-    chosen = {name: value for name, value in given.items() if value is not None}
-    context.exit(run_derived(DerivedOrder("dress", job, chosen, files), options))
+    given, files = split_wearer(wearer)
+    context.exit(run_derived(DerivedOrder("dress", job, given, files), options))
