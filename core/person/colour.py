@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import gaussian_filter
@@ -136,21 +136,25 @@ def use_colours(
         posterior: By geometry, shape [n, part_count].
         rgb: Colours in 0..1, shape [n, 3].
         place: Where on the body the points lie.
-        links: Neighbours.
+        links: Neighbours, as `link_alike` gives them.
         tone: Evidence for skin by its colour, shape [n], or None.
     """
     lab = to_lab(rgb)
     if is_painted(lab, place.rest[:, 2] > np.median(place.rest[:, 2]), posterior, PARTS):
         return posterior
     sources = find_sources(place)
-    near = links.weakened(lab * CONTRAST, EDGE)
     geometry, belief = np.log(np.maximum(posterior, find_doubt(place))), posterior
     for _ in range(ROUNDS):
         models = fit_colours(lab, belief, sources if tone is None else sources & ~find_strays(belief, tone))
         logit = geometry + models.ask(lab)
         both = np.exp(logit - logit.max(axis=1, keepdims=True))
-        belief = diffuse(both / both.sum(axis=1, keepdims=True), near)
+        belief = diffuse(both / both.sum(axis=1, keepdims=True), links.alike or links)
     return belief
+
+
+def link_alike(links: Links, rgb: np.ndarray) -> Links:
+    """Return the links with the same beside them, weakened where colours, shape [n, 3], change."""
+    return replace(links, alike=links.weakened(to_lab(rgb) * CONTRAST, EDGE))
 
 
 def find_doubt(place: BodyPlace) -> np.ndarray:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse import coo_matrix, diags, identity
 from scipy.spatial import cKDTree
 
-from ..mesh import factor_symmetric
+from ..mesh import Factor, factor_symmetric
 
 NEIGHBOURS = 8
 """Points that each is linked with: about the ring of a triangulation."""
@@ -32,11 +33,18 @@ class Links:
         pairs: Indices of two points, each pair once, int64, shape [link_count, 2].
         weight: In 0..1, shape [link_count].
         count: Number of points.
+        alike: The same, weakened where colours change; None where there are none.
     """
 
     pairs: np.ndarray
     weight: np.ndarray
     count: int
+    alike: Links | None = None
+
+    @cached_property
+    def factor(self) -> Factor:
+        """The factors of I + `STRENGTH` L: 0.1 s of a person's samples, and a hundredth of it to solve with them."""
+        return factor_symmetric((identity(self.count) + STRENGTH * self.laplacian()).tocsc())
 
     def laplacian(self) -> coo_matrix:
         """Return L = D - W, shape [count, count]."""
@@ -71,20 +79,18 @@ def link_points(points: np.ndarray, normals: np.ndarray, neighbours: int = NEIGH
     return Links(pairs, np.ones(len(pairs)), len(points))
 
 
-def diffuse(posterior: np.ndarray, links: Links, strength: float = STRENGTH) -> np.ndarray:
+def diffuse(posterior: np.ndarray, links: Links) -> np.ndarray:
     """Return the posterior smoothed over the links, shape [n, k]: the u with the least
 
-        sum_i |u_i - p_i|^2 + strength sum_ij w_ij |u_i - u_j|^2
+        sum_i |u_i - p_i|^2 + s sum_ij w_ij |u_i - u_j|^2,  s = `STRENGTH`.
 
-    It solves (I + strength L) u = p, and is a posterior again: rows are in 0..1 and sum to 1, since the matrix is an
-    M-matrix with row sums of 1. (Screened diffusion; random walker segmentation with priors, Grady 2005.)
+    It solves (I + s L) u = p, and is a posterior again: rows are in 0..1 and sum to 1, since the matrix is an
+    M-matrix with row sums of 1. (Screened diffusion; random walker segmentation with priors, Grady 2005.) The matrix is
+    factored once for the same links.
 
     Args:
         posterior: Probability of each part, shape [n, k].
         links: Neighbours.
-        strength: Of the smoothing.
     """
-    matrix = identity(links.count) + strength * links.laplacian()
-    smooth = factor_symmetric(matrix.tocsc()).solve(np.ascontiguousarray(posterior))
-    smooth = np.maximum(smooth, 0.0)
+    smooth = np.maximum(links.factor.solve(np.ascontiguousarray(posterior)), 0.0)
     return np.asarray(smooth / smooth.sum(axis=1, keepdims=True))

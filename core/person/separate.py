@@ -11,7 +11,7 @@ from ..body import Body, PersonFit, PointWeights, fit_person, refit_person
 from ..body.presence import SeveralPersons
 from ..hooks import SILENT, Hooks
 from ..scan.raw import RawScan
-from .colour import use_colours
+from .colour import link_alike, use_colours
 from .confidence import judge, leave_foreign, temper
 from .crumbs import give_crumbs
 from .diffusion import Links, diffuse, link_points
@@ -77,6 +77,8 @@ def separate(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT) ->
         fit = fit_person(raw.points, raw.normals, raw.is_oriented, hooks)
     points = sample_person(raw, fit)
     links = link_points(points.positions, points.normals)
+    if points.colours is not None:
+        links = link_alike(links, points.colours)
     told = None if hints.label is None else _sample_labels(raw, points, hints.label[raw.origin])
     if not isinstance(fit, _Given):
         fit = fit_below_clothes(fit, points, links, told, hooks)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from garmentq.core.body import Body, builtin_body
 from garmentq.core.person import CLOTH, PARTS, Part
-from garmentq.core.person.colour import SURE, find_strays, use_colours
+from garmentq.core.person.colour import SURE, find_strays, link_alike, use_colours
 from garmentq.core.person.diffusion import diffuse, link_points
 from garmentq.core.person.features import Features, describe_points
 from garmentq.core.person.points import PersonPoints, sample_person
@@ -96,6 +96,7 @@ def test_a_bare_midriff_is_skin(painted):
     links = link_points(points.positions, points.normals)
     posterior = diffuse(predict_by_rules(points, features, painted.fit, tone), links)
     assert points.colours is not None
+    links = link_alike(links, points.colours)
     found = np.array(PARTS)[use_colours(posterior, points.colours, features.place, links, tone).argmax(axis=1)]
     joints = painted.fit.body.rest_joints
     height = features.place.rest[:, 1]
