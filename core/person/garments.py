@@ -31,6 +31,9 @@ CLOUD_FACES = 300_000
 """Triangles, two a point, that a cloud's surface is made of at most: 4 mm of a person, where the noise of the points
 that are left is averaged away as well as by more of them, at a tenth of a million points' cost."""
 
+OTHER_HALF = {Part.UPPER: {"leg"}, Part.LOWER: {"neck", "armhole", "cuff"}}
+"""Openings that a top and a bottom do not have."""
+
 BORDERING = 0.015
 """Median distance from a border to the points of another garment up to which that one covers it [m]: two samples."""
 
@@ -113,9 +116,11 @@ def find_garments(raw: RawScan, label: np.ndarray, confidence: np.ndarray, body:
 def choose_part_category(part: Part, contours: tuple[Contour, ...], garment: Scan, body: Body) -> str:
     """Choose the category of a garment of which it is known whether it is a top, a bottom or one piece.
 
-    A top that is long enough for a dress is a long top, since something else is worn below it.
+    A top that is long enough for a dress is a long top, since something else is worn below it. What is taken for a top
+    and ends at the legs has swallowed a bottom, and the other way round: it has no category, so that it is doubted.
     """
-    if not contours:
+    stems = {contour.name.partition(".")[0] for contour in contours}
+    if not contours or stems & OTHER_HALF.get(part, set()):
         return ""
     category = choose_category(contours, garment.vertices, body)
     if category == "dress" and part is not Part.ONE_PIECE:

@@ -9,11 +9,13 @@ from garmentq.core.person.colour import fit_colours, is_painted, to_lab
 from garmentq.core.person.confidence import FOREIGN, NoCloth, Unsure, judge, leave_foreign, temper
 from garmentq.core.person.crumbs import give_crumbs
 from garmentq.core.person.diffusion import diffuse, link_points
+from garmentq.core.person.garments import choose_part_category
 from garmentq.core.person.hints import HintBad, parse_mark, parse_wearing
 from garmentq.core.person.labels import has_names, read_parts, write_labels
 from garmentq.core.person.outfit import outfit_probabilities, rank_outfits, read_all, read_as
 from garmentq.core.person.separation import FoundContour, FoundGarment, Outfit
 from garmentq.core.scan import LabelsUnreadable
+from garmentq.core.segment import Contour
 from garmentq.core.segment.legs import split_legs
 
 UP = np.array([0.0, 1.0, 0.0])
@@ -231,3 +233,14 @@ def test_what_no_rule_knows_is_left_a_share():
     np.testing.assert_allclose(left.sum(axis=1), 1.0)
     assert left[0, PARTS.index(Part.HAIR)] == pytest.approx(1.0 - FOREIGN[Part.HAIR], abs=0.02)
     assert left[0].argmax() == PARTS.index(Part.HAIR)
+
+
+@pytest.mark.parametrize(
+    ("part", "names"), [(Part.UPPER, ("neck", "leg.left", "leg.right")), (Part.LOWER, ("cuff.left", "waist"))]
+)
+def test_a_top_with_legs_is_doubted(part, names):
+    """Broken where a top that swallowed the trousers is sure to be a jumpsuit, worn with something below."""
+    contours = tuple(Contour(name, np.arange(3), 0.5, ()) for name in names)
+    assert choose_part_category(part, contours, None, None) == ""
+    problem = judge((FoundGarment(part, 0.9, ""),), (Outfit((part,), 0.0),), told=False)[1]
+    assert isinstance(problem, Unsure)
