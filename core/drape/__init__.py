@@ -1,7 +1,7 @@
 """The first drape: from a flat pattern to a garment that hangs on a body in any pose."""
 
 from .carry import CarrySettings, Way, carry, take_pose
-from .dress import DressSettings, dress, place, waist_loop
+from .dress import DressSettings, dress, flat_length, place, waist_loop
 from .follow import FollowSettings, PbdState, Threads, follow, lay_threads
 from .layer_contact import LayerContact
 from .motion import MotionSettings, describe_motion, drape_as_scanned
@@ -27,6 +27,7 @@ __all__ = [
     "drape_graded",
     "drape_template",
     "dress",
+    "flat_length",
     "follow",
     "lay_threads",
     "measure_wearer",

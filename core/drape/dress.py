@@ -85,7 +85,7 @@ def place(garment: Garment, body: Body, *, waist_height: float | None = None, fl
     nodes[:, 2] = middle + flatten * _side(garment)
     waist = waist_loop(garment)
     if waist is not None:
-        height = waist_height if waist_height is not None else natural_height(_loop_length(garment, waist), body)
+        height = waist_height if waist_height is not None else natural_height(flat_length(garment, waist), body)
         nodes[:, 1] += height - nodes[waist, 1].mean()
     else:
         nodes[:, 1] += _shoulder_shift(nodes, garment.faces, body)
@@ -115,7 +115,7 @@ def convex_girth(body: Body, height: float) -> float:
     return float(ConvexHull(near).area)
 
 
-def _loop_length(garment: Garment, loop: np.ndarray) -> float:
+def flat_length(garment: Garment, loop: np.ndarray) -> float:
     """Measure the flat length of a loop of nodes [m]: of its uv edges, each once."""
     count, edges = len(garment.nodes), HalfEdges.of(garment.faces)
     sides = np.sort(np.column_stack([loop, np.roll(loop, -1)]), axis=1)

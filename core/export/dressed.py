@@ -7,7 +7,7 @@ from pathlib import Path
 from ..pattern import write_pattern
 from ..wear import Dressed, save_worn
 from .dressed_report import draw_wearers, report_dressed
-from .meshes import KINDS, write_meshes, write_ply
+from .meshes import write_meshes, write_ply
 from .pattern_svg import write_svg
 from .result import describe_joints, write_json
 
@@ -20,12 +20,14 @@ def write_dressed(dressed: Dressed, folder: Path) -> list[Path]:
         folder: Where to; made where it is not there, files of the same names are replaced.
 
     Returns:
-        The files: dressed.ply, dressed.obj, dressed.glb, body.ply, body_joints.json, pattern.json, pattern.svg,
-        metrics.json, manifest.json, worn.npz, picture.png, report.html.
+        The files: dressed.obj, dressed.glb, dressed.ply (with `strain` and `pressure` [Pa] of each vertex), body.ply,
+        body_joints.json, pattern.json, pattern.svg, metrics.json, manifest.json, worn.npz, picture.png, report.html.
     """
     folder.mkdir(parents=True, exist_ok=True)
     worn = dressed.worn
-    files = write_meshes(worn.garment, worn.garment.nodes, folder, "dressed", KINDS)
+    garment, loads = worn.garment, {"strain": dressed.strain, "pressure": dressed.pressure}
+    files = write_meshes(garment, garment.nodes, folder, "dressed", ("obj", "glb"))
+    files.append(write_ply(garment.nodes, garment.faces, folder / "dressed.ply", loads))
     files.append(write_ply(worn.body.vertices, worn.body.faces, folder / "body.ply"))
     files.append(write_json(describe_joints(worn.body), folder / "body_joints.json"))
     files.append(write_json(write_pattern(worn.pattern), folder / "pattern.json"))

@@ -13,18 +13,23 @@ from .page import page_html
 from .person import on_white
 from .picture import Camera, ColouredMesh, aim, draw, png_base64
 from .report import number
-from .views import CLOTH, DRAPED, SKIN
+from .views import CLOTH, DRAPED, SKIN, colour_of
 
 WIDTH, HEIGHT = 300, 480
 """Size of one of the pictures [pixel]: three views of two wearers are a page wide."""
+
+MOST_STRAIN, MOST_PRESSURE = 0.1, 1000.0
+"""Ends of both scales of colour: cloth stretched by a tenth is tight, and a tight waistband presses by 1 kPa."""
 
 TURNS = (0.0, 0.5 * np.pi, np.pi)
 """Angles about the vertical from which a wearer is drawn: front, right side, back."""
 
 
 def draw_wearers(dressed: Dressed) -> bytes:
-    """Return a PNG: above the first wearer, below the new one; in columns front, side and back."""
+    """Return a PNG: above the first wearer, then the new one, the strain and the pressure; front, side and back."""
+    strain, pressure = dressed.strain / MOST_STRAIN, dressed.pressure / MOST_PRESSURE
     rows = [_row(dressed.before, CLOTH), _row(dressed.worn, DRAPED)]
+    rows += [_row(dressed.worn, colour_of(np.clip(share, 0.0, 1.0))) for share in (strain, pressure)]
     return base64.b64decode(png_base64(np.concatenate(rows, axis=0)))
 
 
@@ -54,7 +59,7 @@ def report_dressed(dressed: Dressed, picture: bytes) -> str:
     """
     return page_html(
         f"{dressed.worn.category} on {dressed.worn.body.source}",
-        [_header(dressed), _pictures(picture), _gates(dressed), _numbers(dressed), _manifest(dressed)],
+        [_header(dressed), _pictures(picture), _gates(dressed), _ease(dressed), _numbers(dressed), _manifest(dressed)],
     )
 
 
@@ -84,8 +89,9 @@ def _header(dressed: Dressed) -> str:
 def _pictures(picture: bytes) -> str:
     data = base64.b64encode(picture).decode("ascii")
     return (
-        "<section><h2>Wearers</h2><p class='hint'>Above: the wearer that the garment was recovered from. Below: the "
-        f'new one.</p><img alt="both wearers, front, side and back" src="data:image/png;base64,{data}"></section>'
+        "<section><h2>Wearers</h2><p class='hint'>From above: the wearer that the garment was recovered from; the new "
+        "one; the cloth's strain, dark from 10 %; its pressure on the body, dark from 1 kPa.</p>"
+        f'<img alt="both wearers, front, side and back" src="data:image/png;base64,{data}"></section>'
     )
 
 
@@ -100,6 +106,16 @@ def _gates(dressed: Dressed) -> str:
         "<tr><th></th><th>Check</th><th class=num>Value</th><th class=num>Fails above</th><th>What it means</th></tr>"
     )
     return f"<section><h2>Checks</h2><table>{head}{rows}</table></section>"
+
+
+def _ease(dressed: Dressed) -> str:
+    rows = "".join(
+        f"<tr><td>{escape(one.place.replace('_', ' '))}</td><td class=num>{1e3 * one.garment:.0f}</td>"
+        f"<td class=num>{1e3 * one.body:.0f}</td><td class=num>{1e3 * one.value:+.0f}</td></tr>"
+        for one in dressed.ease
+    )
+    head = "<tr><th>Girth [mm]</th><th class=num>Garment</th><th class=num>Body</th><th class=num>Ease</th></tr>"
+    return f"<section><h2>Ease</h2><table>{head}{rows}</table></section>" if rows else ""
 
 
 def _numbers(dressed: Dressed) -> str:

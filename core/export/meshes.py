@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -68,16 +69,29 @@ def write_meshes(
     return written
 
 
-def write_ply(vertices: np.ndarray, faces: np.ndarray, path: Path) -> Path:
-    """Write a welded triangle mesh as binary PLY [m]: double positions, nothing merged or reordered."""
+def write_ply(
+    vertices: np.ndarray, faces: np.ndarray, path: Path, values: Mapping[str, np.ndarray] | None = None
+) -> Path:
+    """Write a welded triangle mesh as binary PLY [m]: double positions, nothing merged or reordered.
+
+    Args:
+        vertices: Positions [m], shape [n, 3].
+        faces: Vertex indices, shape [m, 3].
+        path: Where to.
+        values: Further numbers of each vertex by the name of their property, shape [n] each.
+    """
+    values = values or {}
     header = (
         "ply\nformat binary_little_endian 1.0\ncomment metres, y up\n"
         f"element vertex {len(vertices)}\nproperty double x\nproperty double y\nproperty double z\n"
-        f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+        + "".join(f"property double {name}\n" for name in values)
+        + f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
     )
     rows = np.zeros(len(faces), dtype=[("count", "u1"), ("corners", "<i4", (3,))])
     rows["count"], rows["corners"] = 3, faces
-    path.write_bytes(header.encode("ascii") + np.asarray(vertices, dtype="<f8").tobytes() + rows.tobytes())
+    path.write_bytes(
+        header.encode("ascii") + np.column_stack([vertices, *values.values()]).astype("<f8").tobytes() + rows.tobytes()
+    )
     return path
 
 

@@ -2,6 +2,8 @@
 
 from .bodies import BodyFile, describe_body_file, find_wearer, read_body_file
 from .dressing import STAGES, Dressed, dress_body, is_sound, measure_worn
+from .ease import Ease, cut_cloth, measure_ease
+from .load import measure_pressure, measure_strain
 from .verdicts import judge_wear
 from .waist import carry_curve, match_models
 from .worn import WORN, ResultOld, Worn, hang_from, load_worn, save_worn, worn_of
@@ -11,9 +13,11 @@ __all__ = [
     "WORN",
     "BodyFile",
     "Dressed",
+    "Ease",
     "ResultOld",
     "Worn",
     "carry_curve",
+    "cut_cloth",
     "describe_body_file",
     "dress_body",
     "find_wearer",
@@ -22,6 +26,9 @@ __all__ = [
     "judge_wear",
     "load_worn",
     "match_models",
+    "measure_ease",
+    "measure_pressure",
+    "measure_strain",
     "measure_worn",
     "read_body_file",
     "save_worn",

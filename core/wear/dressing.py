@@ -15,6 +15,8 @@ from ..mesh import self_intersections
 from ..recovery import Gate
 from ..segment import name_contours
 from ..simulate import Drape, Fabric
+from .ease import Ease, measure_ease
+from .load import measure_pressure, measure_strain
 from .verdicts import judge_wear
 from .waist import carry_curve
 from .worn import Worn, hang_from
@@ -31,6 +33,9 @@ class Dressed:
         before: The garment on the wearer that it was recovered from.
         worn: The garment at rest on the other body.
         drape: The equilibrium.
+        ease: Garment and body at each place where cloth goes round the body.
+        strain: Largest principal strain of the cloth at each node, shape [node_count].
+        pressure: Of the cloth on the body at each node [Pa], shape [node_count].
         metrics: Flat dotted names to numbers; None where a metric does not apply.
         gates: The verdicts.
         warnings: What the user should know, one sentence each.
@@ -43,6 +48,9 @@ class Dressed:
     before: Worn
     worn: Worn
     drape: Drape
+    ease: tuple[Ease, ...]
+    strain: np.ndarray
+    pressure: np.ndarray
     metrics: dict[str, float | None]
     gates: tuple[Gate, ...]
     warnings: tuple[str, ...] = ()
@@ -73,7 +81,12 @@ def dress_body(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> D
         contours, _ = name_contours(nodes, worn.garment.faces, body)
         garment = worn.garment.at(nodes, contours or worn.garment.contours)
         now = replace(worn, garment=garment, fabric=cloth, body=body, waist=waist, rotation=None)
-        metrics = measure_worn(now, wearer, drape)
+        ease, strain, pressure = measure_ease(garment, body), measure_strain(now), measure_pressure(now, wearer)
+        metrics = measure_worn(now, wearer, drape) | tabulate_ease(ease)
+        metrics |= {
+            "strain_p99": float(np.quantile(strain, 0.99)),
+            "pressure_p99_pa": float(np.quantile(pressure, 0.99)),
+        }
     warnings = [] if drape.converged else [f"the garment is {drape.outcome.advice}"]
     if worn.rotation is not None:
         warnings.append("the scanned cloth was in motion; here it hangs at rest.")
@@ -81,6 +94,9 @@ def dress_body(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> D
         before=worn,
         worn=now,
         drape=drape,
+        ease=ease,
+        strain=strain,
+        pressure=pressure,
         metrics=metrics,
         gates=judge_wear(metrics),
         warnings=tuple(warnings),
@@ -103,6 +119,15 @@ def measure_worn(worn: Worn, wearer: WearerGeometry, drape: Drape) -> dict[str, 
         "body_penetration_mm": 1e3 * penetration_depth(nodes, faces, wearer.exposed),
         "self_intersecting_faces": float(len(self_intersections(nodes, faces))),
     }
+
+
+def tabulate_ease(ease: tuple[Ease, ...]) -> dict[str, float | None]:
+    """Return ease and both girths as metrics: `ease.chest_mm`, `girth.garment.chest_mm`, `girth.body.chest_mm`."""
+    found: dict[str, float | None] = {}
+    for one in ease:
+        found[f"ease.{one.place}_mm"] = 1e3 * one.value
+        found[f"girth.garment.{one.place}_mm"], found[f"girth.body.{one.place}_mm"] = 1e3 * one.garment, 1e3 * one.body
+    return found
 
 
 def is_sound(metrics: dict[str, float | None]) -> bool:

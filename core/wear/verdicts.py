@@ -35,6 +35,7 @@ def judge_wear(metrics: Metrics) -> tuple[Gate, ...]:
             f"The garment lies up to {depth:.1f} mm inside the body"
             + ("." if depth <= DEPTH_MM else ": it is too small, or the body's parts press it between them."),
         ),
+        _judge_width(metrics),
         Gate(
             "crossings",
             "pass" if crossed == 0.0 else "fail",
@@ -45,3 +46,14 @@ def judge_wear(metrics: Metrics) -> tuple[Gate, ...]:
             else f"{crossed:.0f} faces pass through others: mend them before the mesh is simulated on.",
         ),
     )
+
+
+def _judge_width(metrics: Metrics) -> Gate:
+    """Judge the tightest place: cloth that is shorter than the body's girth stretches, and is told."""
+    ease = {name[5:-3]: value for name, value in metrics.items() if name.startswith("ease.") and value is not None}
+    least = min(ease.values(), default=0.0)
+    if least >= 0.0:
+        return Gate("width", "pass", 0.0, 0.0, "The cloth is nowhere shorter than the body's girth.")
+    tight = [f"{-value:.0f} mm at the {name.replace('_', ' ')}" for name, value in sorted(ease.items()) if value < 0.0]
+    message = f"The garment is too small by {', '.join(tight)}: it stretches there."
+    return Gate("width", "warn", -least, 0.0, message)

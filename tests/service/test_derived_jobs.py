@@ -12,7 +12,7 @@ from garmentq.core.body import builtin_body
 from garmentq.core.errors import GarmentqError
 from garmentq.core.pattern import load_draped_template
 from garmentq.core.simulate import Drape, Outcome, get_fabric
-from garmentq.core.wear import Dressed, Worn, judge_wear, load_worn, measure_worn, save_worn
+from garmentq.core.wear import Dressed, Worn, judge_wear, load_worn, measure_ease, measure_worn, save_worn
 from garmentq.service.derived import DerivedOrder
 from garmentq.service.jobs import find_job
 from garmentq.service.local import LocalBackend
@@ -65,8 +65,11 @@ def quick(monkeypatch):
         drape = Drape(worn.garment.nodes, 0.1, 3, 1.0, Outcome.CONVERGED, worn.garment.nodes)
         from garmentq.core.drape import WearerGeometry
 
-        metrics = measure_worn(now, WearerGeometry(body), drape)
-        return Dressed(worn, now, drape, metrics, judge_wear(metrics), ("quick",), {"drape": 0.1}, 0.1, 1.0, {})
+        ease, loads = measure_ease(now.garment, body), np.zeros((2, len(worn.garment.nodes)))
+        metrics = measure_worn(now, WearerGeometry(body), drape) | {"ease.hip_mm": 41.0}
+        return Dressed(
+            worn, now, drape, ease, *loads, metrics, judge_wear(metrics), ("quick",), {"drape": 0.1}, 0.1, 1.0, {}
+        )
 
     monkeypatch.setattr("garmentq.core.wear.dress_body", dress)
 
@@ -94,7 +97,7 @@ def test_result_is_worn_by_another(backend, result, quick, settings, database, s
     assert (report.state, report.error) == ("succeeded", None)
     assert (report.kind, report.body, report.fabric, report.garment) == ("dress", "builtin:male", "denim", "skirt")
     assert report.inputs == {"result": result} and report.family == done.job
-    assert [job.id for job in backend.find_jobs(JobQuery(wheres=["vertices > 10", "kind = dress"]))] == [done.job]
+    assert [job.id for job in backend.find_jobs(JobQuery(wheres=["ease.hip_mm > 40", "kind = dress"]))] == [done.job]
     assert {file.name: file.sha256 for file in list_files(database, result)} == before
     paths = {path.name for path in export_files(database, store, done.job, tmp_path / "out")}
     assert {"dressed.ply", "body.ply", "worn.npz", "picture.png", "report.html", "pattern.json"} <= paths

@@ -1,0 +1,92 @@
+"""Ease and loads of worn cloth: lengths are those of the flat cloth, whatever the drape did to it."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+from garmentq.core.body import builtin_body
+from garmentq.core.drape import WearerGeometry
+from garmentq.core.export.meshes import write_ply
+from garmentq.core.pattern import load_draped_template
+from garmentq.core.simulate import get_fabric
+from garmentq.core.wear import Worn, cut_cloth, judge_wear, measure_ease, measure_pressure, measure_strain
+
+SPEC = "builtin:female,height=1.70"
+
+
+@pytest.fixture(scope="module")
+def body():
+    """Return the body that the templates were drafted for."""
+    return builtin_body(SPEC)
+
+
+@pytest.fixture(scope="module")
+def shirt():
+    """Return a shirt as it hangs on it."""
+    return load_draped_template("tshirt")
+
+
+def test_girths_of_a_shirt_on_its_draft(body, shirt):
+    """Broken where sleeves count for the chest, a side is lost, or cloth is measured as it is stretched."""
+    ease = {one.place: one for one in measure_ease(shirt, body)}
+    assert {"chest", "waist", "upper_arm"} <= set(ease) and "thigh" not in ease
+    widest = sum(np.ptp(panel.points[:, 0]) for panel in shirt.pattern.panels[:2])
+    assert ease["chest"].body == pytest.approx(0.915, abs=2e-3)
+    assert ease["chest"].body < ease["chest"].garment < 1.05 * widest + 0.5
+    assert all(one.value > 0.0 for one in ease.values())
+
+
+def test_cloth_keeps_its_length_when_it_is_stretched(shirt):
+    """Broken where the cut is measured on the body: twice as far out it would be twice as long."""
+    level = float(np.quantile(shirt.nodes[:, 1], 0.4))
+    wide = shirt.nodes * np.array([2.0, 1.0, 2.0])
+    first, second = (cut_cloth(shirt, nodes, 1, level) for nodes in (shirt.nodes, wide))
+    assert len(first.lengths) > 0
+    np.testing.assert_allclose(second.lengths, first.lengths, rtol=1e-9)
+    assert np.linalg.norm(wide - shirt.nodes, axis=1).max() > 0.1
+
+
+def test_line_that_ends_at_a_border_is_no_girth(shirt):
+    """Broken where half a sleeve's hem, or an open front, is taken for a girth."""
+    top = float(shirt.nodes[:, 1].max())
+    assert len(cut_cloth(shirt, shirt.nodes, 1, top + 0.01).lengths) == 0
+    neck = shirt.contour("neck")
+    through = float(shirt.nodes[neck.vertices, 1].mean())
+    middle = abs(shirt.nodes[:, 0]).max()
+    assert all(abs(x) < middle for x in cut_cloth(shirt, shirt.nodes, 1, through).middles)
+
+
+def test_larger_body_has_less_ease(shirt, body):
+    """Broken where the body's girth is not the new wearer's, or a garment that is too small is not told."""
+    large = builtin_body("builtin:female,height=1.70,weight=95")
+    first, second = ({one.place: one.value for one in measure_ease(shirt, who)} for who in (body, large))
+    assert second["chest"] < first["chest"] - 0.1
+    metrics = {"drape.residual": 0.1, "body_penetration_mm": 0.0, "self_intersecting_faces": 0.0, "drape.at_rest": 1.0}
+    tight = judge_wear({**metrics, "ease.chest_mm": -23.4, "ease.hip_mm": 5.0})
+    (width,) = (gate for gate in tight if gate.name == "width")
+    assert width.verdict == "warn" and "too small by 23 mm at the chest" in width.message
+    (width,) = (gate for gate in judge_wear({**metrics, "ease.chest_mm": 1.0}) if gate.name == "width")
+    assert width.verdict == "pass"
+
+
+def test_loads_are_those_of_the_cloth(shirt, body, tmp_path):
+    """Broken where strain is not a strain, pressure pulls, or a reader finds neither in the file."""
+    worn = Worn(shirt, get_fabric("cotton_poplin"), body, None, None, "tshirt", "tshirt")
+    grown = replace(worn, garment=shirt.at(1.1 * shirt.nodes))
+    strain = measure_strain(worn)
+    np.testing.assert_allclose(measure_strain(grown), 1.1 * (1.0 + strain) - 1.0, atol=1e-9)
+    wearer = WearerGeometry(body)
+    pressure = measure_pressure(worn, wearer)
+    distance, slope = wearer.grid.measure(shirt.nodes)
+    law = 1e8 * np.maximum(4e-3 - distance, 0.0) ** 2 * np.linalg.norm(slope, axis=1)
+    np.testing.assert_allclose(pressure, law, rtol=1e-6, atol=1e-9)
+    assert pressure.max() > 0.0
+    path = write_ply(shirt.nodes, shirt.faces, tmp_path / "a.ply", {"strain": strain, "pressure": pressure})
+    read = trimesh.load(io.BytesIO(path.read_bytes()), file_type="ply", process=False)
+    rows = read.metadata["_ply_raw"]["vertex"]["data"]
+    np.testing.assert_array_equal(rows["pressure"].ravel(), pressure)
+    np.testing.assert_array_equal(read.faces, shirt.faces)
