@@ -17,6 +17,7 @@ COMMANDS = {
     "run": "Recover a garment: submit it, work on it here, wait, and show the result.",
     "submit": "Queue one or more scans.",
     "dress": "Dress another body in a stored result.",
+    "refit": "Make a stored result to another body's measures.",
     "animate": "Move a stored result with its wearer.",
     "status": "Show the jobs, or one of them.",
     "logs": "Show what happened to a job.",

@@ -4,6 +4,7 @@ from .bodies import BodyFile, describe_body_file, find_wearer, read_body_file
 from .dressing import STAGES, Dressed, dress_body, is_sound, measure_worn
 from .ease import Ease, cut_cloth, measure_ease
 from .load import measure_pressure, measure_strain
+from .refit import Refitted, make_to_measure, refit_pattern
 from .verdicts import judge_wear
 from .waist import carry_curve, match_models
 from .worn import WORN, ResultOld, Worn, hang_from, load_worn, save_worn, worn_of
@@ -14,6 +15,7 @@ __all__ = [
     "BodyFile",
     "Dressed",
     "Ease",
+    "Refitted",
     "ResultOld",
     "Worn",
     "carry_curve",
@@ -25,12 +27,14 @@ __all__ = [
     "is_sound",
     "judge_wear",
     "load_worn",
+    "make_to_measure",
     "match_models",
     "measure_ease",
     "measure_pressure",
     "measure_strain",
     "measure_worn",
     "read_body_file",
+    "refit_pattern",
     "save_worn",
     "worn_of",
 ]

@@ -18,6 +18,7 @@ KINDS = {
     "recover": "garmentq.service.kinds.recover:Recover",
     "person": "garmentq.service.kinds.person:Person",
     "dress": "garmentq.service.kinds.dress:Dress",
+    "refit": "garmentq.service.kinds.dress:Refit",
     "animate": "garmentq.service.kinds.animate:Animate",
 }
 """Dotted path of each kind's class by name."""

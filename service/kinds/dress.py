@@ -1,4 +1,4 @@
-"""The kind `dress`: a stored result is worn by another body, its pattern unchanged."""
+"""The kinds `dress` and `refit`: a stored result on another body, its pattern unchanged or made to measure."""
 
 from __future__ import annotations
 
@@ -14,8 +14,11 @@ from .kind import Kind, Outcome, Work
 from .rows import add_metrics, add_pattern, describe_body, show_garment, summarise
 
 if TYPE_CHECKING:
+    from ...core.body import Body
+    from ...core.clock import Clock
     from ...core.hooks import Hooks
-    from ...core.wear import Dressed
+    from ...core.simulate import Fabric
+    from ...core.wear import Dressed, Worn
     from ..settings import ServiceSettings
 
 
@@ -44,16 +47,22 @@ class Dress(Kind):
         from ...core.export.dressed import write_dressed
         from ...core.record_file import read_record
         from ...core.simulate import get_fabric
-        from ...core.wear import BodyFile, dress_body, find_wearer, load_worn
+        from ...core.wear import BodyFile, find_wearer, load_worn
 
         worn, clock = load_worn(work.inputs[RESULT]), Clock(hooks)
         wanted = request.body if isinstance(request.body, str | None) else read_record(BodyFile, work.files / BODY)
         with clock.stage("body", "finding the body's joints") as told:
             body = find_wearer(wanted, worn.body, request.pose, told)
         fabric = None if request.fabric is None else get_fabric(request.fabric)
-        dressed = dress_body(worn, body, fabric, clock)
+        dressed = self.wear(worn, body, fabric, clock)
         write_dressed(dressed, work.out)
         return dressed
+
+    def wear(self, worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:
+        """Return the garment on the body."""
+        from ...core.wear import dress_body
+
+        return dress_body(worn, body, fabric, clock)
 
     def store(self, session: Session, claim: Claim, result: Dressed) -> Outcome:
         """Add the rows of pattern, fabric, body and numbers."""
@@ -62,6 +71,19 @@ class Dress(Kind):
     def show(self, session: Session, row: JobRow) -> dict[str, Any]:
         """Return garment, template, fabric and body by name."""
         return show_garment(session, row.id)
+
+
+class Refit(Dress):
+    """Make a stored result to the measures of a body, and dress it."""
+
+    name = "refit"
+    stages = ("check", "body", "refit", "drape", "measure")
+
+    def wear(self, worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:
+        """Return the garment made to measure on the body."""
+        from ...core.wear import make_to_measure
+
+        return make_to_measure(worn, body, fabric, clock)
 
 
 def store_dressed(session: Session, job: str, result: Dressed) -> Outcome:

@@ -72,6 +72,7 @@ def quick(monkeypatch):
         )
 
     monkeypatch.setattr("garmentq.core.wear.dress_body", dress)
+    monkeypatch.setattr("garmentq.core.wear.make_to_measure", dress)
 
 
 @pytest.fixture(params=["local", "remote"])
@@ -86,18 +87,19 @@ def backend(request, settings):
             yield there
 
 
-def test_result_is_worn_by_another(backend, result, quick, settings, database, store, tmp_path):
+@pytest.mark.parametrize("kind", ["dress", "refit"])
+def test_result_is_worn_by_another(kind, backend, result, quick, settings, database, store, tmp_path):
     """Broken where body, pose or fabric get lost on the way, the input is changed, or numbers cannot be searched."""
     before = {file.name: file.sha256 for file in list_files(database, result)}
     options = {"body": SPEC, "pose": "A", "fabric": "denim"}
-    done = backend.submit_derived(DerivedOrder("dress", result, options, tags=("try",)))
-    assert done.is_new and not backend.submit_derived(DerivedOrder("dress", result, options)).is_new
+    done = backend.submit_derived(DerivedOrder(kind, result, options, tags=("try",)))
+    assert done.is_new and not backend.submit_derived(DerivedOrder(kind, result, options)).is_new
     work_off(settings, database)
     report = backend.find_job(done.job)
     assert (report.state, report.error) == ("succeeded", None)
-    assert (report.kind, report.body, report.fabric, report.garment) == ("dress", "builtin:male", "denim", "skirt")
+    assert (report.kind, report.body, report.fabric, report.garment) == (kind, "builtin:male", "denim", "skirt")
     assert report.inputs == {"result": result} and report.family == done.job
-    assert [job.id for job in backend.find_jobs(JobQuery(wheres=["ease.hip_mm > 40", "kind = dress"]))] == [done.job]
+    assert [job.id for job in backend.find_jobs(JobQuery(wheres=["ease.hip_mm > 40", f"kind = {kind}"]))] == [done.job]
     assert {file.name: file.sha256 for file in list_files(database, result)} == before
     paths = {path.name for path in export_files(database, store, done.job, tmp_path / "out")}
     assert {"dressed.ply", "body.ply", "worn.npz", "picture.png", "report.html", "pattern.json"} <= paths

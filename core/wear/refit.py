@@ -1,0 +1,133 @@
+"""Made to measure: a recovered pattern moved by what its draft says another body needs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..body import Body, Tape
+from ..clock import Clock
+from ..drape import measure_wearer
+from ..pattern import Panel, Pattern, TemplateUnknown, draft_template, equalise_seams, mesh_pattern
+from ..simulate import Fabric
+from .dressing import Dressed, dress_body
+from .ease import Ease, measure_ease
+from .worn import Worn
+
+KEPT = 5e-3
+"""Change of the ease up to which it counts as kept [m]."""
+
+APPROXIMATE = (
+    "the pattern is no shipped template's, so nobody knows its draft: its panels were scaled by the ratios of both "
+    "bodies' girths and heights, which is approximate."
+)
+"""What is said of a pattern without a draft."""
+
+
+@dataclass(frozen=True)
+class Refitted:
+    """Hold a pattern made to measure.
+
+    Attributes:
+        pattern: The pattern, seams equalised.
+        is_drafted: True where a draft said how; False where it was scaled by measures' ratios.
+    """
+
+    pattern: Pattern
+    is_drafted: bool
+
+
+def refit_pattern(worn: Worn, body: Body) -> Refitted:
+    """Return a worn garment's pattern made to the measures of another body.
+
+    Control points move by what the draft changes, p + D(m1) - D(m0) with m0 the wearer's measures, m1 the other body's,
+    and D the template's draft, as grade rules do; handles are relative and follow; seams are equalised after that.
+    On a body of the wearer's own measures nothing moves.
+
+    Args:
+        worn: The garment on its wearer.
+        body: Who it is made for.
+    """
+    pattern = worn.pattern
+    old, new = measure_wearer(worn.body), measure_wearer(body)
+    if old == new:
+        return Refitted(pattern, True)
+    try:
+        drafts = [draft_template(worn.template, measures) for measures in (old, new)]
+    except TemplateUnknown:
+        drafts = []
+    if not drafts or [_form(panel) for panel in drafts[0].panels] != [_form(panel) for panel in pattern.panels]:
+        moved, is_drafted = _scale(worn, body), False
+    else:
+        triples = zip(pattern.panels, drafts[0].panels, drafts[1].panels, strict=True)
+        moved = replace(pattern, panels=tuple(_move(*panels) for panels in triples))
+        is_drafted = True
+    return Refitted(equalise_seams(moved, like=pattern), is_drafted)
+
+
+def make_to_measure(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:
+    """Make a garment to measure and dress the body in it; what of the ease is not kept is said.
+
+    Args:
+        worn: The garment as a result keeps it.
+        body: Who it is made for.
+        fabric: The cloth, or None for the garment's own.
+        clock: Times the stages.
+
+    Raises:
+        Cancelled: as soon as the clock's hooks say so.
+    """
+    with clock.stage("refit", "making the pattern to measure"):
+        found, before = refit_pattern(worn, body), measure_ease(worn.garment, worn.body)
+        made = worn
+        if found.pattern is not worn.pattern:
+            mesh = mesh_pattern(found.pattern, len(worn.garment.nodes))
+            made = replace(worn, garment=mesh)
+    dressed = dress_body(made, body, fabric, clock)
+    notes = () if found.is_drafted else (APPROXIMATE,)
+    changes = {one.place: one.value - was for one, was in _pair(dressed.ease, before)}
+    told = [f"{1e3 * change:+.0f} mm at the {place}" for place, change in changes.items() if abs(change) > KEPT]
+    if told:
+        notes = (*notes, f"the ease is not the wearer's: {', '.join(told)}.".replace("_", " "))
+    metrics = {f"ease_change.{place}_mm": 1e3 * change for place, change in changes.items()}
+    return replace(dressed, before=worn, metrics=dressed.metrics | metrics, warnings=(*notes, *dressed.warnings))
+
+
+def _pair(now: tuple[Ease, ...], before: tuple[Ease, ...]) -> list[tuple[Ease, float]]:
+    """Return what was measured on both bodies, each with the ease on the first [m]."""
+    was = {one.place: one.value for one in before}
+    return [(one, was[one.place]) for one in now if one.place in was]
+
+
+def _form(panel: Panel) -> tuple[str, int, tuple[str, ...]]:
+    """Return what two panels have in common whose control points correspond."""
+    return panel.name, len(panel.points), tuple(edge.kind for edge in panel.edges)
+
+
+def _move(panel: Panel, old: Panel, new: Panel) -> Panel:
+    """Return a panel moved by the difference of two drafts, its place in the first drape too."""
+    return replace(
+        panel,
+        points=panel.points + new.points - old.points,
+        translation=panel.translation + new.translation - old.translation,
+    )
+
+
+def _scale(worn: Worn, body: Body) -> Pattern:
+    """Return the pattern scaled by the ratios of both bodies: across by the mean ratio of girths, along by heights'."""
+    tapes = [Tape.of(one) for one in (worn.body, body)]
+    places = [one.place for one in measure_ease(worn.garment, worn.body)] or ["chest", "waist", "hip"]
+    across = float(np.mean([tapes[1].measure(place).value / tapes[0].measure(place).value for place in places]))
+    tall = [float(np.ptp(tape.body.vertices[:, 1])) for tape in tapes]
+    along = tall[1] / tall[0]
+    panels = []
+    for panel in worn.pattern.panels:
+        # A panel's axis that is placed upright runs along the body, the other one round it.
+        upright = np.abs(panel.rotation[1, :2])
+        factors = np.where(upright == upright.max(), along, across)
+        middle = panel.points.mean(axis=0)
+        panels.append(
+            replace(panel, points=middle + factors * (panel.points - middle), translation=panel.translation * along)
+        )
+    return replace(worn.pattern, panels=tuple(panels))
