@@ -15,6 +15,11 @@ APART = 0.25
 """Share of the hip joint's distance from the middle beyond which cloth is one leg's: a skirt's is in the middle."""
 
 
+BELOW = ((0.0,), (0.0, 0.02, 0.04, 0.06))
+"""How far below the body's level cloth is measured [m], and at the chest: a wide sleeve joins the line of its level
+there, so the shortest line of a hand's breadth counts."""
+
+
 @dataclass(frozen=True)
 class Ease:
     """Compare a garment with its wearer at one place.
@@ -61,9 +66,10 @@ def measure_ease(garment: Garment, body: Body) -> tuple[Ease, ...]:
             lengths = [length for length in sides if length is not None]
             length = None if len(lengths) < len(sides) else float(np.mean(lengths))
         else:
-            parts = cut_cloth(garment, nodes, 1, taken.level)
             half = abs(float(tape.body.joint("left_shoulder")[0]) - centre)
-            length = parts.length(np.abs(parts.middles - centre) < half)
+            cuts = [cut_cloth(garment, nodes, 1, taken.level - below) for below in BELOW[place == "chest"]]
+            around = [cut.length(np.abs(cut.middles - centre) < half) for cut in cuts]
+            length = min((one for one in around if one is not None), default=None)
         if length is not None:
             found.append(Ease(place, length, taken.value))
     return tuple(found)
