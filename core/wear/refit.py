@@ -90,7 +90,7 @@ def make_to_measure(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock)
     told = [f"{1e3 * change:+.0f} mm at the {place}" for place, change in changes.items() if abs(change) > KEPT]
     if told:
         notes = (*notes, f"the ease is not the wearer's: {', '.join(told)}.".replace("_", " "))
-    metrics = {f"ease_change.{place}_mm": 1e3 * change for place, change in changes.items()}
+    metrics: dict[str, float | None] = {f"ease_change.{place}_mm": 1e3 * change for place, change in changes.items()}
     return replace(dressed, before=worn, metrics=dressed.metrics | metrics, warnings=(*notes, *dressed.warnings))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from sqlalchemy.orm import Session
 
@@ -34,7 +34,7 @@ class Dress(Kind):
 
     name = "dress"
     request = DressRequest
-    stages = ("check", "body", "drape", "measure")
+    stages: ClassVar[tuple[str, ...]] = ("check", "body", "drape", "measure")
     reads = MappingProxyType({RESULT: GARMENTS})
 
     def checker(self, settings: ServiceSettings) -> str:
@@ -77,7 +77,7 @@ class Refit(Dress):
     """Make a stored result to the measures of a body, and dress it."""
 
     name = "refit"
-    stages = ("check", "body", "refit", "drape", "measure")
+    stages: ClassVar[tuple[str, ...]] = ("check", "body", "refit", "drape", "measure")
 
     def wear(self, worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:
         """Return the garment made to measure on the body."""
