@@ -25,12 +25,7 @@ BARE_OFFSETS = {Limb.NECK: (0.003, 0.005), Limb.LEFT_LEG: (0.015, 0.010), Limb.R
 """Offset [m] that skin and cloth have alike often, and the offset beyond it that says one unit more; of other limbs
 `ARM_OFFSETS`. On simulated persons half the bare skin of legs lies 7 mm off the fit, of arms 3 mm."""
 ARM_OFFSETS = (0.003, 0.005)
-"""The same of arms, of which the fit lies on the skin; where it lies outside, so much less."""
-FOREARM = 1 / 3
-"""Share of an arm's slices, from the shoulder on, beyond which the person's own skin is looked for: a short sleeve ends
-there, and a long one stands off so that it changes nothing."""
-BARE_SHARE = 0.3
-"""Share of these slices that are lower than the skin's level: hands are fitted worst, and either way."""
+"""The same of arms."""
 OFFSET_SAYS = (-0.6, 2.0)
 """Units at most that it says either way: cloth touches the body often, skin is seldom far from the fit."""
 ARMS, LEGS = (Limb.LEFT_ARM, Limb.RIGHT_ARM), (Limb.LEFT_LEG, Limb.RIGHT_LEG)
@@ -43,9 +38,9 @@ CREASE = (-0.04, 0.08)
 """Stations of an arm [m] between which edges begin to count: creases around the shoulder look like armholes."""
 LEAST_CREASE = 0.2
 """Share of an edge's evidence that is left at the shoulder."""
-REGION_WEIGHT, ARM_WEIGHT = 0.012, 0.02
+REGION_WEIGHT = 0.012
 """Log-probability of one cell's unit of offset: a limb's slice of 1 cm of clear cloth says as much as one column's
-clear edge, as the fit is off over lengths of 10 cm; of an arm more, whose own skin's level is known."""
+clear edge, as the fit is off over lengths of 10 cm."""
 KNOWN_WEIGHT = 0.01
 """Log-probability of one cell's unit of log-odds: a row of 8 mm around a limb, told with odds of 20, says 1.5."""
 TONE_WEIGHT = 0.02
@@ -118,25 +113,16 @@ class _Cells:
         contrast = self.contrast if use_colours else None
         return np.where(self.is_near, edge_evidence(sign * self.step, sign * self.ridge, contrast), 0.0)
 
-    def skin_level(self) -> float:
-        """Return how far an arm's skin lies below the fit [m], 0 or less, by the slices of its outer part."""
-        outer = slice(int(FOREARM * len(self.offset)), None)
-        seen = [row[near] for row, near in zip(self.offset[outer], self.is_near[outer], strict=True) if near.any()]
-        return min(float(np.quantile([np.median(row) for row in seen], BARE_SHARE)), 0.0) if seen else 0.0
-
     def region(self, limb: Limb) -> np.ndarray:
         """Return the log-probability of cloth against skin by what is known, or else by the offset."""
         if self.known is not None:
             return np.where(self.is_near, KNOWN_WEIGHT * self.known, 0.0)
         bare, scale = BARE_OFFSETS.get(limb, ARM_OFFSETS)
-        level = self.skin_level() if limb in ARMS else 0.0
-        units = np.clip((self.offset - bare - level) / scale, *OFFSET_SAYS)
+        units = np.clip((self.offset - bare) / scale, *OFFSET_SAYS)
         if limb in ARMS:
             folds = np.quantile(np.where(self.is_near, self.offset, 0.0), FOLD_SHARE, axis=1, keepdims=True)
-            units = 0.5 * (units + np.clip((folds - FOLD - level) / scale, -1.0, 2.0))
-        told = (ARM_WEIGHT if limb in ARMS else REGION_WEIGHT) * units
-        if self.tone is not None:
-            told = told - TONE_WEIGHT * self.tone
+            units = 0.5 * (units + np.clip((folds - FOLD) / scale, -1.0, 2.0))
+        told = REGION_WEIGHT * units - (0.0 if self.tone is None else TONE_WEIGHT * self.tone)
         return np.where(self.is_near, told, 0.0)
 
 

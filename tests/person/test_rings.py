@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from garmentq.core.body import Body, builtin_body
-from garmentq.core.person.evidence import _Cells, find_rings
+from garmentq.core.person.evidence import find_rings
 from garmentq.core.person.features import describe_points
 from garmentq.core.person.limbs import Limb
 from garmentq.core.person.part import PARTS, Part
@@ -181,16 +181,3 @@ def test_two_colours_are_an_edge_and_stripes_are_none():
     assert contrasts(stripes)[15:-15].max() < 0.1 * found.max()
     blobs = np.random.default_rng(0).random((8, 8)).repeat(10, axis=0).repeat(ANGLES // 8, axis=1) > 0.5
     assert np.median(contrasts(np.where(blobs[:, :, None], red, cream))) < 0.4 * found.max()
-
-
-@pytest.mark.parametrize(("bare", "level"), [(-0.004, -0.004), (0.001, 0.0), (0.012, 0.0)])
-def test_an_arms_own_skin_is_the_level(bare, level):
-    """Broken where a fit outside the arm makes skin of a thin sleeve, or a long sleeve passes for skin."""
-    offset = np.full((75, ANGLES), bare)
-    offset[:35] = 0.006
-    everywhere = np.ones(offset.shape, bool)
-    cells = _Cells(offset, offset, None, offset, everywhere, None, None)
-    assert cells.skin_level() == pytest.approx(level)
-    gain = cells.region(Limb.LEFT_ARM)
-    assert gain[:35].min() > (0.005 if bare < 0 else -0.001)
-    assert (gain[35:].max() < 0) == (bare < 0.003)
