@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
 _CELLS = 2**18
 """Most cells of a grid: 2 MB, cleared in a tenth of a millisecond; wider cloth gets larger ones."""
+
+
+class Boxes(NamedTuple):
+    """Boxes around groups of nodes: lowest and highest corners [m], [box_count, 3], and the nodes, [box_count, k]."""
+
+    low: np.ndarray
+    high: np.ndarray
+    nodes: np.ndarray
 
 
 @njit(cache=True)
@@ -24,17 +34,18 @@ def wrap_boxes(start, end, groups, inflation):  # type: ignore[no-untyped-def]
     return low, high
 
 
-def choose_cells(low: np.ndarray, high: np.ndarray, size: float) -> tuple[np.ndarray, float, np.ndarray]:
+def choose_cells(boxes: Boxes, size: float) -> tuple[np.ndarray, float, np.ndarray]:
     """Return origin [m], side [m] and counts of a grid of cells of about this size [m] over boxes [box_count, 3]."""
-    floor, top = low.min(axis=0), high.max(axis=0)
+    floor, top = boxes.low.min(axis=0), boxes.high.max(axis=0)
     extent = np.maximum(top - floor, size)
     size = max(size, float(np.cbrt(extent.prod() / _CELLS)))
     return floor, size, np.floor(extent / size).astype(np.int64) + 1
 
 
 @njit(cache=True)
-def fill_cells(low, high, grid):  # type: ignore[no-untyped-def]
+def fill_cells(boxes, grid):  # type: ignore[no-untyped-def]
     """Return where each cell's boxes begin, shape [cell_count + 1], and the boxes, in ascending order in each cell."""
+    low, high, _ = boxes
     origin, size, counts = grid
     starts = np.zeros(counts[0] * counts[1] * counts[2] + 1, np.int64)
     for turn in range(2):
@@ -61,19 +72,21 @@ def fill_cells(low, high, grid):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def find_overlaps(low, high, other_low, other_high, cells, grid, same):  # type: ignore[no-untyped-def]
-    """Return all pairs of a box and another one that overlap, shape [pair_count, 2], each once.
+def find_overlaps(boxes, others, cells, grid, same):  # type: ignore[no-untyped-def]
+    """Return the nodes of all boxes and others that overlap and share no node, [pair_count, 4], each pair once.
 
     Args:
-        low, high: Corners of the boxes [m], shape [box_count, 3].
-        other_low, other_high: Of those in the cells.
-        cells: What `fill_cells` gave for them.
+        boxes, others: `Boxes` of k and 4 - k nodes.
+        cells: What `fill_cells` gave for the others.
         grid: Origin, side and counts of the cells.
         same: Both are the same boxes: a box is not paired with itself, and with each other one once.
     """
+    low, high, nodes = boxes
+    other_low, other_high, other_nodes = others
+    first_count, second_count = nodes.shape[1], other_nodes.shape[1]
     starts, members = cells
     origin, size, counts = grid
-    pairs, found = np.zeros((256, 2), np.int64), 0
+    pairs, found = np.zeros((256, 4), np.int64), 0
     first, last = np.zeros(3, np.int64), np.zeros(3, np.int64)
     for a in range(len(low)):
         for d in range(3):
@@ -103,8 +116,17 @@ def find_overlaps(low, high, other_low, other_high, cells, grid, same):  # type:
                             or int((max(low[a, 2], other_low[b, 2]) - origin[2]) / size) != k
                         ):
                             continue
+                        shared = False
+                        for p in range(first_count):
+                            for q in range(second_count):
+                                shared = shared or nodes[a, p] == other_nodes[b, q]
+                        if shared:
+                            continue
                         if found == len(pairs):
                             pairs = np.concatenate((pairs, np.zeros_like(pairs)))
-                        pairs[found, 0], pairs[found, 1] = a, b
+                        for p in range(first_count):
+                            pairs[found, p] = nodes[a, p]
+                        for q in range(second_count):
+                            pairs[found, first_count + q] = other_nodes[b, q]
                         found += 1
     return pairs[:found]

@@ -10,7 +10,7 @@ from numba import njit
 
 from .advance import approach, free_share
 from .barrier import measure_pairs
-from .broad import choose_cells, fill_cells, find_overlaps, wrap_boxes
+from .broad import Boxes, choose_cells, fill_cells, find_overlaps, wrap_boxes
 from .closest import EDGE_EDGE, NODE_FACE, PARALLEL, span, weigh
 from .self_contact import SHARE, SelfContact
 
@@ -34,7 +34,7 @@ class Near:
     """Hold the pairs that may touch while cloth goes from one place to another, or stays near that way.
 
     Attributes:
-        pairs: In a fixed order: by node and face, then by edges.
+        pairs: Those of a node and a face first, then those of edges.
         start: Where the way begins [m], shape [node_count, 3].
         step: The way [m], shape [node_count, 3].
         margin: Distance from it up to which the pairs are complete [m].
@@ -83,16 +83,12 @@ def find_near(cloth: SelfContact, start: np.ndarray, end: np.ndarray | None = No
     end = start if end is None else np.ascontiguousarray(end, dtype=np.float64)
     margin, step = cloth.margin, end - start
     inflation = 0.5 * float(cloth.reach.max()) + margin
-    singles = cloth.singles
-    (low, high), (face_low, face_high), (edge_low, edge_high) = (
-        wrap_boxes(start, end, each, inflation) for each in (singles, cloth.sheets, cloth.sides)
+    singles, sheets, sides = (
+        Boxes(*wrap_boxes(start, end, each, inflation), each) for each in (cloth.singles, cloth.sheets, cloth.sides)
     )
-    grid = choose_cells(face_low, face_high, float((face_high - face_low).mean()))
-    over = find_overlaps(low, high, face_low, face_high, fill_cells(face_low, face_high, grid), grid, False)
-    faced = np.concatenate([singles[over[:, 0]], cloth.sheets[over[:, 1]]], axis=1)
-    cells = fill_cells(edge_low, edge_high, grid)
-    over = find_overlaps(edge_low, edge_high, edge_low, edge_high, cells, grid, True)
-    edged = np.concatenate([cloth.sides[over[:, 0]], cloth.sides[over[:, 1]]], axis=1)
+    grid = choose_cells(sheets, float((sheets.high - sheets.low).mean()))
+    faced = find_overlaps(singles, sheets, fill_cells(sheets, grid), grid, False)
+    edged = find_overlaps(sides, sides, fill_cells(sides, grid), grid, True)
     kept = [
         nodes[_keep(start, step, nodes, kind, cloth.reach, 2.0 * margin)]
         for kind, nodes in ((NODE_FACE, faced), (EDGE_EDGE, edged))
@@ -102,8 +98,7 @@ def find_near(cloth: SelfContact, start: np.ndarray, end: np.ndarray | None = No
 
 
 def _size(cloth: SelfContact, kept: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the nodes of pairs, ordered, and their sizes; see `PairElements`."""
-    kept = [nodes[np.lexsort(nodes.T[::-1])] for nodes in kept]
+    """Return the nodes of pairs and their sizes; see `PairElements`."""
     nodes = np.concatenate(kept)
     weights = SHARE * cloth.areas[nodes].mean(1)
     reach = cloth.reach[nodes].min(1) if len(nodes) else np.zeros(0)
@@ -117,13 +112,11 @@ def _size(cloth: SelfContact, kept: list[np.ndarray]) -> tuple[np.ndarray, np.nd
 
 @njit(cache=True)
 def _keep(start, step, nodes, kind, reach, slack):  # type: ignore[no-untyped-def]
-    """Return which pairs share no node and may come within reach and slack [m], shape [pair_count]."""
+    """Return which pairs may come within reach and slack [m], shape [pair_count]."""
     kept = np.zeros(len(nodes), np.bool_)
     weights, rates, vector, motion = np.zeros(4), np.zeros((2, 4)), np.zeros(3), np.zeros((4, 3))
     for n in range(len(nodes)):
         i, j, k, m = nodes[n, 0], nodes[n, 1], nodes[n, 2], nodes[n, 3]
-        if i == k or i == m or (kind == NODE_FACE and i == j) or (kind == EDGE_EDGE and (j == k or j == m)):
-            continue
         far = min(min(reach[i], reach[j]), min(reach[k], reach[m])) + slack
         for d in range(3):
             mean = 0.25 * (step[i, d] + step[j, d] + step[k, d] + step[m, d])

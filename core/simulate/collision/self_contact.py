@@ -19,7 +19,7 @@ a node, so that the pressure is about that of the law."""
 NARROW = 0.5
 """Share of the least height of the triangles around a node that it reaches at most: what is flat is not in contact."""
 
-CLOSE = 0.2
+CLOSE = 0.1
 """Share of the mean edge that the margin of found pairs takes: more pairs in it, the fewer searches."""
 
 
