@@ -83,10 +83,11 @@ def find_near(cloth: SelfContact, start: np.ndarray, end: np.ndarray | None = No
     end = start if end is None else np.ascontiguousarray(end, dtype=np.float64)
     margin, step = cloth.margin, end - start
     inflation = 0.5 * float(cloth.reach.max()) + margin
+    along = end - step.mean(axis=0)  # how the whole moves brings nothing nearer to anything
     singles, sheets, sides = (
-        Boxes(*wrap_boxes(start, end, each, inflation), each) for each in (cloth.singles, cloth.sheets, cloth.sides)
+        Boxes(*wrap_boxes(start, along, each, inflation), each) for each in (cloth.singles, cloth.sheets, cloth.sides)
     )
-    grid = choose_cells(sheets, float((sheets.high - sheets.low).mean()))
+    grid = choose_cells(sheets, 1.5 * float((sheets.high - sheets.low).mean()))
     faced = find_overlaps(singles, sheets, fill_cells(sheets, grid), grid, False)
     edged = find_overlaps(sides, sides, fill_cells(sides, grid), grid, True)
     kept = [
