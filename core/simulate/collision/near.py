@@ -85,7 +85,9 @@ def find_near(cloth: SelfContact, start: np.ndarray, end: np.ndarray | None = No
     inflation = 0.5 * float(cloth.reach.max()) + margin
     along = end - step.mean(axis=0)  # how the whole moves brings nothing nearer to anything
     singles, sheets, sides = (
-        Boxes(*wrap_boxes(start, along, each, inflation), each) for each in (cloth.singles, cloth.sheets, cloth.sides)
+        Boxes(low, high, each)
+        for each in (cloth.singles, cloth.sheets, cloth.sides)
+        for low, high in [wrap_boxes(start, along, each, inflation)]
     )
     grid = choose_cells(sheets, 1.5 * float((sheets.high - sheets.low).mean()))
     faced = find_overlaps(singles, sheets, fill_cells(sheets, grid), grid, False)
