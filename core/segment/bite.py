@@ -27,6 +27,9 @@ BAY = 0.3
 0.39."""
 IN_SURFACE = 0.85
 """Smallest cosine between a bay's area vector and the surface's normal: true holes had 0.99, gaps below sleeves 0.7."""
+AROUND = 2.0 / np.pi
+"""Least length of the mean of a bay's unit normals: what half a tube's have. A stretch that goes further around is the
+end of the tube, whose normals cancel and say nothing of where its area vector should point."""
 BAY_AREA = 4e-4
 """Smallest area of a bay [m2]: less is a tooth of the triangles."""
 SEEN = 0.01
@@ -39,7 +42,8 @@ def bridge_bays(
     """Cut off the bays of a contour beyond which nothing was seen: holes of the scan that broke through the contour.
 
     A stretch of unseen points and its chord enclose the area vector A; with the garment on the left, A runs against the
-    surface's normal n where the stretch goes around missing surface. It is a bay where A and -n agree and A is large.
+    surface's normal n where the stretch goes around missing surface. It is a bay where A and -n agree, A is large, and
+    the stretch goes at most half around a tube.
 
     Args:
         points: The contour [m], garment on the left, shape [n, 3].
@@ -57,7 +61,7 @@ def bridge_bays(
     for stretch in stretches:
         mouth = points[stretch[-1]] - points[stretch[0]]
         area, missing = _missing_area(points[stretch], normals[stretch])
-        lies_in_surface = missing >= IN_SURFACE * area
+        lies_in_surface = missing >= IN_SURFACE * area and _mean_length(normals[stretch]) >= AROUND
         if lies_in_surface and missing >= max(BAY_AREA, BAY * float(mouth @ mouth)):
             kept[stretch[1:-1]] = False
             bays.append(stretch)
@@ -150,6 +154,11 @@ def _search_pairs(points: np.ndarray, normals: Callable[[], np.ndarray]) -> tupl
         if missing > 0.0 or area < SLIT * float(length[row, column]) ** 2:
             return first, steps_taken
     return None
+
+
+def _mean_length(normals: np.ndarray) -> float:
+    """Return the length of the mean of unit normals: 1 on a plane, 0 all around a tube."""
+    return float(np.linalg.norm(normals.mean(axis=0)))
 
 
 def _missing_area(points: np.ndarray, normals: np.ndarray) -> tuple[float, float]:

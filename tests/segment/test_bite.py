@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from garmentq.core.segment import name_contours
-from garmentq.core.segment.bite import bridge_bites
+from garmentq.core.segment.bite import bridge_bays, bridge_bites
 
 
 def rim(count=160, radius=0.2):
@@ -90,3 +90,27 @@ def test_torn_hem_keeps_its_length(wearers, hung):
     assert [contour.name for contour in contours] == ["hem", "waist"] and len(holes) == 1
     hem, before = contours[0], whole[0]
     assert hem.length == pytest.approx(before.length, rel=0.02)
+
+
+def test_a_hem_that_stands_off_the_skin_is_no_bay():
+    """Cloth below which little of the wearer is seen must keep its hem: the stretch goes around the tube."""
+    points = rim(510)
+    normals = outward(points)() - [0.0, 0.3, 0.0]  # flared: their sum points down, against the area vector
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    unseen = np.ones(510, bool)
+    unseen[100:120] = False
+    kept, bays = bridge_bays(points, normals, unseen)
+    assert bays == () and len(kept) == 510
+
+
+def test_a_bay_without_skin_beyond_is_bridged():
+    """A round bite in a hem beyond which nothing was seen must leave the hem at its mouth."""
+    points = rim()
+    turn, first, last = np.linspace(0, np.pi, 25)[1:-1], points[40], points[56]
+    bite = 0.5 * (first + last) - 0.5 * np.cos(turn)[:, None] * (last - first)
+    bite += np.sin(turn)[:, None] * [0.0, 0.06, 0.0]
+    points = np.concatenate([points[:41], bite, points[56:]])
+    unseen = np.zeros(len(points), bool)
+    unseen[41:64] = True
+    kept, bays = bridge_bays(points, outward(points)(), unseen)
+    assert len(bays) == 1 and np.abs(points[kept, 1]).max() < 0.011
