@@ -33,7 +33,7 @@ def wear(folder: Path) -> Worn:
 
 def move(worn: Worn, motion: Path, settings: AnimateSettings) -> Animation:
     """Return the garment in motion."""
-    track = retarget(load_motion(motion), worn.body)
+    track = retarget(load_motion(motion), worn.body, settings.begin)
     return animate(worn, LeadIn(Pose.of(worn.body), track, settings.begin, settings.lead), settings)
 
 

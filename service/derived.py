@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..core.errors import BadInput
 from .jobs import find_job
-from .kinds import FileRef, RequestBad, find_kind, pack_request, read_request
+from .kinds import FileRef, RequestBad, find_files, find_kind, pack_request, read_request
 from .models import OwnerRow
 from .states import QUEUES
 from .submission import JobRequest, JobUnknown, Submitted, add_job, check_labels, clean_name
@@ -75,6 +75,8 @@ def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
     check_labels(order.name, order.tags)
     files = {name: _keep(services, file) for name, file in order.files.items()}
     request = pack_request(read_request(kind.request, {**order.options, **files}))
+    if {place for place, _ in find_files(request)} - files.keys():  # whoever knows a hash has not handed the file in
+        raise RequestBad("a file of the request is named among its options; upload it and name it among the files.")
     row = find_job(services.database, order.result)
     with services.database.write() as session:
         if order.key and session.get(OwnerRow, (order.key, row.id)) is None:

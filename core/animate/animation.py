@@ -124,7 +124,8 @@ def animate(worn: Worn, motion: LeadIn, settings: AnimateSettings, hooks: Hooks 
             f"{len(times)} frames of {len(worn.garment.nodes)} vertices are too many: take a part of them."
         )
     stage = Stage(worn, motion, settings)
-    inputs = (worn.garment.nodes, worn.body.vertices, stage.mover.transforms(motion.at(float(times[-1]))), times)
+    transforms = np.stack([stage.mover.transforms(motion.at(float(t))) for t in times])
+    inputs = (worn.garment.nodes, worn.body.vertices, transforms, times, repr(worn.fabric), repr(settings))
     kept: list[_Chunk] = []
     while (chunk := load(hooks, f"{STAGE}.{len(kept)}", _Chunk, *inputs)) is not None:
         kept.append(chunk)
@@ -144,7 +145,7 @@ def animate(worn: Worn, motion: LeadIn, settings: AnimateSettings, hooks: Hooks 
         settings.fps,
         times,
         np.concatenate([chunk.frames for chunk in kept]),
-        np.stack([stage.mover.transforms(motion.at(float(t))) for t in times]),
+        transforms,
         tuple(verdict for chunk in kept for verdict in chunk.verdicts),
     )
 

@@ -60,12 +60,14 @@ def move_worn(worn: Worn, recording: Recording, name: str, settings: AnimateSett
         Cancelled: as soon as the clock's hooks say so.
     """
     with clock.stage(STAGE, "moving the wearer") as hooks:
-        track = retarget(recording, worn.body)
+        track = retarget(recording, worn.body, settings.begin)
         lead = LeadIn(Pose.of(worn.body), track, settings.begin, settings.lead)
         animation = animate(worn, lead, settings, hooks)
     with clock.stage("measure", "judging the frames"):
         metrics = measure_animation(animation)
     warnings = list(recording.notes)
+    if not track.loops and float(animation.times[-1]) > track.seconds + 1e-6:
+        warnings.append(f"the motion is over after {track.seconds:.2f} s; after that the wearer stands still.")
     if worn.rotation is not None:
         warnings.append("the scanned cloth was in motion; here it moves from rest.")
     return Moved(

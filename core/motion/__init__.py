@@ -2,7 +2,7 @@
 
 from .errors import MotionBad, MotionForeign, MotionTooLarge
 from .moving_body import MovingBody
-from .read import is_motion, load_motion
+from .read import load_motion
 from .recording import Recording
 from .retarget import retarget
 from .shipped import SHIPPED, find_shipped
@@ -10,5 +10,5 @@ from .track import LeadIn, Pose, Track
 
 __all__ = [
     "SHIPPED", "LeadIn", "MotionBad", "MotionForeign", "MotionTooLarge", "MovingBody", "Pose", "Recording", "Track",
-    "find_shipped", "is_motion", "load_motion", "retarget",
+    "find_shipped", "load_motion", "retarget",
 ]  # fmt: skip

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from .bvh import read_bvh
 from .errors import MotionBad
 from .keys import read_keys
@@ -13,19 +15,42 @@ from .smpl_motion import read_smpl_motion
 READERS = {".json": read_keys, ".bvh": read_bvh, ".npz": read_smpl_motion}
 """Reader of each kind of file, by its ending."""
 
-
-def is_motion(name: str) -> bool:
-    """Return whether a file's name ends as a motion's does."""
-    return Path(name).suffix.lower() in READERS
+FASTEST = 50.0
+"""Speed of the pelvis at most [legs' lengths/s]: 40 m/s, three times a sprinter's; steps are as many as the way asks
+for, so that a file with a leap over kilometres would be worked on for ever."""
 
 
 def load_motion(path: Path) -> Recording:
     """Read a motion: BVH, `.npz` of `poses` and `trans`, or JSON keys.
 
     Raises:
-        MotionBad, MotionTooLarge, MotionForeign: where the file is none that is understood; says why.
+        MotionBad, MotionTooLarge, MotionForeign: where the file is none that is understood, or moves as no body does;
+            says why.
     """
     reader = READERS.get(Path(path).suffix.lower())
     if reader is None:
         raise MotionBad(f"{Path(path).name}: {MotionBad().message}")
-    return reader(Path(path))
+    recording = reader(Path(path))
+    _check(recording, Path(path).name)
+    return recording
+
+
+def _check(recording: Recording, name: str) -> None:
+    """Check that a motion is one that a body can make.
+
+    Raises:
+        MotionBad: where a number is too large to be reckoned with, or the pelvis leaps.
+    """
+    numbers = [recording.turns[:, recording.known], recording.bones]
+    if recording.root is not None:
+        numbers.append(recording.root)
+    if not all(np.isfinite(each).all() for each in numbers):
+        raise MotionBad(f"{name}: lengths or angles are too large or too small. {MotionBad().message}")
+    if recording.root is None:
+        return
+    speed = np.linalg.norm(np.diff(recording.root, axis=0), axis=1).max(initial=0.0) * recording.rate
+    if not speed <= FASTEST:
+        raise MotionBad(
+            f"{name}: the pelvis goes {speed:.3g} legs' lengths a second, more than {FASTEST:g}; cut leaps out of the "
+            "motion, or correct its unit."
+        )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -18,18 +20,16 @@ LIKE_PARENT = ("wrist", "hand")
 """Joints whose rest pose differs from ours as their parent's does."""
 
 
-def retarget(recording: Recording, body: Body) -> Track:
-    """Return a recording as a motion of a wearer, from the wearer's place and in the wearer's heading.
+def retarget(recording: Recording, body: Body, begin: float = 0.0) -> Track:
+    """Return a recording as a motion of a wearer, who is at the own place in the own heading at its time `begin` [s].
 
     A joint's rotation in the world is W A: W the recording's from its rest pose, A the least rotation that turns our
     bone in the T-pose into the recording's in its rest pose; so bones point as they do in the recording. Joints that it
-    lacks keep to their parents. The pelvis goes its way in legs' lengths. The motion is turned about the vertical so
-    that it begins in the wearer's heading, at the wearer's place; its lowest foot of all poses stands on the wearer's
+    lacks keep to their parents. The pelvis goes its way in legs' lengths. The motion is turned about the vertical and
+    moved so that it has the wearer's heading and place at `begin`; its lowest foot of all poses stands on the wearer's
     floor, or the lower foot of each pose where the recording has no way of the pelvis.
     """
     world = _world_turns(recording, body)
-    heading = _yaw(Pose.of(body).turns[0]) * _yaw(world[0, 0]).inv()
-    world = heading.as_matrix() @ world
     local = np.empty_like(world)
     for joint, parent in enumerate(PARENTS):
         local[:, joint] = world[:, joint] if parent < 0 else world[:, parent].transpose(0, 2, 1) @ world[:, joint]
@@ -38,11 +38,21 @@ def retarget(recording: Recording, body: Body) -> Track:
     if recording.root is None:
         pelvis = np.tile(start.pelvis, (len(world), 1))
         pelvis[:, 1] = _floor(body) - feet
-        return Track(recording.rate, local, pelvis, recording.loops)
-    way = leg_length(body.rest_joints) * heading.apply(recording.root - recording.root[0])
-    pelvis = start.pelvis + way
-    pelvis[:, 1] = way[:, 1] + _floor(body) - float((way[:, 1] + feet).min())
-    return Track(recording.rate, local, pelvis, recording.loops)
+    else:
+        pelvis = leg_length(body.rest_joints) * (recording.root - recording.root[0])
+        pelvis[:, 1] += _floor(body) - float((pelvis[:, 1] + feet).min())
+    return _place(Track(recording.rate, local, pelvis, recording.loops), start, begin)
+
+
+def _place(track: Track, start: Pose, begin: float) -> Track:
+    """Return a motion turned about the vertical and moved on the floor so that it goes through a pose's at `begin`."""
+    joined = track.at(begin)
+    heading = _yaw(start.turns[0]) * _yaw(joined.turns[0]).inv()
+    turns = track.turns.copy()
+    turns[:, 0] = heading.as_matrix() @ turns[:, 0]
+    level = np.array([1.0, 0.0, 1.0])
+    pelvis = heading.apply(track.pelvis - level * joined.pelvis) + level * start.pelvis
+    return replace(track, turns=turns, pelvis=pelvis)
 
 
 def leg_length(joints: np.ndarray) -> float:

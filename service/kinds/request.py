@@ -85,6 +85,8 @@ def _read(hint: Any, value: Any, name: str) -> Any:
             if _fits(one, value):
                 return _read(one, value, name)
     elif _fits(hint, value):
+        if hint is float:
+            return _read_number(value, name)
         if is_dataclass(hint):
             return read_request(hint, value)  # type: ignore[arg-type]
         if get_origin(hint) is tuple:
@@ -93,6 +95,13 @@ def _read(hint: Any, value: Any, name: str) -> Any:
             return {str(key): _read(get_args(hint)[1], one, str(key)) for key, one in value.items()}
         return value
     raise RequestBad(f"'{name}' cannot be {value!r:.60}. {RequestBad().message}")
+
+
+def _read_number(value: float, name: str) -> float:
+    try:
+        return float(value)  # 30 and 30.0 ask for the same job
+    except OverflowError as error:
+        raise RequestBad(f"'{name}' is too large. {RequestBad().message}") from error
 
 
 def _fits(hint: Any, value: Any) -> bool:

@@ -117,6 +117,9 @@ def test_a_killed_run_ends_bit_for_bit_the_same(worn):
     assert stages[0] == "frame 6 of 7"
     other = animate(worn, step_aside(worn, 7, 5.0), settings, Hooks(load_checkpoint=kept.get))
     assert not np.array_equal(other.frames[-1], whole.frames[-1])
+    heavy = replace(settings, step=StepSettings(damping=90.0))
+    damped = animate(worn, motion, heavy, Hooks(load_checkpoint=kept.get))
+    assert not np.array_equal(damped.frames[1], whole.frames[1])
 
 
 def test_times_are_those_asked_for(worn):

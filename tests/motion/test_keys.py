@@ -113,3 +113,40 @@ def test_smpl_poses_are_read(tmp_path, body):
     (tmp_path / "d.npz").write_bytes(b"PK\3\4 no zip")
     with pytest.raises(MotionBad):
         load_motion(tmp_path / "d.npz")
+
+
+@pytest.mark.parametrize("name", ["walk", "straight"])
+def test_a_part_of_a_motion_begins_where_the_wearer_stands(name, tmp_path, body):
+    """Broken where a motion joined late has the wearer flung in the lead-in to where the motion has gone by then."""
+    walked = {"keys": [
+        {"t": 0, "pose": "A"},
+        {"t": 4, "pose": {"pelvis": [0, 90, 0]}, "move": [8, 0, 4]},
+        {"t": 8, "pose": {"pelvis": [0, 90, 0]}, "move": [16, 0, 8]},
+    ]}  # fmt: skip
+    path = find_shipped("walk") if name == "walk" else keys(tmp_path, walked)
+    track, own = retarget(load_motion(path), body, begin=4.0), Pose.of(body)
+    joined = track.at(4.0)
+    np.testing.assert_allclose(joined.pelvis[[0, 2]], own.pelvis[[0, 2]], atol=1e-9)
+    front = joined.turns[0] @ [0.0, 0.0, 1.0]
+    assert np.arctan2(front[0], front[2]) == pytest.approx(0.0, abs=1e-9)
+    floor = min(MovingBody(body).vertices(track.at(t))[:, 1].min() for t in np.linspace(0, 8, 9))
+    assert floor == pytest.approx(body.vertices[:, 1].min(), abs=0.02)
+
+
+@pytest.mark.parametrize("move", [[1000, 0, 0], [1e6, 0, 0]])
+def test_a_leap_is_refused(move, tmp_path):
+    """Broken where a pelvis that goes a kilometre between two poses is stepped after for ever."""
+    leap = {"keys": [{"t": 0, "pose": "A"}, {"t": 1, "pose": "A", "move": move}]}
+    with pytest.raises(MotionBad, match="pelvis goes"):
+        load_motion(keys(tmp_path, leap))
+
+
+@pytest.mark.parametrize("wrong", [{"trans": 1e308}, {"trans": 1e200}, {"poses": 1e308}])
+def test_numbers_that_cannot_be_reckoned_with_are_refused(wrong, tmp_path):
+    """Broken where an overflow becomes rotations or places that are none, and a worker fails on them."""
+    arrays = {"poses": np.zeros((2, 72)), "trans": np.zeros((2, 3))}
+    for name, value in wrong.items():
+        arrays[name][1] = value
+    np.savez(tmp_path / "m.npz", **arrays)
+    with np.errstate(all="ignore"), pytest.raises(MotionBad):
+        load_motion(tmp_path / "m.npz")

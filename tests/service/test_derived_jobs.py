@@ -13,7 +13,7 @@ from garmentq.core.errors import GarmentqError
 from garmentq.core.pattern import load_draped_template
 from garmentq.core.simulate import Drape, Outcome, get_fabric
 from garmentq.core.wear import Dressed, Worn, judge_wear, load_worn, measure_ease, measure_worn, save_worn
-from garmentq.service.derived import DerivedOrder
+from garmentq.service.derived import DerivedOrder, submit_derived
 from garmentq.service.jobs import find_job
 from garmentq.service.local import LocalBackend
 from garmentq.service.query import JobQuery
@@ -123,6 +123,10 @@ WRONG = [
     ("job.request_bad", {"options": {"colour": "red"}}),
     ("job.request_bad", {"kind": "recover"}),
     ("job.kind_unknown", {"kind": "knit"}),
+    ("job.request_bad", {"options": {"body": {"sha256": 64 * "a", "name": "b.ply"}}}),
+    ("job.request_bad", {"kind": "animate", "options": {"motion": {"sha256": 64 * "a", "name": "m.bvh"}}}),
+    ("job.request_bad", {"kind": "animate", "options": {"motion": {"sha256": 1, "name": "m.bvh"}}}),
+    ("job.request_bad", {"kind": "animate", "options": {"motion": "walk", "fps": 10**400}}),
 ]
 
 
@@ -137,8 +141,6 @@ def test_what_cannot_be_is_refused_at_once(backend, result, code, change):
 def test_only_ended_garments_of_ones_own_are_worn(settings, database, store, result, queue_job):
     """Broken where a job without a result is read, or another's result by whoever knows its id."""
     services = Services(settings, database, store)
-    from garmentq.service.derived import submit_derived
-
     waiting = queue_job("other")
     with pytest.raises(GarmentqError) as caught:
         submit_derived(services, DerivedOrder("dress", waiting))
@@ -148,6 +150,22 @@ def test_only_ended_garments_of_ones_own_are_worn(settings, database, store, res
         submit_derived(services, DerivedOrder("dress", result, key="stranger"))
     assert caught.value.code == "job.unknown"
     assert find_job(database, result).state == "succeeded"
+
+
+def test_a_file_is_worn_only_by_who_handed_it_in(settings, database, store, result, tmp_path):
+    """Broken where whoever knows a file's hash reads it by naming it among the options, past the check of uploads."""
+    services = Services(settings, database, store)
+    (tmp_path / "secret.ply").write_bytes(b"ply of another")
+    kept = store.put(tmp_path / "secret.ply").sha256
+    with pytest.raises(GarmentqError) as caught:
+        submit_derived(services, DerivedOrder("dress", result, {"body": {"sha256": kept, "name": "body.ply"}}))
+    assert caught.value.code == "job.request_bad"
+
+
+def test_thirty_is_thirty(backend, result):
+    """Broken where a rate written without a point is another job than the same rate with one."""
+    first = backend.submit_derived(DerivedOrder("animate", result, {"motion": "walk", "fps": 30}))
+    assert backend.submit_derived(DerivedOrder("animate", result, {"motion": "walk", "fps": 30.0})).job == first.job
 
 
 @pytest.fixture
