@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from garmentq.service.jobs import claim, find_job
 from garmentq.service.kinds import read_request
+from garmentq.service.kinds.recover import Recover
 from garmentq.service.kinds.recover_request import RecoverRequest
 from garmentq.service.services import Services
 from garmentq.workers.recovery import unpack
@@ -12,8 +13,8 @@ from garmentq_home import put_file
 
 def unpack_request(settings, database, store, held, folder):
     """Return what the pipeline would get, with the files in a folder."""
-    work = unpack(Services(settings, database, store), held, folder)
-    return read_request(RecoverRequest, held.request).unpack(work.files)
+    request = read_request(RecoverRequest, held.request)
+    return request.unpack(unpack(Services(settings, database, store), held, folder, Recover(), request).files)
 
 
 def test_each_keep_is_a_job(cli, settings, database, store, tmp_path):
