@@ -168,7 +168,7 @@ class Energy:
             energy += barrier(nodes, pairs, stiffness, places, order, exact, found)
         if self.rubbing is not None:
             slots = pattern.find_slots(self.rubbing.keys[:, 1:]) if order == 2 else NO_SLOTS
-            energy += rub(nodes, self.rubbing, (slots, pattern.diagonal), order, found)
+            energy += rub(nodes, self.rubbing.elements, (slots, pattern.diagonal), order, found)
         return energy
 
     def _add_loads(self, nodes: np.ndarray, order: int, exact: bool, gradient: np.ndarray, blocks: np.ndarray) -> float:

@@ -244,7 +244,7 @@ def test_friction_against_differences_and_balanced(touching):
     energy, nodes = touching
     rng = np.random.default_rng(11)
     given = energy.lag_rubbing(nodes).rubbing
-    given = given._replace(anchors=given.anchors + rng.normal(0, 4e-4, given.anchors.shape))
+    given = replace(given, anchors=given.anchors + rng.normal(0, 4e-4, given.anchors.shape))
     energy, bare = replace(energy, rubbing=given), energy
     forces = energy.gradient(nodes)[1] - bare.gradient(nodes)[1]
     assert np.abs(forces).max() > 1e-3 and np.abs(forces.sum(0)).max() < 1e-13

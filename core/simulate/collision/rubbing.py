@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
@@ -13,7 +13,8 @@ from .near import Near
 from .self_contact import SelfContact
 
 
-class Rubbing(NamedTuple):
+@dataclass(frozen=True)
+class Rubbing:
     """What friction of cloth on cloth takes as given while positions are solved for.
 
     Attributes:
@@ -31,6 +32,11 @@ class Rubbing(NamedTuple):
     limits: np.ndarray
     anchors: np.ndarray
     slip: float
+
+    @property
+    def elements(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]:
+        """Return what the kernel reads."""
+        return self.keys, self.weights, self.normals, self.limits, self.anchors, self.slip
 
     def strain(self, nodes: np.ndarray) -> np.ndarray:
         """Return how far each pair is drawn from where it sticks [m], `slip` at most, shape [pair_count, 3]."""
@@ -76,7 +82,7 @@ def rub(x, given, places, order, derivatives):  # type: ignore[no-untyped-def]
     """Add the friction's gradient (order >= 1) and Hessian blocks (order 2) and return its energy [J].
 
     E = L f(|u|),  u = (I - n n^T)(sum_k w_k x_k - a), f as in `friction`: the force on node k is w_k L f'(|u|) u / |u|,
-    so that both sides get the opposite of each other. `places` as in `barrier`; `given` a `Rubbing`.
+    so that both sides get the opposite of each other. `places` as in `barrier`; `given` a `Rubbing`'s `elements`.
     """
     keys, weights, normals, limits, anchors, slip = given
     slots, diagonal = places
