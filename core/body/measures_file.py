@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import io
 import json
 import math
 from pathlib import Path
@@ -74,9 +73,11 @@ def _pairs(path: Path, text: str) -> list[tuple[str, Any]]:
         except (ValueError, RecursionError) as error:
             raise MeasuresBad(f"'{path.name}' is no JSON. {MeasuresBad().message}") from error
         return [(str(name), value) for name, value in found]
-    rows = [
-        [cell.strip() for cell in row] for row in csv.reader(io.StringIO(text)) if any(cell.strip() for cell in row)
-    ]
+    try:
+        cells = [[cell.strip() for cell in row] for row in csv.reader(text.splitlines())]
+    except csv.Error as error:
+        raise MeasuresBad(f"'{path.name}' is no CSV. {MeasuresBad().message}") from error
+    rows = [row for row in cells if any(row)]
     if any(len(row) != 2 for row in rows):
         raise MeasuresBad(f"'{path.name}' has lines that are not name,value. {MeasuresBad().message}")
     is_head = bool(rows) and rows[0][0].lower() in ("name", "measure")
@@ -86,7 +87,7 @@ def _pairs(path: Path, text: str) -> list[tuple[str, Any]]:
 def _number(name: str, value: Any) -> float:
     try:
         number = math.nan if isinstance(value, bool | list) else float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not (math.isfinite(number) and number > 0.0):
         raise MeasuresBad(f"{name[:40]} is '{str(value)[:40]}', which is no number above 0. {MeasuresBad().message}")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from pathlib import Path
 from typing import Any
 
@@ -124,6 +123,6 @@ def _triple(given: Any, at: str) -> np.ndarray:
 
 
 def _number(given: Any, at: str) -> float:
-    if isinstance(given, bool) or not isinstance(given, int | float) or not math.isfinite(given) or abs(given) > 1e6:
+    if isinstance(given, bool) or not isinstance(given, int | float) or not abs(given) <= 1e6:
         raise MotionBad(f"{at} must be a number, not {str(given)[:40]!r}.")
     return float(given)

@@ -38,8 +38,9 @@ def read_smpl_motion(path: Path) -> Recording:
         MotionTooLarge: where there are more than `MOST_FRAMES` poses.
     """
     arrays = _read(Path(path))
-    poses = arrays["poses"].reshape(len(arrays["poses"]), -1)
-    if poses.ndim != 2 or poses.shape[1] < 66 or not len(poses) or not np.isfinite(poses).all():
+    poses = arrays["poses"]
+    poses = poses.reshape(len(poses), int(np.prod(poses.shape[1:])))
+    if poses.shape[1] < 66 or not len(poses) or not np.isfinite(poses).all():
         raise MotionBad(f"{path.name}: poses have the shape {arrays['poses'].shape}, expected [n, 72] in radians.")
     joints = 24 if poses.shape[1] == 72 else 22
     local = np.tile(np.eye(3), (len(poses), 24, 1, 1))

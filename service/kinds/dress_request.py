@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .request import FileRef
+from .request import FileRef, RequestBad
 
 RESULT = "result"
 """Name of the input: the stored result whose garment is worn again."""
@@ -37,6 +37,7 @@ class DressRequest:
         Raises:
             BodySpecBad: where body or pose is none.
             FabricUnknown: where the fabric is none.
+            RequestBad: where unit or axis of a file are given without one.
         """
         from ...core.body import check_wearer
         from ...core.simulate import get_fabric
@@ -44,3 +45,5 @@ class DressRequest:
         check_wearer(self.body if isinstance(self.body, str) else None, self.pose)
         if self.fabric is not None:
             get_fabric(self.fabric)
+        if not isinstance(self.body, FileRef) and (self.units, self.up) != (None, None):
+            raise RequestBad("units and up are those of a body's file; give the file, or leave them out.")

@@ -129,6 +129,7 @@ def test_measures_of_a_file(tmp_path, name, text):
     [
         "height,170\n", "gender,female\nknee,40\n", "gender,female\nwaist,seventy\n", "gender,female\nwaist,-3\n",
         "gender,female\nwaist,70\nwaist,71\n", '{"gender": "female", "waist": [1]}', '{"gender"', "a,b,c\n", "\x00",
+        f'{{"gender": "female", "waist": 1{400 * "0"}}}', "gender,female,\rwaist,70",
         '{"gender": "female", "waist": true}', '{"gender": "female", "waist": 70, "waist": 71}',
     ],
 )  # fmt: skip

@@ -61,6 +61,7 @@ def test_angles_are_turned_about_z_first(tmp_path, body):
         {"keys": [{"t": 1, "pose": "A"}, {"t": 1, "pose": "A"}]}, {"keys": [{"t": 0, "pose": {"nose": [0, 0, 0]}}]},
         {"keys": [{"t": 0, "pose": {"head": [0, 0]}}]}, {"fps": 1e9, "keys": [{"t": 0, "pose": "A"}]},
         {"keys": [{"t": 0, "pose": "A", "move": [0, None, 0]}]}, {"keys": [{"t": 0, "pose": {"head": [1e400, 0, 0]}}]},
+        {"keys": [{"t": 10**400, "pose": "A"}]},
     ],
 )  # fmt: skip
 def test_wrong_keys_end_in_codes(given, tmp_path):
@@ -107,6 +108,9 @@ def test_smpl_poses_are_read(tmp_path, body):
         elbow = Rotation.from_matrix(track.turns[1, JOINTS.index("right_elbow")]).as_rotvec()
         np.testing.assert_allclose(elbow, [0.0, 1.0, 0.0], atol=1e-9)
     assert np.ptp(track.pelvis[:, 2]) > 0.7  # -y of a lying file is the front
+    np.savez(tmp_path / "e.npz", poses=np.zeros((0, 72)))
+    with pytest.raises(MotionBad):
+        load_motion(tmp_path / "e.npz")
     np.savez(tmp_path / "c.npz", poses=np.array([{}, {}], dtype=object))
     with pytest.raises(MotionBad):
         load_motion(tmp_path / "c.npz")

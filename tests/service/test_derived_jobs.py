@@ -122,6 +122,7 @@ WRONG = [
     ("fabric.unknown", {"options": {"fabric": "granite"}}),
     ("job.request_bad", {"options": {"colour": "red"}}),
     ("job.request_bad", {"kind": "recover"}),
+    ("job.request_bad", {"options": {"units": "cm"}}),
     ("job.kind_unknown", {"kind": "knit"}),
     ("job.request_bad", {"options": {"body": {"sha256": 64 * "a", "name": "b.ply"}}}),
     ("job.request_bad", {"kind": "animate", "options": {"motion": {"sha256": 64 * "a", "name": "m.bvh"}}}),
