@@ -18,7 +18,14 @@ TIMED_OUT = 8
 UNREACHABLE = 9
 DETACHED = 130
 
-USAGE_CODES = ("query.bad", "settings.bad", "service.setting_bad", "template.name_bad", "command.local_only")
+USAGE_CODES = (
+    "query.bad",
+    "settings.bad",
+    "service.setting_bad",
+    "template.name_bad",
+    "fabric.shipped",
+    "command.local_only",
+)
 """Errors in what was typed, not in a file."""
 
 

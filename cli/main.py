@@ -30,7 +30,7 @@ COMMANDS = {
     "inspect": "Show how a file is understood, before anything is run.",
     "templates": "List, show, import and export template patterns.",
     "bodies": "List the built-in bodies, and write one as a mesh.",
-    "materials": "List the fabrics of the library.",
+    "materials": "List, show, import, export and delete fabrics.",
     "worker": "Run a worker until it is told to stop.",
     "serve": "Serve the HTTP API until told to stop.",
     "keys": "Make, list and revoke API keys.",

@@ -1,33 +1,61 @@
-"""`garmentq materials`."""
+"""`garmentq materials`: the shipped fabrics, and those that were imported."""
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import TYPE_CHECKING
+
 import click
 
-from .options import json_option
+from .options import home_option, json_option
+
+if TYPE_CHECKING:
+    from ..service.backend import Backend
 
 PARAMETERS = ("H00", "H01", "H11", "H22", "k", "thickness", "friction")
 
 
-@click.command("materials")
+class Library(click.Group):
+    """List where no command is named: `materials` and `materials denim` are `materials list` and so on."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Put `list` in front of what is no command."""
+        if not args or args[0] not in (*self.commands, *ctx.help_option_names):
+            args = ["list", *args]
+        return super().parse_args(ctx, args)
+
+
+@click.group("materials", cls=Library)
+def command() -> None:
+    """List, show, import, export and delete fabrics.
+
+    \b
+    Example:
+      garmentq materials
+      garmentq materials denim --json
+      garmentq materials export denim -o mine.json
+      garmentq materials import mine.json
+    """
+
+
+@command.command("list")
 @click.argument("name", required=False)
+@home_option
 @json_option
-def command(name: str | None, as_json: bool) -> None:
+def list_command(name: str | None, home: Path | None, as_json: bool) -> None:
     """List the fabrics of the library.
 
     With a name: all its parameters in SI units, and where each of them comes from.
 
     \b
     Example:
-      garmentq materials
-      garmentq materials denim --json
+      garmentq materials list
+      garmentq materials list denim --json
     """
-    from ..service.backend import open_backend
     from ..service.catalogue import show_fabric
-    from ..service.settings import read_settings
     from .terminal import print_json, print_table
 
-    backend = open_backend(read_settings())
+    backend = _open(home)
     fabrics = [backend.read_material(name)] if name else backend.list_materials()
     if as_json:
         for fabric in fabrics:
@@ -39,3 +67,70 @@ def command(name: str | None, as_json: bool) -> None:
     )
     if name:
         print_table(["parameter", "where its value comes from"], list(fabrics[0].sources))
+
+
+@command.command("import")
+@click.argument("file", type=click.Path(path_type=Path))
+@home_option
+@json_option
+def import_command(file: Path, home: Path | None, as_json: bool) -> None:
+    """Import the fabrics of a JSON or CSV file.
+
+    Each number has a unit and a source. One that was imported before under a name is replaced; jobs that were asked
+    for with it keep its numbers.
+
+    \b
+    Example:
+      garmentq materials import mine.json
+    """
+    from ..service.catalogue import show_fabric
+    from .terminal import note, print_json
+
+    for fabric in _open(home).import_materials(file):
+        if as_json:
+            print_json(show_fabric(fabric))
+        else:
+            note(f"imported '{fabric.name}': {fabric.density * 1000:.0f} g/m2, k {fabric.k:.3g} N m")
+
+
+@command.command("export")
+@click.argument("names", nargs=-1, required=True)
+@click.option("-o", "--out", type=click.Path(dir_okay=False, path_type=Path), required=True, help="JSON or CSV file.")
+@home_option
+def export_command(names: tuple[str, ...], out: Path, home: Path | None) -> None:
+    """Write fabrics as a JSON or CSV file, with units and sources.
+
+    \b
+    Example:
+      garmentq materials export denim canvas -o mine.csv
+    """
+    from ..core.simulate import write_fabrics
+
+    backend = _open(home)
+    write_fabrics([backend.read_material(name) for name in dict.fromkeys(names)], out)
+    click.echo(str(out))
+
+
+@command.command("delete")
+@click.argument("name")
+@home_option
+def delete_command(name: str, home: Path | None) -> None:
+    """Delete an imported fabric.
+
+    Jobs that were asked for with it keep its numbers; a shipped fabric stays.
+
+    \b
+    Example:
+      garmentq materials delete mine
+    """
+    from .terminal import note
+
+    _open(home).delete_material(name)
+    note(f"deleted '{name}'")
+
+
+def _open(home: Path | None) -> Backend:
+    from ..service.backend import open_backend
+    from ..service.settings import read_settings
+
+    return open_backend(read_settings(home=home))

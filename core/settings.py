@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from .errors import BadInput
+from .simulate.fabric import Fabric
 
 METHODS = ("deform", "inverse", "hybrid")
 PRESETS = ("default", "thesis")
@@ -31,7 +32,8 @@ class RecoverySettings:
         preset: Deformer preset; `default`, or `thesis` for the published weights in the reading that works.
         garment: Category that overrides the one chosen from the contours, or None.
         template: Name of a shipped or imported template that overrides the chosen one, or None.
-        fabric: Name in the fabric library. A plain cotton weave is the default: mid-range in weight and stiffness.
+        fabric: Name of a shipped fabric, or a fabric itself: an imported one is looked up when the job is asked
+            for. A plain cotton weave is the default: mid-range in weight and stiffness.
         units: `m`, `cm` or `mm` of the scan's and body's file, or None to find it.
         up: `y` or `z` of the file, or None to find it.
         vertex_count: Vertices of the garment mesh; 4000 gives edges of about 1.5 cm on a T-shirt, where the folds of a
@@ -55,7 +57,7 @@ class RecoverySettings:
     preset: str = "default"
     garment: str | None = None
     template: str | None = None
-    fabric: str = "cotton_poplin"
+    fabric: str | Fabric = "cotton_poplin"
     units: str | None = None
     up: str | None = None
     vertex_count: int = 4000

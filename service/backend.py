@@ -134,6 +134,22 @@ class Backend(Protocol):
             FabricUnknown: where there is none of that name.
         """
 
+    def import_materials(self, path: Path) -> list[Fabric]:
+        """Check a file of fabrics and keep them; one imported before under a name is replaced.
+
+        Raises:
+            FabricFileBad, FabricUnitBad: where the file cannot be read.
+            FabricShipped: where one has a shipped fabric's name.
+            BadInput: as `check_fabric` says.
+        """
+
+    def delete_material(self, name: str) -> None:
+        """Delete an imported fabric; jobs that were asked for with it keep its numbers.
+
+        Raises:
+            FabricUnknown, FabricShipped: where there is none of that name, or it is a shipped one.
+        """
+
     def create_key(self, name: str, scopes: Sequence[str], quota: int) -> tuple[Key, str]:
         """Make an API key; its token is returned here and never again."""
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ..core.errors import BadInput
 from .jobs import find_job
 from .kinds import FileRef, RequestBad, find_files, find_kind, pack_request, read_request
+from .materials import resolve_fabric
 from .models import OwnerRow
 from .states import QUEUES
 from .submission import JobRequest, JobUnknown, Submitted, add_job, check_labels, clean_name
@@ -74,7 +75,7 @@ def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
     ((folder, kinds),) = kind.reads.items()
     check_labels(order.name, order.tags)
     files = {name: _keep(services, file) for name, file in order.files.items()}
-    request = pack_request(read_request(kind.request, {**order.options, **files}))
+    request = pack_request(read_request(kind.request, {**_find_fabric(services, order.options), **files}))
     if {place for place, _ in find_files(request)} - files.keys():  # whoever knows a hash has not handed the file in
         raise RequestBad("a file of the request is named among its options; upload it and name it among the files.")
     row = find_job(services.database, order.result)
@@ -100,6 +101,22 @@ def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
             quota=order.quota,
         )
         return add_job(session, wanted)
+
+
+def _find_fabric(services: Services, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return options with the imported fabric that they name, as JSON values.
+
+    Raises:
+        FabricUnknown: where there is none of that name.
+        RequestBad: where it is no name.
+    """
+    name = options.get("fabric")
+    if name is None:
+        return dict(options)
+    if not isinstance(name, str):
+        raise RequestBad("a fabric is named; `garmentq materials` lists them, and imports others.")
+    found = resolve_fabric(services.database, name)
+    return {**options, "fabric": found if isinstance(found, str) else pack_request(found)}
 
 
 def _keep(services: Services, file: Path | FileRef) -> dict[str, str]:

@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import derived, families, jobs, keys, ordering, query, reaper, results, submission, templates
+from . import derived, families, jobs, keys, materials, ordering, query, reaper, results, submission, templates
 from .catalogue import ImportedTemplate, Template
 from .database import Database
 from .records import Artifact, Event, Job, JobReport, Key, News, Queue, Worker
@@ -119,15 +119,19 @@ class LocalBackend:
 
     def list_materials(self) -> list[Fabric]:
         """Return every fabric of the library."""
-        from ..core.simulate import load_fabrics
-
-        return list(load_fabrics())
+        return materials.list_materials(self._database)
 
     def read_material(self, name: str) -> Fabric:
         """Return one fabric."""
-        from ..core.simulate import get_fabric
+        return materials.read_material(self._database, name)
 
-        return get_fabric(name)
+    def import_materials(self, path: Path) -> list[Fabric]:
+        """Check a file of fabrics and keep them."""
+        return materials.import_materials(self._database, path)
+
+    def delete_material(self, name: str) -> None:
+        """Delete an imported fabric; jobs that were asked for with it keep its numbers."""
+        materials.delete_material(self._database, name)
 
     def create_key(self, name: str, scopes: Sequence[str], quota: int) -> tuple[Key, str]:
         """Make an API key; its token is returned here and never again."""

@@ -166,6 +166,15 @@ class TemplateRow(Base):
     created: Mapped[float]
 
 
+class FabricRow(Base):
+    """Keep one imported fabric: its parameters in SI units with their sources, as JSON values."""
+
+    __tablename__ = "fabrics"
+    name: Mapped[str] = mapped_column(String(64), primary_key=True)
+    fabric: Mapped[dict[str, Any]]
+    created: Mapped[float]
+
+
 class MaterialRow(Base):
     """Keep one fabric as it was used: H [N/m], k [N m], density [kg/m2], thickness [m]."""
 

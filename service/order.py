@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..core.settings import RecoverySettings, SettingsBad
+from ..core.simulate import Fabric
 from .states import QUEUES
 
 PERSON, GARMENT = "person", "garment"
@@ -22,14 +23,14 @@ class PartOrder:
         template: A pattern file, or None.
         name: Name of a shipped or imported template instead, or None.
         garment: Category that overrides the one found, or None.
-        fabric: Name in the fabric library, or None.
+        fabric: Name in the fabric library, a fabric itself, or None.
         lock: What the fit takes as given, separated by commas, or None.
     """
 
     template: Path | None = None
     name: str | None = None
     garment: str | None = None
-    fabric: str | None = None
+    fabric: str | Fabric | None = None
     lock: str | None = None
 
 

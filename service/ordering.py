@@ -8,6 +8,7 @@ from pathlib import Path
 from ..core.body import is_builtin
 from ..core.errors import BadInput
 from ..core.settings import RecoverySettings, SettingsBad
+from .materials import resolve_fabric
 from .order import Order, is_person
 from .services import Services
 from .submission import BodyUnreadable
@@ -33,10 +34,10 @@ def check_order(services: Services, order: Order, template: str | None = None) -
     Raises:
         GarmentqError: with the code of what cannot be used.
     """
-    checked = check_typed(order)
+    checked = _find_fabrics(services, check_typed(order))
     choices = {
         word: replace(one, template=find_template(services, one.name)) if one.name and one.template is None else one
-        for word, one in order.choices.items()
+        for word, one in checked.choices.items()
     }
     if choices:
         checked = replace(checked, choices=choices)
@@ -44,6 +45,20 @@ def check_order(services: Services, order: Order, template: str | None = None) -
         return checked
     file = find_template(services, template)
     return replace(checked, template=file, settings=replace(checked.settings, template=template))
+
+
+def _find_fabrics(services: Services, order: Order) -> Order:
+    """Return an order with the imported fabrics that it names; what happens to their names later changes no job.
+
+    Raises:
+        FabricUnknown: where there is none of a name.
+    """
+    fabric = resolve_fabric(services.database, order.settings.fabric)
+    choices = {
+        word: one if one.fabric is None else replace(one, fabric=resolve_fabric(services.database, one.fabric))
+        for word, one in order.choices.items()
+    }
+    return replace(order, settings=replace(order.settings, fabric=fabric), choices=choices)
 
 
 def check_typed(order: Order) -> Order:
@@ -87,8 +102,7 @@ def _check_person(order: Order) -> None:
             raise SettingsBad(f"'{word[:40]}' is no garment; name one of {', '.join(words)}.")
         if one.template is not None:
             _check_file(one.template, FileUnreadable(f"there is no pattern file '{one.template}'; check the path."))
-        fabric = one.fabric or order.settings.fabric
-        _check_names(replace(order.settings, garment=one.garment, fabric=fabric, lock=one.lock))
+        _check_names(replace(order.settings, garment=one.garment, lock=one.lock))
 
 
 def _check_file(path: Path, missing: BadInput) -> None:
@@ -107,14 +121,11 @@ def _check_file(path: Path, missing: BadInput) -> None:
 
 
 def _check_names(chosen: RecoverySettings) -> None:
-    from ..core.simulate import get_fabric
-
     if chosen.garment is not None:
         from ..core.segment import CATEGORIES
 
         if chosen.garment not in CATEGORIES:
             raise SettingsBad(f"garment '{chosen.garment}' is not one of {', '.join(CATEGORIES)}.")
-    get_fabric(chosen.fabric)
 
 
 def _check_body(body: Path | str | None) -> Path | str:

@@ -27,11 +27,12 @@ import httpx
 
 from ..core.body import is_builtin
 from ..core.errors import NotFound
-from .catalogue import ImportedTemplate, Template, read_fabric
+from .catalogue import ImportedTemplate, Template, read_fabric, show_fabric
 from .connection import TRIES, Connection, ServiceUnreachable
 from .derived import DerivedOrder
 from .jobs import pick_known
 from .kinds import FileRef
+from .materials import is_shipped, refuse_shipped
 from .ordering import check_typed
 from .query import JobQuery
 from .records import (
@@ -99,8 +100,11 @@ class RemoteBackend:
         self._connection.close()
 
     def check_order(self, order: Order, template: str | None = None) -> Order:
-        """Check an order's files and names before they are sent; the service knows its templates."""
+        """Check an order's files and names before they are sent; the service knows its templates and fabrics."""
         checked = check_typed(order)
+        for fabric in {order.settings.fabric, *(one.fabric for one in order.choices.values())}:
+            if isinstance(fabric, str) and not is_shipped(fabric):
+                self.read_material(fabric)
         return replace(checked, settings=replace(checked.settings, template=template))
 
     def submit(self, order: Order) -> Submitted:
@@ -283,6 +287,21 @@ class RemoteBackend:
         """Return one fabric."""
         found = self._ask("GET", f"/v1/materials/{quote(name, safe='')}")
         return _read(lambda: read_fabric(found))
+
+    def import_materials(self, path: Path) -> list[Fabric]:
+        """Check a file of fabrics and send them, one after the other."""
+        from ..core.simulate import read_fabrics
+
+        fabrics = read_fabrics(path)
+        for fabric in fabrics:
+            refuse_shipped(fabric.name)
+        for fabric in fabrics:
+            self._ask("PUT", f"/v1/materials/{quote(fabric.name, safe='')}", json=show_fabric(fabric))
+        return fabrics
+
+    def delete_material(self, name: str) -> None:
+        """Delete an imported fabric."""
+        self._ask("DELETE", f"/v1/materials/{quote(name, safe='')}")
 
     def create_key(self, name: str, scopes: Sequence[str], quota: int) -> tuple[Key, str]:
         """Make an API key; its token is returned here and never again."""

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 from ..lazy import import_lazily
 from .fabric import Fabric, FabricEstimate
+from .fabric_check import FabricNameBad, FabricOutOfRange, FabricSourceBad, check_fabric
+from .fabric_file import FabricFileBad, FabricUnitBad, read_fabrics, write_fabrics
 from .fabrics import FabricUnknown, get_fabric, load_fabrics
 from .locking import soften
 from .outcome import Outcome
@@ -90,6 +92,11 @@ __all__ = [
     "Energy",
     "Fabric",
     "FabricEstimate",
+    "FabricFileBad",
+    "FabricNameBad",
+    "FabricOutOfRange",
+    "FabricSourceBad",
+    "FabricUnitBad",
     "FabricUnknown",
     "Friction",
     "Implicit",
@@ -117,6 +124,7 @@ __all__ = [
     "Topology",
     "TopologyBad",
     "Unrolled",
+    "check_fabric",
     "contact_forces",
     "equilibrium",
     "fabric_forces",
@@ -130,9 +138,11 @@ __all__ = [
     "move_on",
     "pull_forces",
     "push_forces",
+    "read_fabrics",
     "settle",
     "soften",
     "stretch_edge",
+    "write_fabrics",
 ]
 
 __getattr__ = import_lazily(__name__, _LAZY)

@@ -38,12 +38,14 @@ def load_fabrics() -> tuple[Fabric, ...]:
     )
 
 
-def get_fabric(name: str) -> Fabric:
-    """Find a fabric by its name.
+def get_fabric(name: str | Fabric) -> Fabric:
+    """Find a shipped fabric by its name; one that is given itself is that one.
 
     Raises:
         FabricUnknown: where there is none; the message lists those there are.
     """
+    if isinstance(name, Fabric):
+        return name
     for fabric in load_fabrics():
         if fabric.name == name:
             return fabric

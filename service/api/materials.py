@@ -6,11 +6,12 @@ from typing import Any
 
 from fastapi import APIRouter
 
-from ..catalogue import show_fabric
-from .access import Reader
+from ..catalogue import read_fabric, show_fabric
+from ..materials import delete_material, keep_materials, list_materials, read_material
+from .access import Admin, Reader, RoomsOf
 from .answers import Material, Materials
-from .problems import show_answer
-from .schemas import Text
+from .problems import RequestBad, show_answer
+from .schemas import FabricIn, FabricName, Text
 
 router = APIRouter(prefix="/materials", tags=["libraries"])
 
@@ -21,16 +22,32 @@ EXAMPLE = {
 
 
 @router.get("", summary="List the fabrics.", responses=show_answer({"materials": [EXAMPLE]}, model=Materials))
-def list_all(caller: Reader) -> Any:
-    """Return every fabric in SI units."""
-    from ...core.simulate import load_fabrics
-
-    return {"materials": [show_fabric(fabric) for fabric in load_fabrics()]}
+def list_all(rooms: RoomsOf, caller: Reader) -> Any:
+    """Return every fabric, shipped and imported, in SI units."""
+    return {"materials": [show_fabric(fabric) for fabric in list_materials(rooms.database)]}
 
 
 @router.get("/{name}", summary="Show a fabric.", responses=show_answer(EXAMPLE, model=Material))
-def show(name: Text, caller: Reader) -> Any:
+def show(name: Text, rooms: RoomsOf, caller: Reader) -> Any:
     """Return one fabric, with the source of every number."""
-    from ...core.simulate import get_fabric
+    return show_fabric(read_material(rooms.database, name))
 
-    return show_fabric(get_fabric(name))
+
+@router.put(
+    "/{name}", status_code=201, summary="Import a fabric.", responses=show_answer(EXAMPLE, 201, Material, (408,))
+)
+def import_one(name: FabricName, wanted: FabricIn, rooms: RoomsOf, caller: Admin) -> Any:
+    """Check a fabric in SI units and keep it; one imported before under the name is replaced."""
+    from ...core.simulate import check_fabric
+
+    if wanted.name != name:
+        raise RequestBad("the fabric's name is not the address's.")
+    fabric = check_fabric(read_fabric(wanted.model_dump()))
+    keep_materials(rooms.database, [fabric])
+    return show_fabric(fabric)
+
+
+@router.delete("/{name}", summary="Delete an imported fabric.", responses=show_answer(EXAMPLE, model=Material))
+def delete(name: Text, rooms: RoomsOf, caller: Admin) -> Any:
+    """Delete an imported fabric; jobs that were asked for with it keep its numbers."""
+    return show_fabric(delete_material(rooms.database, name))

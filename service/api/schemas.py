@@ -20,6 +20,8 @@ BodySource = Annotated[
     str, StringConstraints(max_length=255, pattern=rf"^([0-9a-f]{{64}}|{BUILTIN}[A-Za-z0-9_=.,-]*)$")
 ]
 TemplateName = Annotated[str, StringConstraints(pattern=r"^[a-z0-9][a-z0-9_.-]{0,63}$")]
+FabricName = TemplateName
+Number = Annotated[float, Field(allow_inf_nan=False)]
 Tag = Annotated[str, StringConstraints(min_length=1, max_length=64, pattern=r"^[^\x00-\x1f\x7f]*$")]
 LARGEST_SEED = 2**31 - 1
 WORDS = tuple(part.word for part in GARMENTS)
@@ -31,7 +33,7 @@ MOST_JOBS = 1000
 def _field(name: str, hint: Any) -> Any:
     if name == "seed":
         return Annotated[int, Field(ge=0, le=LARGEST_SEED)]
-    if hint is str:
+    if hint is str or name == "fabric":  # by its name only
         return Text
     return Text | None if hint == (str | None) else hint
 
@@ -129,6 +131,23 @@ class JobsIn(BaseModel):
     model_config = ConfigDict(extra="forbid", json_schema_extra={"example": {"jobs": ["3685ecfd4f81", "5f1d0c9b7a3e"]}})
     jobs: list[JobId] = Field(min_length=1, max_length=MOST_JOBS)
     below: bool = Field(False, description="Also return all jobs below them.")
+
+
+class FabricIn(BaseModel):
+    """Give a fabric in SI units: H [N/m], k [N m], density [kg/m2], thickness [m], and the source of each number."""
+
+    model_config = ConfigDict(extra="forbid")
+    name: FabricName
+    title: Text = ""
+    density: Number
+    thickness: Number
+    friction: Number
+    H00: Number
+    H01: Number
+    H11: Number
+    H22: Number
+    k: Number
+    sources: dict[Text, Annotated[str, StringConstraints(max_length=1100)]] = Field(max_length=8)
 
 
 class KeyIn(BaseModel):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ...core.simulate import Fabric
 from .request import FileRef, RequestBad
 
 RESULT = "result"
@@ -20,14 +21,14 @@ class DressRequest:
     Attributes:
         body: A body's file, the description of a built-in body, or None: the wearer.
         pose: One of `body.POSES` that the body takes, or None: its own.
-        fabric: Name in the fabric library, or None: the result's own cloth.
+        fabric: Name of a shipped fabric, a fabric itself where it was imported, or None: the result's own cloth.
         units: `m`, `cm` or `mm` of the body's file, or None to find it.
         up: Its axis that points up, or None to find it.
     """
 
     body: FileRef | str | None = None
     pose: str | None = None
-    fabric: str | None = None
+    fabric: str | Fabric | None = None
     units: str | None = None
     up: str | None = None
 
@@ -43,7 +44,7 @@ class DressRequest:
         from ...core.simulate import get_fabric
 
         check_wearer(self.body if isinstance(self.body, str) else None, self.pose)
-        if self.fabric is not None:
+        if isinstance(self.fabric, str):
             get_fabric(self.fabric)
         if not isinstance(self.body, FileRef) and (self.units, self.up) != (None, None):
             raise RequestBad("units and up are those of a body's file; give the file, or leave them out.")

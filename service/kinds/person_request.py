@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from ...core.errors import BadInput
 from ...core.person import GARMENTS
 from ...core.settings import RecoverySettings
+from ...core.simulate import Fabric
 from .recover_request import RecoverRequest
 from .request import FileRef, RequestBad
 
@@ -31,13 +32,13 @@ class PartChoice:
     Attributes:
         template: A pattern file, a shipped template's name, or None.
         garment: Category that overrides the one found, or None.
-        fabric: Name in the fabric library, or None.
+        fabric: Name of a shipped fabric, a fabric itself where it was imported, or None.
         lock: What the fit takes as given, separated by commas, or None.
     """
 
     template: FileRef | str | None = None
     garment: str | None = None
-    fabric: str | None = None
+    fabric: str | Fabric | None = None
     lock: str | None = None
 
 
@@ -100,7 +101,7 @@ class PersonRequest:
             if value is None or not open_words:
                 continue
             if len(open_words) > 1 and not (name == "lock" and _is_common(str(value))):
-                shown = value.name if isinstance(value, FileRef) else value
+                shown = value.name if isinstance(value, FileRef | Fabric) else value
                 raise ChoiceAmbiguous(
                     f"--{name} {shown}: {' and '.join(open_words)} are worn; say whose it is, as in "
                     f"--{name} {open_words[0]}:{shown}."
@@ -109,7 +110,7 @@ class PersonRequest:
                 found[word] = replace(found[word], **{name: value})  # type: ignore[arg-type]
         return found
 
-    def _plain(self) -> dict[str, FileRef | str | None]:
+    def _plain(self) -> dict[str, FileRef | Fabric | str | None]:
         """Return what was typed without a part; the default fabric is everybody's."""
         default, chosen = RecoverySettings(), self.settings
         fabric = None if chosen.fabric == default.fabric else chosen.fabric

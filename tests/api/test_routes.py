@@ -106,6 +106,15 @@ def test_questions_and_libraries(client, settings, database, store, tmp_path):
     assert code_of(client.get("/v1/templates/nosuch")) == "template.unknown"
     assert client.get("/v1/materials/denim").json()["name"] == "denim"
     assert code_of(client.get("/v1/materials/nosuch")) == "fabric.unknown"
+    own = client.get("/v1/materials/denim").json() | {"name": "mine"}
+    assert client.put("/v1/materials/mine", json=own).json() == own == client.get("/v1/materials/mine").json()
+    assert code_of(client.put("/v1/materials/denim", json=own | {"name": "denim"})) == "fabric.shipped"
+    assert code_of(client.put("/v1/materials/mine", json=own | {"k": -1.0})) == "fabric.out_of_range"
+    assert code_of(client.put("/v1/materials/mine", json=own | {"sources": {}})) == "fabric.source_bad"
+    assert client.put("/v1/materials/yours", json=own).status_code == 422
+    assert code_of(client.delete("/v1/materials/denim")) == "fabric.shipped"
+    assert client.delete("/v1/materials/mine").json() == own
+    assert code_of(client.delete("/v1/materials/mine")) == "fabric.unknown"
     assert client.get("/healthz").status_code == 200 and client.get("/readyz").json()["store"] == "ok"
 
 

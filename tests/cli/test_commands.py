@@ -229,6 +229,19 @@ def test_materials(cli):
     assert json.loads(cli("materials", "denim", "--json").stdout)["sources"]["density"]
 
 
+def test_own_materials(cli, tmp_path):
+    """Broken where a fabric that was exported, renamed and imported is another one, or a shipped one is lost."""
+    path = tmp_path / "mine.csv"
+    assert cli("materials", "export", "denim", "-o", path).returncode == 0
+    assert cli("materials", "import", path).stderr.startswith("error fabric.shipped")
+    path.write_text(path.read_text().replace("\ndenim,", "\nmine,"))
+    assert cli("materials", "import", path).returncode == 0
+    mine, denim = (json.loads(cli("materials", name, "--json").stdout) for name in ("mine", "denim"))
+    assert mine | {"name": "denim"} == denim
+    assert cli("materials", "delete", "denim").returncode == 2 and cli("materials", "delete", "mine").returncode == 0
+    assert cli("materials", "mine").returncode == 3
+
+
 def test_doctor_hides_secrets(cli):
     """Broken where `doctor` fails on a sound machine, or prints a password."""
     rows = {row["check"]: row for row in map(json.loads, cli("doctor", "--json").stdout.splitlines())}

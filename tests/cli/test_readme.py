@@ -30,6 +30,7 @@ there is a body."""
 
 QUICK = (
     "garmentq status", "garmentq status --watch", "garmentq templates list", "garmentq materials",
+    "garmentq materials export denim -o cloth.json",
     "garmentq query --garment skirt --where 'surface_rms_mm.t2s < 4' --sort -created --json",
     "garmentq query --sort -created --json", "garmentq templates export skirt -o skirt.json",
     "garmentq templates import mine.json --name mine", "garmentq bodies export builtin:female,height=1.70 -o body.ply",

@@ -5,18 +5,22 @@ from __future__ import annotations
 import ast
 import inspect
 import sys
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 
 import pytest
 from garmentq.core.errors import BadInput, GarmentqError, NotFound
 from garmentq.core.pattern import load_template, save_pattern
 from garmentq.core.settings import RecoverySettings
+from garmentq.core.simulate import get_fabric, write_fabrics
 from garmentq.service import records
 from garmentq.service.backend import Backend, open_backend
 from garmentq.service.families import make_children
 from garmentq.service.jobs import claim, fail, find_job, report
+from garmentq.service.kinds import pack_request, read_request
 from garmentq.service.kinds.kind import ChildRequest
+from garmentq.service.kinds.person_request import PersonRequest
+from garmentq.service.kinds.recover_request import RecoverRequest
 from garmentq.service.local import LocalBackend
 from garmentq.service.order import Order, PartOrder
 from garmentq.service.query import JobQuery
@@ -133,6 +137,31 @@ def test_equal_records(local, remote, order, settings, database, store, tmp_path
     assert found.settings["seed"] == 2
     assert remote.poll_events(failed).events[2].progress == records.Progress("drape", 0.1235, "half \u00fcber")
     assert type(remote.find_jobs_by_id([done])[0]) is Job
+
+
+def test_imported_fabrics(backend, order, database, tmp_path):
+    """Breaks where a job has not the numbers of the fabric that it names, or a shipped fabric can be changed."""
+    mine = replace(get_fabric("canvas"), name="mine", k=7e-4)
+    write_fabrics([mine], tmp_path / "mine.csv")
+    backend.import_materials(tmp_path / "mine.csv")
+    settings = RecoverySettings(fabric="mine")
+    alone = Order(order.scan, order.body, settings=settings)
+    person = Order(order.scan, None, given_as="person", choices={"upper": PartOrder(fabric="mine")})
+    jobs = [backend.submit(backend.check_order(asked)).job for asked in (alone, person)]
+    unknown = Order(order.scan, order.body, settings=RecoverySettings(fabric="granite"))
+    assert code_of(backend.check_order, unknown) == ("fabric.unknown", NotFound)
+    backend.delete_material("mine")
+    recover, apart = (find_job(database, job).request for job in jobs)
+    assert read_request(RecoverRequest, recover).settings.fabric == mine
+    asked = read_request(PersonRequest, apart)
+    child = asked.ask("upper", asked.choose(["upper"])["upper"])
+    assert get_fabric(read_request(RecoverRequest, pack_request(child)).settings.fabric) == mine
+    assert backend.find_job(jobs[0]).settings["fabric"]["name"] == "mine"
+    assert code_of(backend.delete_material, "denim") == ("fabric.shipped", BadInput)
+    write_fabrics([replace(mine, name="other"), get_fabric("denim")], tmp_path / "denim.json")
+    assert code_of(backend.import_materials, tmp_path / "denim.json") == ("fabric.shipped", BadInput)
+    assert backend.read_material("denim") == get_fabric("denim")
+    assert code_of(backend.read_material, "other") == ("fabric.unknown", NotFound), "all of a file, or nothing"
 
 
 def test_the_same_job_by_both_ways(local, remote, order, settings, database, store, tmp_path):

@@ -11,7 +11,7 @@ import pytest
 from garmentq.core.body import builtin_body
 from garmentq.core.errors import GarmentqError
 from garmentq.core.pattern import load_draped_template
-from garmentq.core.simulate import Drape, Outcome, get_fabric
+from garmentq.core.simulate import Drape, Outcome, get_fabric, write_fabrics
 from garmentq.core.wear import Dressed, Worn, judge_wear, load_worn, measure_ease, measure_worn, save_worn
 from garmentq.service.derived import DerivedOrder, submit_derived
 from garmentq.service.jobs import find_job
@@ -106,6 +106,28 @@ def test_result_is_worn_by_another(kind, backend, result, quick, settings, datab
     np.testing.assert_allclose(load_worn(tmp_path / "out").body.vertices, builtin_body(f"{SPEC},pose=A").vertices)
 
 
+def test_imported_fabric_goes_into_the_job(backend, result, quick, settings, database, tmp_path):
+    """Broken where a job depends on what happens to an imported fabric after it was asked for."""
+    mine = replace(get_fabric("canvas"), name="mine", k=7e-4)
+    write_fabrics([mine], tmp_path / "mine.json")
+    assert backend.import_materials(tmp_path / "mine.json") == [mine] == [backend.read_material("mine")]
+    order = DerivedOrder("dress", result, {"body": SPEC, "fabric": "mine"})
+    done = backend.submit_derived(order)
+    write_fabrics([replace(mine, k=1e-4)], tmp_path / "mine.json")
+    backend.import_materials(tmp_path / "mine.json")
+    assert backend.submit_derived(order).is_new, "another cloth of the same name is another job"
+    backend.delete_material("mine")
+    assert "mine" not in [fabric.name for fabric in backend.list_materials()]
+    for ask in (lambda: backend.submit_derived(order), lambda: backend.delete_material("mine")):
+        with pytest.raises(GarmentqError) as caught:
+            ask()
+        assert caught.value.code == "fabric.unknown"
+    work_off(settings, database)
+    assert (backend.find_job(done.job).state, backend.find_job(done.job).fabric) == ("succeeded", "mine")
+    backend.export_files(done.job, tmp_path / "out", ["worn.npz"])
+    assert load_worn(tmp_path / "out").fabric == mine
+
+
 def test_file_of_a_body_goes_through_the_check(backend, result, quick, settings, database, tmp_path):
     """Broken where a user's bytes are read outside the limited process, or a bad file is no bad input."""
     path = tmp_path / "bad.ply"
@@ -120,6 +142,7 @@ WRONG = [
     ("body.spec_bad", {"options": {"pose": "lotus"}}),
     ("body.spec_bad", {"options": {"body": "builtin:giant"}}),
     ("fabric.unknown", {"options": {"fabric": "granite"}}),
+    ("job.request_bad", {"options": {"fabric": {"name": "mine", "k": -1.0}}}),
     ("job.request_bad", {"options": {"colour": "red"}}),
     ("job.request_bad", {"kind": "recover"}),
     ("job.request_bad", {"options": {"units": "cm"}}),
