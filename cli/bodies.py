@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .options import json_option
+from .options import NewFile, json_option
 
 
 @click.group("bodies")
@@ -46,7 +46,7 @@ def list_bodies(as_json: bool) -> None:
 
 @command.command("export")
 @click.argument("spec")
-@click.option("-o", "--out", required=True, type=click.Path(dir_okay=False, path_type=Path), help="File, .ply.")
+@click.option("-o", "--out", required=True, type=NewFile(), help="File, .ply.")
 @json_option
 def export(spec: str, out: Path, as_json: bool) -> None:
     """Write a body as a mesh with its joints in JSON beside it.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .options import home_option, json_option
+from .options import NewFile, home_option, json_option
 
 if TYPE_CHECKING:
     from ..service.backend import Backend
@@ -95,7 +95,7 @@ def import_command(file: Path, home: Path | None, as_json: bool) -> None:
 
 @command.command("export")
 @click.argument("names", nargs=-1, required=True)
-@click.option("-o", "--out", type=click.Path(dir_okay=False, path_type=Path), required=True, help="JSON or CSV file.")
+@click.option("-o", "--out", type=NewFile(), required=True, help="JSON or CSV file.")
 @home_option
 def export_command(names: tuple[str, ...], out: Path, home: Path | None) -> None:
     """Write fabrics as a JSON or CSV file, with units and sources.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import wraps
@@ -34,6 +35,25 @@ workers_option = click.option(
 timeout_option = click.option(
     "--timeout", type=click.FloatRange(min=0.0), help="Stop waiting after this many seconds; the job continues."
 )
+
+
+class NewFile(click.Path):
+    """Take the path of a file to be written, in a folder that is there and may be written to."""
+
+    def __init__(self) -> None:
+        """Refuse folders, and files that may not be written over."""
+        super().__init__(dir_okay=False, writable=True, path_type=Path)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the path.
+
+        Raises:
+            BadParameter: where no file can be written there.
+        """
+        path = Path(os.fsdecode(super().convert(value, param, ctx)))
+        if not (path.parent.is_dir() and os.access(path.parent, os.W_OK)):
+            self.fail(f"'{path.parent}' is no folder that can be written to.", param, ctx)
+        return path
 
 
 def gather(record: type, options: Sequence[Decorator], name: str = "options") -> Decorator:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .options import home_option, json_option
+from .options import NewFile, home_option, json_option
 
 if TYPE_CHECKING:
     from ..core.pattern import Pattern
@@ -99,7 +99,7 @@ def import_command(file: Path, name: str, home: Path | None, as_json: bool) -> N
 
 @command.command("export")
 @click.argument("name")
-@click.option("-o", "--out", type=click.Path(dir_okay=False, path_type=Path), required=True, help="File to write.")
+@click.option("-o", "--out", type=NewFile(), required=True, help="File to write.")
 @home_option
 def export_command(name: str, out: Path, home: Path | None) -> None:
     """Write a template as a GarmentCode pattern file.

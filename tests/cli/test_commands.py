@@ -202,6 +202,16 @@ def test_run_shows_and_keeps_the_result(cli, tmp_path):
     assert json.loads(done.stdout)["stopped"] == ["worker", "broker"]
 
 
+@pytest.mark.parametrize(
+    "words", [("templates", "export", "skirt"), ("materials", "export", "denim"), ("bodies", "export", "builtin:male")]
+)
+def test_a_file_that_cannot_be_written_is_refused(words, cli, tmp_path):
+    """Broken where a folder that is not there, or is the file, ends in a traceback."""
+    for out in (tmp_path / "none" / "file.ply", tmp_path):
+        done = cli(*words, "-o", out)
+        assert (done.returncode, done.stdout) == (2, "") and "Traceback" not in done.stderr
+
+
 def test_templates_come_and_go(cli, tmp_path):
     """Broken where an exported template is no pattern, an import loses something, or a shipped one can be hidden."""
     path = tmp_path / "skirt.json"
