@@ -86,8 +86,8 @@ def command(context: click.Context, directory: Path, options: BenchOptions, as_j
 
     A pack is a folder with meta.json, garment.ply, body.ply and perhaps template.json and pattern.json; or a raw pack:
     scan.ply, the scan of a dressed person, and truth/ (docs/bench.md).
-    Each target runs in a process of its own. The exit status is 5 when any target failed, or a person was
-    taken for what she does not wear without a word. With --damage each target is
+    Each target runs in a process of its own. The exit status is 5 when any target failed, or a person's
+    outfit was told wrongly without a warning. With --damage each target is
     recovered under noise, holes, outliers, turned faces, a cut hem, other units and axes, with both presets. With
     --ablate the inverse loop runs without curvature weights, seam loss and materials, and the deformer without grading,
     contours, normals and bending, one by one, beside the thesis' tables 3.4 and 4.3.

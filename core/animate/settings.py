@@ -22,7 +22,8 @@ class AnimateSettings:
     Attributes:
         fps: Frames a second [1/s].
         begin: Time of the motion at the first frame [s].
-        end: Time of the motion at the last frame [s]; None: where it ends, or four seconds of one that loops.
+        end: Time of the motion at which the frames end [s], that of the last one, or of one that loops the first left
+            out; None: where it ends, or four seconds of one that loops.
         lead: Time in which the wearer goes from the own pose into the motion, before the first frame [s].
         travel: Furthest that skin near the cloth moves in a step [m]: as far as two edges of the coarsest cloth, so
             that what rides on it is still stretched by less than it can bear.

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import base64
-import json
 from html import escape
 
 import numpy as np
 
 from ..wear import Dressed, Worn
+from .judged_page import Heading, gates_html, head_html, manifest_html, numbers_html
 from .page import page_html
 from .person import on_white
 from .picture import Camera, ColouredMesh, aim, draw, png_base64
-from .report import number
 from .views import CLOTH, DRAPED, SKIN, colour_of
 
 WIDTH, HEIGHT = 300, 480
@@ -59,31 +58,28 @@ def report_dressed(dressed: Dressed, picture: bytes) -> str:
     """
     return page_html(
         f"{dressed.worn.category} on {dressed.worn.body.source}",
-        [_header(dressed), _pictures(picture), _gates(dressed), _ease(dressed), _numbers(dressed), _manifest(dressed)],
+        [
+            _header(dressed),
+            _pictures(picture),
+            gates_html(dressed.gates),
+            _ease(dressed),
+            numbers_html(dressed.metrics),
+            manifest_html(dressed.manifest),
+        ],
     )
 
 
 def _header(dressed: Dressed) -> str:
     worn = dressed.worn
-    verdicts = "".join(
-        f'<span class="verdict {escape(gate.verdict)}">{escape(gate.name.replace("_", " "))}</span>'
-        for gate in dressed.gates
-    )
-    facts = (
-        ("Category", worn.category),
-        ("Template", worn.template),
-        ("Fabric", worn.fabric.title or worn.fabric.name),
-        ("First wearer", dressed.before.body.source),
-        ("Wearer", worn.body.source),
-        ("CPU time", f"{dressed.cpu_seconds:.0f} s"),
-    )
-    cells = "".join(f"<div><dt>{title}</dt><dd>{escape(value)}</dd></div>" for title, value in facts)
-    notes = "".join(f"<li>{escape(text)}</li>" for text in dressed.warnings)
-    return (
-        f'<header><p class="brand">garmentq · worn again</p><h1>{escape(worn.pattern.name or worn.category)}</h1>'
-        f'<p class="verdicts">{verdicts}</p><dl class="facts">{cells}</dl></header>'
-        + (f'<section class="notes"><h2>Remarks</h2><ul>{notes}</ul></section>' if notes else "")
-    )
+    facts = {
+        "Category": worn.category,
+        "Template": worn.template,
+        "Fabric": worn.fabric.title or worn.fabric.name,
+        "First wearer": dressed.before.body.source,
+        "Wearer": worn.body.source,
+        "CPU time": f"{dressed.cpu_seconds:.0f} s",
+    }
+    return head_html(Heading("worn again", worn.pattern.name or worn.category, facts), dressed.gates, dressed.warnings)
 
 
 def _pictures(picture: bytes) -> str:
@@ -95,19 +91,6 @@ def _pictures(picture: bytes) -> str:
     )
 
 
-def _gates(dressed: Dressed) -> str:
-    rows = "".join(
-        f'<tr><td><span class="badge {escape(gate.verdict)}">{escape(gate.verdict)}</span></td>'
-        f"<td class=check>{escape(gate.name.replace('_', ' '))}</td><td class=num>{number(gate.value)}</td>"
-        f"<td class=num>{number(gate.limit)}</td><td>{escape(gate.message)}</td></tr>"
-        for gate in dressed.gates
-    )
-    head = (
-        "<tr><th></th><th>Check</th><th class=num>Value</th><th class=num>Fails above</th><th>What it means</th></tr>"
-    )
-    return f"<section><h2>Checks</h2><table>{head}{rows}</table></section>"
-
-
 def _ease(dressed: Dressed) -> str:
     rows = "".join(
         f"<tr><td>{escape(one.place.replace('_', ' '))}</td><td class=num>{1e3 * one.garment:.0f}</td>"
@@ -116,17 +99,3 @@ def _ease(dressed: Dressed) -> str:
     )
     head = "<tr><th>Girth [mm]</th><th class=num>Garment</th><th class=num>Body</th><th class=num>Ease</th></tr>"
     return f"<section><h2>Ease</h2><table>{head}{rows}</table></section>" if rows else ""
-
-
-def _numbers(dressed: Dressed) -> str:
-    rows = "".join(
-        f"<tr><td>{escape(name)}</td><td class=num>{number(value)}</td></tr>"
-        for name, value in sorted(dressed.metrics.items())
-    )
-    head = "<tr><th>Metric</th><th class=num>Value</th></tr>"
-    return f'<section class="page"><h2>Numbers</h2><table>{head}{rows}</table></section>'
-
-
-def _manifest(dressed: Dressed) -> str:
-    text = escape(json.dumps(dressed.manifest, indent=1, ensure_ascii=False, default=str))
-    return f"<section><h2>Settings and versions</h2><pre>{text}</pre></section>"

@@ -14,7 +14,7 @@ from .colour import CONTRAST, to_lab
 from .features import LENGTH, Features
 from .limbs import Limb
 from .points import FittedPerson, PersonPoints
-from .rings import CORRELATION, Ring, contrasts, edge_evidence, find_ring, ridges, step_heights
+from .rings import Ring, contrasts, edge_evidence, find_ring, ridges, step_heights
 from .unrolled import UnrolledGrid, unroll
 
 COUPLING = 0.5
@@ -314,8 +314,3 @@ def spread_over(rings: PersonRings, limb: Limb, ring: Ring, count: int) -> np.nd
     """Compute the probability that each sample lies beyond a ring of a limb, 0 where it is not on it, shape [count]."""
     grid = rings.grids[limb]
     return grid.at_samples(ring.beyond(len(grid.seen)), count, 0.0)
-
-
-def evidence_per_column(ring: Ring) -> float:
-    """Return a ring's score for each independent column: what it gains where it is, 0 for none."""
-    return ring.score * CORRELATION / len(ring.rows)

@@ -19,7 +19,8 @@ class AnimateRequest:
         motion: A motion's file, or the name of a shipped one.
         fps: Frames a second [1/s].
         begin: Time of the motion at the first frame [s].
-        end: Time of the motion at the last frame [s], or None: its end, or four seconds of one that loops.
+        end: Time of the motion at which the frames end [s], that of the last one, or of one that loops the first left
+            out; None: its end, or four seconds of one that loops.
         damping: Rate at which velocity relative to the air decays [1/s], or None: as usual.
     """
 
