@@ -31,7 +31,7 @@ from .catalogue import ImportedTemplate, Template, read_fabric, show_fabric
 from .connection import TRIES, Connection, ServiceUnreachable
 from .derived import DerivedOrder
 from .jobs import pick_known
-from .kinds import FileRef
+from .kinds import FileRef, RequestBad
 from .materials import is_shipped, refuse_shipped
 from .ordering import check_typed
 from .query import JobQuery
@@ -154,7 +154,13 @@ class RemoteBackend:
         return _read_submitted(found)
 
     def _send_file(self, field: str, file: Path | FileRef) -> str:
-        """Send a file of a derived job's request, and return its key."""
+        """Send a file of a derived job's request, and return its key.
+
+        Raises:
+            RequestBad: where no kind has a file of that field.
+        """
+        if field not in UPLOADS:
+            raise RequestBad(f"no request has a file '{field[:40]}'; there are {', '.join(UPLOADS)}.")
         return self.upload(UPLOADS[field], file) if isinstance(file, Path) else file.sha256
 
     def _describe_person(self, order: Order) -> dict[str, Any]:

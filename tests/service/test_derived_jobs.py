@@ -146,6 +146,7 @@ WRONG = [
     ("job.request_bad", {"options": {"colour": "red"}}),
     ("job.request_bad", {"kind": "recover"}),
     ("job.request_bad", {"options": {"units": "cm"}}),
+    ("job.request_bad", {"files": {"scan": Path(__file__)}}),
     ("job.kind_unknown", {"kind": "knit"}),
     ("job.request_bad", {"options": {"body": {"sha256": 64 * "a", "name": "b.ply"}}}),
     ("job.request_bad", {"kind": "animate", "options": {"motion": {"sha256": 64 * "a", "name": "m.bvh"}}}),
