@@ -19,6 +19,7 @@ from ..scan.reconstruct import reconstruct
 from ..scan.thin import thin
 from ..segment import Contour, choose_category, name_contours
 from .confidence import garment_confidence
+from .inner_side import find_inner_side
 from .openings import Surroundings, find_openings
 from .part import CLOTH, GARMENTS, Part
 from .separation import FoundContour, FoundGarment, Separation
@@ -58,7 +59,7 @@ class PersonSurface:
 
 
 def cut_garment_of(person: PersonSurface, separation: Separation, part: Part, hooks: Hooks = SILENT) -> Reading:
-    """Cut one garment out of a person's surface along a smooth line.
+    """Cut one garment out of a person's surface along a smooth line, without what is seen of its inner side.
 
     Args:
         person: The person.
@@ -77,7 +78,8 @@ def cut_garment_of(person: PersonSurface, separation: Separation, part: Part, ho
     if not found or not (label == part).any():
         raise PartNotWorn(f"Nothing of {whole.name} is {part.word}; correct the labels file, or name another garment.")
     hooks.check()
-    garment = cut_garment(whole, label == part)
+    own = label == part
+    garment = cut_garment(whole, own & ~find_inner_side(whole, own, separation.body))
     contours, holes = name_contours(garment.vertices, garment.faces, separation.body, garment.unseen, scanned=True)
     hidden = _mark_hidden(garment, contours, found[0].contours)
     hidden |= mark_covered(garment, holes, whole.vertices[np.isin(label, GARMENTS) & (label != part)])

@@ -1,0 +1,62 @@
+"""The inner side of cloth that a scanner sees through cuffs and under hems: no part of a garment's surface."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..body import Body
+from ..mesh import HalfEdges, TriangleSurface, find_components, vertex_normals
+from ..scan import Scan
+
+THICKNESS = 0.015
+"""Largest distance between the two sides of one cloth in a scan [m]: three cells of 4 mm of a fused surface, and
+noise."""
+
+LEAST = 0.3
+"""Share of a piece that faces the skin behind which the outer side must be found: less is a fold, or noise."""
+
+ASKED = 20_000
+"""Vertices that are asked for an outer side, about: the share of a piece is known from every n-th of a dense scan."""
+
+FACING = 0.3
+"""Least cosine between a normal and the way to the skin, and between the two sides' normals, turned over: 73 degrees.
+Of a person whose insides have a label of their own 0.5 found 78 % and 0.3 88 %, and 0.3 and 1.4 % of the outer side."""
+
+
+def find_inner_side(whole: Scan, own: np.ndarray, body: Body) -> np.ndarray:
+    """Find the inner side of a garment's cloth, as far as it is seen through an opening, bool, shape [vertex_count].
+
+    A piece that faces the skin is an inner side where the outer side of the same cloth lies within `THICKNESS`,
+    farther from the skin, for more than `LEAST` of it. A recovery is of one sheet: with both, the sheet turns inward
+    at the hem, and its contours lie up inside the garment.
+
+    Args:
+        whole: The person's surface.
+        own: The garment's vertices, bool, shape [vertex_count].
+        body: The wearer.
+    """
+    normals = vertex_normals(whole.vertices, whole.faces)
+    edges = HalfEdges.of(whole.faces, len(whole.vertices))
+    smooth = edges.adjacency @ normals + normals
+    normals = smooth / np.maximum(np.linalg.norm(smooth, axis=1, keepdims=True), 1e-12)
+    mine = np.flatnonzero(own)
+    feet = TriangleSurface(body.vertices, body.faces).closest(whole.vertices[mine])
+    away = whole.vertices[mine] - feet.foot
+    height = np.linalg.norm(away, axis=1)
+    facing = (normals[mine] * away).sum(axis=1) < -FACING * height
+    tree = cKDTree(whole.vertices[mine])
+    asked = np.flatnonzero(facing)
+    asked = asked[:: max(1, len(asked) // ASKED)]
+    backed = np.zeros(len(asked), bool)
+    for number, row in enumerate(asked):
+        near = np.array(tree.query_ball_point(whole.vertices[mine[row]], THICKNESS))
+        opposite = normals[mine[near]] @ normals[mine[row]] < -FACING
+        backed[number] = bool((opposite & (height[near] > height[row])).any())
+    turned = np.zeros(len(whole.vertices), bool)
+    turned[mine[facing]] = True
+    linked = turned[edges.tail] & turned[edges.head]
+    count, piece = find_components(len(whole.vertices), edges.tail[linked], edges.head[linked])
+    of_asked = piece[mine[asked]]
+    shown = np.bincount(of_asked, backed, count) > LEAST * np.bincount(of_asked, minlength=count)
+    return turned & shown[piece]
