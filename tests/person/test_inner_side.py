@@ -60,3 +60,13 @@ def test_a_fold_without_an_outer_side_near_stays(arm):
         vertices=np.concatenate([outer[0], inner[0]]), faces=np.concatenate([outer[1], inner[1] + len(outer[0])])
     )
     assert not find_inner_side(whole, np.ones(len(whole.vertices), bool), arm).any()
+
+
+def test_the_back_of_a_pleat_stays(arm):
+    """Broken where one side of a pleat, which faces the skin before the pleat's other side, is cut out of a skirt."""
+    whole, outer = sleeve(0.08)
+    back = np.flatnonzero(whole.vertices[:, 0] > 0.06)  # an eighth to either side: it faces one way
+    faces = whole.faces[np.isin(whole.faces, back).all(axis=1) | (whole.faces < outer).all(axis=1)]
+    whole = SimpleNamespace(vertices=whole.vertices, faces=faces)
+    own = np.isin(np.arange(len(whole.vertices)), faces)
+    assert not find_inner_side(whole, own, arm).any()
