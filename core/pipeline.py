@@ -149,7 +149,7 @@ def drape_to_scan(case: Case, clock: Clock) -> GradedDrape:
 
 
 def _note_hidden(case: Case) -> tuple[str, ...]:
-    """Say which ends of the garment are the base pattern's, one sentence each."""
+    """Return which ends of the garment are the base pattern's, one sentence each."""
     shown = {contour.name for contour in case.seen.contours if not contour.hidden}
     guessed = (
         []

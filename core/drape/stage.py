@@ -46,7 +46,7 @@ class DrapeSettings:
 
 
 def waist_height(target: Target, body: Body) -> float | None:
-    """Give the height of the target's waist contour carried back to the T-pose [m], or None where none is known."""
+    """Return the height of the target's waist contour carried back to the T-pose [m], or None where none is known."""
     waist = target.waist
     if waist is None:
         return None

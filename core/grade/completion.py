@@ -55,7 +55,7 @@ def complete_target(worn: Garment, target: Target, skin: ExposedSurface, hooks: 
 
 
 def _is_hidden(contour: Contour, target: Target) -> bool:
-    """Tell whether a template's contour is one that the target hides, or has not because it is hidden."""
+    """Check whether a template's contour is one that the target hides, or has not because it is hidden."""
     other = target.contour(contour.name)
     return other is None or other.hidden
 

@@ -64,7 +64,7 @@ class Reference:
         return None if self.hidden is None else Rim.between(self.surface.faces, self.hidden)
 
     def has_counterpart(self, points: Closest) -> np.ndarray:
-        """Tell which points the truth can be held against, by its points that are closest to them, shape [n]."""
+        """Find which points the truth can be held against, by its points that are closest to them, shape [n]."""
         if self.rim is None:
             return np.ones(len(points.face), bool)
         return ~self.rim.lies_ahead(self.surface, points)

@@ -71,7 +71,7 @@ def _measure(x, faces, pairs, gradient):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _pierce(x, p, q, face, end, sizes):  # type: ignore[no-untyped-def]
-    """Tell whether an edge passes through the inside of a face; fill where, t, the weights, the normal and N . E."""
+    """Check whether an edge passes through the inside of a face; fill where, t, the weights, the normal and N . E."""
     a, b, c = face[0], face[1], face[2]
     u, v, edge, way = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
     for d in range(3):

@@ -91,7 +91,7 @@ def map_skeleton(posed: Posed, rate: float) -> Recording:
 
 
 def _stands(places: dict[str, np.ndarray]) -> bool:
-    """Tell whether the legs hang below the trunk."""
+    """Check whether the legs hang below the trunk."""
     trunk, leg = _trunk(places), _up_of_legs(places)
     return bool(trunk @ leg > UPRIGHT and np.linalg.norm(_side(places)) > 0)
 

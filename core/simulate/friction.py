@@ -47,6 +47,18 @@ def lag_friction(scene: Scene, nodes: np.ndarray, anchors: np.ndarray) -> Fricti
     return Friction(anchors, normals, scene.fabric.friction * force, scene.contact.slip)
 
 
+@njit(cache=True, inline="always")
+def mobilise(y, square, slip):  # type: ignore[no-untyped-def]
+    """Return f(y), f'(y) / y and f''(y) of friction drawn by y [m], y^2 = `square`, mobilised in full at `slip` [m]."""
+    if y < slip:
+        return (
+            square / slip - square * y / (3.0 * slip * slip),
+            2.0 / slip - y / (slip * slip),
+            2.0 / slip - 2.0 * y / (slip * slip),
+        )
+    return y - slip / 3.0, 1.0 / y, 0.0
+
+
 @njit(cache=True)
 def friction(x, given, order, diagonal, derivatives):  # type: ignore[no-untyped-def]
     """Add friction's gradient (order >= 1) and Hessian blocks (order 2) and return its energy [J].
@@ -74,12 +86,8 @@ def friction(x, given, order, diagonal, derivatives):  # type: ignore[no-untyped
             u[d] = x[v, d] - anchors[v, d] - along * normals[v, d]
             square += u[d] * u[d]
         y = np.sqrt(square)
-        if y < slip:
-            energy += limit * (square / slip - square * y / (3.0 * slip * slip))
-            over, second = 2.0 / slip - y / (slip * slip), 2.0 / slip - 2.0 * y / (slip * slip)
-        else:
-            energy += limit * (y - slip / 3.0)
-            over, second = 1.0 / y, 0.0
+        value, over, second = mobilise(y, square, slip)
+        energy += limit * value
         if order == 0:
             continue
         for d in range(3):

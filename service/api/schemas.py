@@ -134,7 +134,7 @@ class JobsIn(BaseModel):
 
 
 class FabricIn(BaseModel):
-    """Give a fabric in SI units: H [N/m], k [N m], density [kg/m2], thickness [m], and the source of each number."""
+    """Return a fabric in SI units: H [N/m], k [N m], density [kg/m2], thickness [m], and the source of each number."""
 
     model_config = ConfigDict(extra="forbid")
     name: FabricName

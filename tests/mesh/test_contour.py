@@ -8,7 +8,7 @@ from garmentq.core.mesh import intersecting_pairs, measure_contour
 
 
 def cross(seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Give a large triangle and a strip of three that stands across it, a little shaken."""
+    """Return a large triangle and a strip of three that stands across it, a little shaken."""
     points = np.array([[-2, 0, -2], [3, 0, -2], [0, 0, 3], [-1, -1, 0], [-1, 1, 0], [0, -1, 0], [0, 1, 0], [1, 0.8, 0]])
     faces = np.array([[0, 1, 2], [3, 5, 4], [5, 6, 4], [5, 7, 6]])
     return points + np.random.default_rng(seed).normal(0, 0.05, points.shape), faces

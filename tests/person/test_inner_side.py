@@ -10,7 +10,7 @@ from garmentq.core.person.inner_side import find_inner_side
 
 
 def tube(radius, low, high, inward=False, around=48, rows=25):
-    """Give an open tube about the y axis, its normals outward or inward."""
+    """Return an open tube about the y axis, its normals outward or inward."""
     turn = 2 * np.pi * np.arange(around) / around
     up = np.linspace(low, high, rows)
     vertices = np.stack(
@@ -24,7 +24,7 @@ def tube(radius, low, high, inward=False, around=48, rows=25):
 
 
 def sleeve(inner_height):
-    """Give a sleeve of 4 mm cloth around an arm, its inner side seen up to a height, and the two counts."""
+    """Return a sleeve of 4 mm cloth around an arm, its inner side seen up to a height, and the two counts."""
     outer, inner = tube(0.09, 0.0, 0.3), tube(0.086, 0.0, inner_height, inward=True)
     vertices = np.concatenate([outer[0], inner[0]])
     faces = np.concatenate([outer[1], inner[1] + len(outer[0])])

@@ -23,7 +23,7 @@ def torn(points, start=40, mouth=4, depth=0.12):
 
 
 def outward(points):
-    """Give the normals of cloth around the y axis, as `bridge_bites` asks for them."""
+    """Return the normals of cloth around the y axis, as `bridge_bites` asks for them."""
     flat = points * [1.0, 0.0, 1.0]
     return lambda: flat / np.linalg.norm(flat, axis=1, keepdims=True)
 

@@ -30,7 +30,7 @@ from scipy.optimize import minimize
 
 
 def lay_sheets(sheet, heights, columns=7, rows=6) -> tuple[Topology, np.ndarray]:
-    """Give sheets that lie level at some heights [m], each a little smaller and so with edges of its own."""
+    """Return sheets that lie level at some heights [m], each a little smaller and so with edges of its own."""
     faces, rest, nodes, count = [], [], [], 0
     for k, height in enumerate(heights):
         flat, own = sheet(columns - k % 2, rows + k % 2, 0.12 - 0.007 * k, 0.10 + 0.004 * k)
@@ -260,7 +260,7 @@ def test_friction_against_differences_and_balanced(touching):
 
 
 def poke(sheet, cloth, where) -> tuple[Scene, np.ndarray]:
-    """Give two level sheets 4 mm apart, the upper one pushed through the lower one by 4 mm at one of its points."""
+    """Return two level sheets 4 mm apart, the upper one pushed through the lower one by 4 mm at one of its points."""
     flat, faces = sheet(13, 13, 0.12, 0.12)
     count = len(flat)
     topology = Topology.from_mesh(np.concatenate([faces, faces + count]), np.concatenate([flat[faces]] * 2))

@@ -48,7 +48,7 @@ def test_a_folded_sheet_lies_at_the_thickness(sheet, cloth, grid_of):
 
 
 def _profile(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Give heights over x, both [m], of the rows of a sheet, ascending."""
+    """Return heights over x, both [m], of the rows of a sheet, ascending."""
     x = np.round(nodes[:, 0], 3)
     columns = np.unique(x)
     return columns, np.array([nodes[x == c, 1].mean() for c in columns])

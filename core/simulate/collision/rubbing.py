@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 
 from ..block_pattern import ABSENT, add_block
+from ..friction import mobilise
 from .barrier import bar, measure_pairs
 from .near import Near
 from .self_contact import SelfContact
@@ -102,12 +103,8 @@ def rub(x, given, places, order, derivatives):  # type: ignore[no-untyped-def]
             u[d] -= along * normals[n, d]
             square += u[d] * u[d]
         y = np.sqrt(square)
-        if y < slip:
-            energy += limit * (square / slip - square * y / (3.0 * slip * slip))
-            over, second = 2.0 / slip - y / (slip * slip), 2.0 / slip - 2.0 * y / (slip * slip)
-        else:
-            energy += limit * (y - slip / 3.0)
-            over, second = 1.0 / y, 0.0
+        value, over, second = mobilise(y, square, slip)
+        energy += limit * value
         if order == 0:
             continue
         for k in range(4):
