@@ -1,0 +1,66 @@
+"""Write binary glTF: collect the arrays of a file, and pack them with what describes them."""
+
+from __future__ import annotations
+
+import json
+import struct
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+FLOAT, UNSIGNED = 5126, 5125
+"""glTF's names of float32 and uint32."""
+
+VERTICES, INDICES = 34962, 34963
+"""glTF's names of what a buffer's part is for."""
+
+WIDTHS = {1: "SCALAR", 2: "VEC2", 3: "VEC3"}
+"""glTF's names of numbers in a row."""
+
+
+@dataclass
+class GlbBuffer:
+    """Collect the binary part of a GLB and what describes it."""
+
+    content: bytearray = field(default_factory=bytearray)
+    views: list[dict[str, Any]] = field(default_factory=list)
+    accessors: list[dict[str, Any]] = field(default_factory=list)
+
+    def add(self, values: np.ndarray, target: int | None = None, bounds: bool = False) -> int:
+        """Add an array, shape [n] or [n, width], and return its accessor's index."""
+        wide = values.shape[1] if values.ndim == 2 else 1
+        accessor: dict[str, Any] = {
+            "bufferView": self.add_bytes(values.tobytes(), target),
+            "componentType": UNSIGNED if values.dtype.kind == "u" else FLOAT,
+            "count": len(values),
+            "type": WIDTHS[wide],
+        }
+        if bounds:
+            accessor["min"] = np.atleast_1d(values.min(axis=0)).tolist()
+            accessor["max"] = np.atleast_1d(values.max(axis=0)).tolist()
+        self.accessors.append(accessor)
+        return len(self.accessors) - 1
+
+    def add_bytes(self, content: bytes, target: int | None = None) -> int:
+        """Add a part that starts at a multiple of four bytes, as arrays must, and return its view's index."""
+        self.content += b"\0" * (-len(self.content) % 4)
+        view: dict[str, Any] = {"buffer": 0, "byteOffset": len(self.content), "byteLength": len(content)}
+        if target is not None:
+            view["target"] = target
+        self.content += content
+        self.views.append(view)
+        return len(self.views) - 1
+
+
+def pack_glb(scene: dict[str, Any], buffer: GlbBuffer) -> bytes:
+    """Return a GLB of a scene, whose accessors, views and buffer are those collected: two chunks of whole words."""
+    scene = scene | {"accessors": buffer.accessors, "bufferViews": buffer.views}
+    text = json.dumps(scene | {"buffers": [{"byteLength": len(buffer.content)}]}, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    content = bytes(buffer.content) + b"\0" * (-len(buffer.content) % 4)
+    size = 12 + 8 + len(text) + 8 + len(content)
+    return b"".join(
+        [struct.pack("<III", 0x46546C67, 2, size), struct.pack("<II", len(text), 0x4E4F534A), text,
+         struct.pack("<II", len(content), 0x004E4942), content]
+    )  # fmt: skip

@@ -1,0 +1,109 @@
+"""Write a garment's mesh as OBJ and GLB with its flat rest shape, panels, seams and fabric."""
+
+from __future__ import annotations
+
+import colorsys
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .glb import INDICES, VERTICES, GlbBuffer, pack_glb
+from .sewn_mesh import SewnMesh, describe_cloth, plain_names, seams_of_uv
+
+
+def write_sewn_obj(mesh: SewnMesh, path: Path) -> list[Path]:
+    """Write a welded OBJ [m] with a material library and a JSON of what an OBJ cannot hold beside it.
+
+    Each panel is a group with a material of its own, and each corner has its flat position [m] for uv. The JSON is
+    `describe_cloth`, and of each seam and contour the vertices in order, numbered from 1 as in the OBJ.
+
+    Returns:
+        The OBJ, its `.mtl` and its `.json`.
+    """
+    garment, library, sidecar = mesh.garment, path.with_suffix(".mtl"), path.with_suffix(".json")
+    names = plain_names([panel.name for panel in garment.pattern.panels])
+    lines = ["# metres, y up; 1 unit of uv is 1 m of cloth", f"mtllib {library.name}", f"o {mesh.name}"]
+    lines += [f"v {x:.7f} {y:.7f} {z:.7f}" for x, y, z in mesh.nodes.tolist()]
+    lines += [f"vt {u:.7f} {v:.7f}" for u, v in mesh.metre_uv.tolist()]
+    lines += [f"vn {x:.5f} {y:.5f} {z:.5f}" for x, y, z in mesh.normals.tolist()]
+    for index, name in enumerate(names):
+        own = np.flatnonzero(garment.panel_of_face == index)
+        lines += [f"g {name}", f"usemtl {name}"]
+        for corners, flat in zip((garment.faces[own] + 1).tolist(), (garment.uv_faces[own] + 1).tolist(), strict=True):
+            lines.append("f " + " ".join(f"{v}/{t}/{v}" for v, t in zip(corners, flat, strict=True)))
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    materials = []
+    for index, name in enumerate(names):
+        red, green, blue = panel_colour(index, len(names))
+        materials.append(f"newmtl {name}\nKd {red:.4f} {green:.4f} {blue:.4f}\nKs 0 0 0\nillum 1\n")
+    library.write_text("\n".join(materials), encoding="utf-8")
+    told = describe_cloth(mesh)
+    for seam, kept in zip(garment.pattern.seams, told["seams"], strict=True):
+        kept["vertices"] = (garment.uv_node[garment.edge_uv[seam.a]] + 1).tolist()
+    told["contours"] = {contour.name: (contour.vertices + 1).tolist() for contour in garment.contours}
+    sidecar.write_text(json.dumps(told, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    return [path, library, sidecar]
+
+
+def write_sewn_glb(mesh: SewnMesh, path: Path) -> Path:
+    """Write a GLB [m] of one primitive a panel, each with a material of its own.
+
+    Attributes of its vertices: POSITION, NORMAL; TEXCOORD_0, the flat position [m] (glTF's v runs downwards, so it is
+    1 - v); TEXCOORD_1, the same panels within 0..1; `_NODE`, the welded node, so that the panels can be sewn again;
+    `_PANEL`; `_SEAM`, up to two seams, -1 for none. Application's own attributes are float32, as whole numbers of 32
+    bits are not allowed there. `extras` of the mesh hold `describe_cloth`.
+    """
+    garment, buffer = mesh.garment, GlbBuffer()
+    split = garment.uv_node
+    flat, unit = mesh.metre_uv.copy(), mesh.unit_uv[0].copy()
+    flat[:, 1], unit[:, 1] = 1.0 - flat[:, 1], 1.0 - unit[:, 1]
+    values = {
+        "POSITION": mesh.nodes[split], "NORMAL": mesh.normals[split], "TEXCOORD_0": flat, "TEXCOORD_1": unit,
+        "_NODE": split, "_PANEL": garment.panel_of_uv, "_SEAM": seams_of_uv(garment),
+    }  # fmt: skip
+    names = plain_names([panel.name for panel in garment.pattern.panels])
+    primitives: list[dict[str, Any]] = []
+    for index, name in enumerate(names):
+        own = np.flatnonzero(garment.panel_of_uv == index)
+        place = np.zeros(len(garment.uv), dtype=np.int64)
+        place[own] = np.arange(len(own))
+        corners = place[garment.uv_faces[garment.panel_of_face == index]]
+        attributes = {
+            key: buffer.add(np.ascontiguousarray(array[own].astype("<f4")), VERTICES, bounds=key == "POSITION")
+            for key, array in values.items()
+        }
+        primitives.append(
+            {
+                "attributes": attributes,
+                "indices": buffer.add(corners.astype("<u4").ravel(), INDICES),
+                "material": index,
+                "extras": {"panel": index, "name": name},
+            }
+        )
+    scene: dict[str, Any] = {
+        "asset": {"version": "2.0", "generator": "garmentq"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "name": mesh.name}],
+        "meshes": [{"name": mesh.name, "primitives": primitives, "extras": {"garmentq": describe_cloth(mesh)}}],
+        "materials": [
+            {
+                "name": name,
+                "doubleSided": True,
+                "pbrMetallicRoughness": {
+                    "baseColorFactor": [*panel_colour(n, len(names)), 1.0], "metallicFactor": 0.0,
+                    "roughnessFactor": 0.9,
+                },
+            }
+            for n, name in enumerate(names)
+        ],
+    }  # fmt: skip
+    path.write_bytes(pack_glb(scene, buffer))
+    return path
+
+
+def panel_colour(index: int, count: int) -> list[float]:
+    """Return a pale colour for a panel, RGB in 0..1, told from its neighbours' by hue."""
+    return [round(channel, 4) for channel in colorsys.hsv_to_rgb(index / max(count, 1), 0.35, 0.85)]
