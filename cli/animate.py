@@ -35,7 +35,8 @@ def command(
 
     The wearer of a recovery, or of what `garmentq dress` put on another body, goes through a motion, and the cloth with
     it. Prints the id of the job; with --wait the result: whether every frame converged, lies outside the body and
-    crosses itself nowhere. Files: point caches (PC2, MDD), a GLB that plays, a contact sheet, a preview.
+    crosses itself nowhere. Files: point caches (PC2, MDD), a GLB and a USD
+    that play, a contact sheet, a preview.
 
     \b
     Example:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from .morph_glb import MOST_BYTES, morph_bytes, write_morphs
 from .motion_pictures import write_preview, write_sheet
 from .point_caches import write_mdd, write_pc2
 from .result import write_json
+from .usd_mesh import MISSING, can_write_usd, write_usd
 
 
 def write_animation(animation: Animation, folder: Path) -> list[Path]:
@@ -24,8 +26,8 @@ def write_animation(animation: Animation, folder: Path) -> list[Path]:
 
     Returns:
         The files: garment.obj and garment.ply (the first frame, whose vertex order the caches have), garment.pc2,
-        garment.mdd, garment.glb (left out where it would be larger than `MOST_BYTES`), sheet.png, preview.gif,
-        frames.json.
+        garment.mdd, garment.glb (left out where it would be larger than `MOST_BYTES`), garment.usdc (left out without
+        the extra `usd`), sheet.png, preview.gif, frames.json.
     """
     folder.mkdir(parents=True, exist_ok=True)
     garment, frames = animation.worn.garment, animation.frames
@@ -34,11 +36,30 @@ def write_animation(animation: Animation, folder: Path) -> list[Path]:
     files.append(write_mdd(frames, animation.fps, folder / "garment.mdd"))
     if morph_bytes(garment, frames) <= MOST_BYTES:
         files.append(write_morphs(garment, frames, animation.fps, folder / "garment.glb"))
+    if can_write_usd():
+        files.append(write_usd(garment, frames, folder / "garment.usdc", animation.fps))
     files.append(write_sheet(animation, folder / "sheet.png"))
     files.append(write_preview(animation, folder / "preview.gif"))
     verdicts = folder / "frames.json"
     verdicts.write_text(json.dumps(describe_frames(animation), indent=1) + "\n", encoding="utf-8")
     return [*files, verdicts]
+
+
+def tell_left_out(moved: Moved) -> Moved:
+    """Return an animation with a warning for each file that `write_moved` leaves out of its folder."""
+    animation, told = moved.animation, []
+    if not can_write_usd():
+        told.append(MISSING)
+    if morph_bytes(animation.worn.garment, animation.frames) > MOST_BYTES:
+        told.append(f"no GLB: it would be larger than {MOST_BYTES // 10**6} MB; the point caches hold all frames.")
+    if _body_bytes(animation) > MOST_BYTES:
+        told.append(f"no body.pc2: it would be larger than {MOST_BYTES // 10**6} MB; take a part of the motion.")
+    return replace(moved, warnings=(*moved.warnings, *told))
+
+
+def _body_bytes(animation: Animation) -> int:
+    """Return about how large the wearer's point cache is [bytes]."""
+    return 4 * animation.worn.body.vertices.size * len(animation.frames)
 
 
 def write_moved(moved: Moved, folder: Path) -> list[Path]:
@@ -51,7 +72,7 @@ def write_moved(moved: Moved, folder: Path) -> list[Path]:
     files, animation = write_animation(moved.animation, folder), moved.animation
     body = animation.worn.body
     files.append(write_ply(body.vertices, body.faces, folder / "body.ply"))
-    if 12 * body.vertices.size // 3 * len(animation.frames) <= MOST_BYTES:
+    if _body_bytes(animation) <= MOST_BYTES:
         files.append(write_pc2(animation.bodies(), folder / "body.pc2"))
     files.append(write_json(moved.metrics, folder / "metrics.json"))
     files.append(write_json(moved.manifest, folder / "manifest.json"))

@@ -40,7 +40,7 @@ class Animate(Kind):
         """Move the garment and write the files."""
         from ...core.animate import move_worn
         from ...core.clock import Clock
-        from ...core.export.animation import write_moved
+        from ...core.export.animation import tell_left_out, write_moved
         from ...core.motion import Recording, find_shipped, load_motion
         from ...core.record_file import read_record
         from ...core.wear import load_worn
@@ -52,7 +52,7 @@ class Animate(Kind):
             name, recording = request.motion, load_motion(path)
         else:
             name, recording = request.motion.name, read_record(Recording, work.files / MOTION)
-        moved = move_worn(worn, recording, name, _choose(request), clock)
+        moved = tell_left_out(move_worn(worn, recording, name, _choose(request), clock))
         write_moved(moved, work.out)
         return moved
 

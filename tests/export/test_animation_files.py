@@ -8,7 +8,7 @@ import struct
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.animate import Animation, Verdict
+from garmentq.core.animate import Animation, Moved, Verdict
 from garmentq.core.body import builtin_body
 from garmentq.core.export.animation import write_animation
 from garmentq.core.pattern import load_draped_template
@@ -90,6 +90,44 @@ def test_morphs_give_every_frame(animation, folder):
         np.testing.assert_allclose(shown, animation.frames[frame][split], atol=1e-6)
     for accessor in scene["accessors"]:
         assert scene["bufferViews"][accessor["bufferView"]]["byteOffset"] % 4 == 0
+
+
+def test_usd_holds_every_frame(animation, folder):
+    """Broken where Pixar's own library finds a fault, a frame is another's, or texture is another than the OBJ's."""
+    from pxr import Usd, UsdGeom, UsdValidation
+
+    stage = Usd.Stage.Open(str(folder / "garment.usdc"))
+    everything = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+    assert UsdValidation.ValidationContext(everything).Validate(stage) == []
+    assert (stage.GetTimeCodesPerSecond(), stage.GetFramesPerSecond()) == (25.0, 25.0)
+    assert (stage.GetStartTimeCode(), stage.GetEndTimeCode()) == (0.0, FRAMES - 1.0)
+    assert (UsdGeom.GetStageUpAxis(stage), UsdGeom.GetStageMetersPerUnit(stage)) == ("Y", 1.0)
+    mesh, garment = UsdGeom.Mesh(stage.GetPrimAtPath("/garment/cloth")), animation.worn.garment
+    read = np.stack([np.array(mesh.GetPointsAttr().Get(code)) for code in mesh.GetPointsAttr().GetTimeSamples()])
+    np.testing.assert_array_equal(read, animation.frames.astype(np.float32))
+    np.testing.assert_array_equal(np.reshape(mesh.GetFaceVertexIndicesAttr().Get(), (-1, 3)), garment.faces)
+    uv = np.array(UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st").ComputeFlattened())
+    rows = (folder / "garment.obj").read_text().splitlines()
+    texture = np.array([row.split()[1:] for row in rows if row.startswith("vt ")], dtype=float)
+    corners = np.concatenate(
+        [[int(corner.split("/")[1]) - 1 for corner in row.split()[1:]] for row in rows if row.startswith("f ")]
+    )
+    np.testing.assert_allclose(uv[: len(corners)], texture[corners], atol=1e-6)
+    panels = UsdGeom.Subset.GetGeomSubsets(mesh, UsdGeom.Tokens.face, "panel")
+    kept = [panels[p].GetIndicesAttr().Get() for p in range(len(panels))]
+    np.testing.assert_array_equal(np.sort(np.concatenate(kept)), np.arange(len(garment.faces)))
+
+
+def test_without_the_extra_there_is_no_usd_and_that_is_told(animation, tmp_path, monkeypatch):
+    """Broken where an animation fails, or silently lacks a file, where the library is not installed."""
+    from garmentq.core.export import animation as room
+
+    monkeypatch.setattr(room, "can_write_usd", lambda: False)
+    moved = Moved(animation, "walk", {}, ())
+    assert any("garmentq[usd]" in warning for warning in room.tell_left_out(moved).warnings)
+    assert not any(path.suffix == ".usdc" for path in write_animation(animation, tmp_path / "plain"))
+    monkeypatch.undo()
+    assert room.tell_left_out(moved).warnings == ()
 
 
 def test_pictures_show_motion(folder):
