@@ -11,7 +11,7 @@ import click
 
 from ..service.states import QUEUES, State
 from . import exits
-from .options import gather, home_option, json_option, timeout_option, workers_option
+from .options import gather, home_option, json_option, lenient_option, timeout_option, workers_option
 
 if TYPE_CHECKING:
     from ..service.derived import DerivedOrder
@@ -28,6 +28,7 @@ class DerivedOptions:
     force: bool
     wait: bool
     timeout: float | None
+    lenient: bool
     out: Path | None
     workers: int | None
     home: Path | None
@@ -46,6 +47,7 @@ def derived_options(function: Callable[..., Any]) -> Callable[..., Any]:
         click.option("--force", is_flag=True, help="Make a new job even where an equal one exists."),
         click.option("--wait", is_flag=True, help="Work on it here if nobody does, wait, and show the result."),
         timeout_option,
+        lenient_option,
         click.option(
             "--out", type=click.Path(file_okay=False, path_type=Path), help="Folder for the result's files; waits."
         ),
@@ -92,4 +94,5 @@ def run_derived(order: DerivedOrder, options: DerivedOptions) -> int:
         keep_up()
     note(f"job {done.job}" + ("" if done.is_new else f" (known, {done.state})"))
     folder = options.out or settings.home / "results" / done.job
-    return wait_and_show(backend, done.job, folder.absolute(), Wait(options.timeout, options.as_json, keep_up))
+    wait = Wait(options.timeout, options.as_json, keep_up, options.lenient)
+    return wait_and_show(backend, done.job, folder.absolute(), wait)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from ..core.errors import BadInput, Cancelled, GarmentqError, NotFound
+from ..core.verdict import Verdict
 from ..service.records import Job
 from ..service.states import State
 
@@ -16,7 +19,14 @@ DEAD = 6
 CANCELLED = 7
 TIMED_OUT = 8
 UNREACHABLE = 9
+FAILED_CHECK = 10
 DETACHED = 130
+
+SEVERITY = (
+    OK, FAILED_CHECK, FAULT, USAGE, NOT_FOUND, BAD_INPUT, FAILED, DEAD, CANCELLED, TIMED_OUT, UNREACHABLE, DETACHED
+)  # fmt: skip
+"""Every status from the mildest on: of several jobs the last one counts. A result that fails a check is milder than any
+job without one."""
 
 USAGE_CODES = (
     "query.bad",
@@ -42,8 +52,15 @@ def error_status(error: GarmentqError) -> int:
     return UNREACHABLE if error.code.startswith("service.") else FAULT
 
 
-def job_status(job: Job) -> int:
-    """Return the exit status of an ended job."""
+def job_status(job: Job, is_lenient: bool = False) -> int:
+    """Return the exit status of an ended job; where `is_lenient`, a result that fails a check counts as any other."""
     if job.state == State.FAILED:
         return BAD_INPUT if job.bad_input else FAILED
-    return {State.SUCCEEDED: OK, State.DEAD: DEAD, State.CANCELLED: CANCELLED}[job.state]
+    if job.state == State.SUCCEEDED:
+        return FAILED_CHECK if job.verdict == Verdict.FAIL and not is_lenient else OK
+    return {State.DEAD: DEAD, State.CANCELLED: CANCELLED}[job.state]
+
+
+def worst(statuses: Iterable[int]) -> int:
+    """Return the gravest of some exit statuses by `SEVERITY`; `OK` where there is none."""
+    return max(statuses, key=SEVERITY.index, default=OK)

@@ -35,11 +35,13 @@ class Wait:
         timeout: Seconds at most, or None.
         as_json: Show nothing meanwhile, so that only data is printed.
         keep_up: Called every few seconds while nothing happens to the job.
+        is_lenient: A result that fails a check ends with the status of one that passes.
     """
 
     timeout: float | None = None
     as_json: bool = False
     keep_up: Callable[[], None] | None = None
+    is_lenient: bool = False
 
 
 def follow(backend: Backend, job: str, wait: Wait) -> list[JobReport]:

@@ -35,6 +35,7 @@ workers_option = click.option(
 timeout_option = click.option(
     "--timeout", type=click.FloatRange(min=0.0), help="Stop waiting after this many seconds; the job continues."
 )
+lenient_option = click.option("--lenient", is_flag=True, help="Exit with 0 even where a result fails a check.")
 
 
 class NewFile(click.Path):
@@ -71,6 +72,17 @@ def gather(record: type, options: Sequence[Decorator], name: str = "options") ->
         return command
 
     return decorate
+
+
+@dataclass(frozen=True)
+class WaitOptions:
+    """Describe what was typed about waiting for jobs; each field is the option of its name."""
+
+    timeout: float | None
+    lenient: bool
+
+
+wait_options = gather(WaitOptions, [timeout_option, lenient_option], "waiting")
 
 
 def method_options() -> list[Decorator]:

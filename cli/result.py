@@ -7,24 +7,24 @@ from pathlib import Path
 import click
 
 from . import exits
-from .options import home_option, json_option, timeout_option, verbose_option
+from .options import WaitOptions, home_option, json_option, verbose_option, wait_options
 
 
 @click.command("result")
 @click.argument("job")
-@timeout_option
+@wait_options
 @home_option
 @verbose_option
 @json_option
 @click.pass_context
 def command(
-    context: click.Context, job: str, timeout: float | None, home: Path | None, verbose: bool, as_json: bool
+    context: click.Context, job: str, waiting: WaitOptions, home: Path | None, verbose: bool, as_json: bool
 ) -> None:
     """Show what a job found.
 
     And what the jobs below it found, each by itself. Of a person that was taken apart it waits for the garments. The
-    exit status is the worst of theirs: 0 succeeded, 4 bad input, 5 failed, 6 dead, 7 cancelled; 3 where one has no
-    result yet.
+    exit status is the worst of theirs: 0 succeeded, 10 succeeded but a check failed, 4 bad input, 5 failed, 6 dead,
+    7 cancelled; 3 where one has no result yet.
 
     \b
     Example:
@@ -42,15 +42,15 @@ def command(
     from .terminal import print_error, print_json, print_table
 
     backend = open_backend(read_settings(home=home))
-    family = wait_garments(backend, find_family(backend, backend.find_job(job)), timeout)
-    status = exits.OK
+    family = wait_garments(backend, find_family(backend, backend.find_job(job)), waiting.timeout)
+    statuses = []
     for found in family:
         if found.state not in ENDED:
             missing = ResultMissing(f"job {found.id} is {found.state}; `garmentq logs -f {found.id}` follows it.")
             if len(family) == 1:
                 raise missing
             print_error(missing.code, missing.message)
-            status = max(status, exits.NOT_FOUND)
+            statuses.append(exits.NOT_FOUND)
             continue
         files = backend.list_artifacts(found.id)
         if as_json:
@@ -61,5 +61,5 @@ def command(
                 print_table(["file", "bytes", "sha256"], [[file.name, file.size, file.sha256[:12]] for file in files])
         if found.error:
             print_error(found.error.code, found.error.message)
-        status = max(status, exits.job_status(found))
-    context.exit(status)
+        statuses.append(exits.job_status(found, waiting.lenient))
+    context.exit(exits.worst(statuses))

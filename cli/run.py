@@ -11,11 +11,12 @@ from ..service.states import State
 from . import exits
 from .options import (
     OrderOptions,
+    WaitOptions,
     home_option,
     json_option,
     order_options,
-    timeout_option,
     verbose_option,
+    wait_options,
     workers_option,
 )
 
@@ -36,7 +37,7 @@ LONGEST_FOLDER = 60
 @home_option
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="Folder for the result's files.")
 @workers_option
-@timeout_option
+@wait_options
 @verbose_option
 @json_option
 def command(
@@ -45,7 +46,7 @@ def command(
     home: Path | None,
     out: Path | None,
     workers: int | None,
-    timeout: float | None,
+    waiting: WaitOptions,
     verbose: bool,
     as_json: bool,
 ) -> None:
@@ -86,13 +87,13 @@ def command(
     for order, submitted in zip(orders, garments, strict=True):
         note(f"job {submitted.job}" + ("" if submitted.is_new else f" (known, {submitted.state})"))
         note(f"{file.name}: {describe_choice(order)}")
-    status, wait = exits.OK, Wait(timeout, as_json, keep_up)
+    statuses, wait = [], Wait(waiting.timeout, as_json, keep_up, waiting.lenient)
     for part, submitted in zip(parts, garments, strict=True):
         folder = out or settings.home / "results" / submitted.job
         if out is not None and len(parts) > 1:
             folder = out / folder_name(part.keep[0])
-        status = max(status, wait_and_show(backend, submitted.job, folder.absolute(), wait, verbose))
-    click.get_current_context().exit(status)
+        statuses.append(wait_and_show(backend, submitted.job, folder.absolute(), wait, verbose))
+    click.get_current_context().exit(exits.worst(statuses))
 
 
 def folder_name(label: str) -> str:
@@ -142,7 +143,7 @@ def wait_and_show(backend: Backend, job: str, folder: Path, wait: Wait, verbose:
             print_error(found.error.code, found.error.message)
         elif found.state == State.CANCELLED:
             note(f"job {found.id} was cancelled")
-    return max(exits.job_status(found) for found in family)
+    return exits.worst(exits.job_status(found, wait.is_lenient) for found in family)
 
 
 def name_folders(family: Sequence[JobReport], folder: Path) -> dict[str, Path]:

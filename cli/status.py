@@ -43,10 +43,10 @@ def command(job: str | None, limit: int, watch: bool, home: Path | None, as_json
             print_json(one.as_json())
         return
     print_table(
-        ["job", "name", "kind", "state", "stage", "%", "attempts", "created", "ended"],
+        ["job", "name", "kind", "state", "verdict", "stage", "%", "attempts", "created", "ended"],
         [
-            [one.id, indent(depth, one.name), one.kind, one.state, one.stage, round(100 * one.progress), one.attempts]
-            + [show_time(one.created), show_time(one.finished)]
+            [one.id, indent(depth, one.name), one.kind, one.state, one.verdict, one.stage, round(100 * one.progress)]
+            + [one.attempts, show_time(one.created), show_time(one.finished)]
             for depth, one in arrange(found)
         ],
     )

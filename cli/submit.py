@@ -11,7 +11,7 @@ import click
 
 from ..service.states import QUEUES, State
 from . import exits
-from .options import OrderOptions, home_option, json_option, order_options, timeout_option
+from .options import OrderOptions, WaitOptions, home_option, json_option, order_options, wait_options
 
 if TYPE_CHECKING:
     from ..service.backend import Backend
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 @click.option("--priority", type=click.IntRange(-100, 100), default=0, show_default=True, help="Larger goes first.")
 @click.option("--queue", type=click.Choice(QUEUES), default=QUEUES[0], show_default=True, help="Kind of worker.")
 @click.option("--wait", is_flag=True, help="Wait until every job has ended.")
-@timeout_option
+@wait_options
 @home_option
 @json_option
 @click.pass_context
@@ -35,7 +35,7 @@ def command(
     priority: int,
     queue: str,
     wait: bool,
-    timeout: float | None,
+    waiting: WaitOptions,
     home: Path | None,
     as_json: bool,
 ) -> None:
@@ -60,7 +60,7 @@ def command(
     from .terminal import note, print_error, print_json
 
     backend = open_backend(read_settings(home=home))
-    status, made = exits.OK, []
+    statuses, made = [], []
     for file, chosen in product(files, split_garments(options)):
         try:
             order = make_order(backend, file, chosen)
@@ -70,7 +70,7 @@ def command(
             print_error(error.code, error.message)
             if as_json:
                 print_json({"file": str(file), "job": None, "error": {"code": error.code, "message": error.message}})
-            status = max(status, exits.error_status(error))
+            statuses.append(exits.error_status(error))
             continue
         made.append((file, submitted, taken))
         if not as_json:
@@ -80,15 +80,15 @@ def command(
     refused: dict[str, Job] = {}
     if jobs and not wait:
         refused, ended = _find_refused(backend, jobs, queue)
-        status = max(status, ended)
+        statuses.append(ended)
     for file, submitted, taken in made if as_json else ():
         job = refused.get(submitted.job)
         state, failure = (job.state, job.error) if job else (submitted.state, None)
         shown = {"job": submitted.job, "state": state, "is_new": submitted.is_new}
         print_json({"file": str(file), **shown, "taken_as": taken, "error": asdict(failure) if failure else None})
     if wait:
-        status = max(status, _wait(backend, jobs, timeout))
-    context.exit(status)
+        statuses.append(_wait(backend, jobs, waiting))
+    context.exit(exits.worst(statuses))
 
 
 def _find_refused(backend: Backend, jobs: list[str], queue: str) -> tuple[dict[str, Job], int]:
@@ -112,14 +112,14 @@ def _find_refused(backend: Backend, jobs: list[str], queue: str) -> tuple[dict[s
     return refused, exits.BAD_INPUT if refused else exits.OK
 
 
-def _wait(backend: Backend, jobs: list[str], timeout: float | None) -> int:
+def _wait(backend: Backend, jobs: list[str], waiting: WaitOptions) -> int:
     """Follow the whole batch in one view, and give the worst exit status."""
     from .follow import WaitTimedOut
     from .live import follow_batch
     from .terminal import note, print_error
 
     try:
-        rows = follow_batch(backend, jobs, timeout)
+        rows = follow_batch(backend, jobs, waiting.timeout)
     except WaitTimedOut:
         for job in jobs:
             note(f"job {job} goes on; `garmentq logs -f {job}` follows it.")
@@ -131,4 +131,4 @@ def _wait(backend: Backend, jobs: list[str], timeout: float | None) -> int:
         note(f"job {row.id} {row.state}")
         if row.error:
             print_error(row.error.code, row.error.message)
-    return max([exits.OK, *(exits.job_status(row) for row in rows)])
+    return exits.worst(exits.job_status(row, waiting.lenient) for row in rows)

@@ -78,10 +78,10 @@ def _describe_details(job: JobReport) -> Iterator[tuple[str, str]]:
 def print_tables(job: JobReport, files: Sequence[Path]) -> None:
     """Print everything a job found as tables, then where its files are."""
     print_table(
-        ["job", "scan", "garment", "template", "fabric", "body", "CPU s", "peak MB", "ended"],
+        ["job", "scan", "verdict", "garment", "template", "fabric", "body", "CPU s", "peak MB", "ended"],
         [
             [
-                job.id, job.name, job.garment, job.template, job.fabric, job.body,
+                job.id, job.name, job.verdict, job.garment, job.template, job.fabric, job.body,
                 job.cpu_seconds, job.peak_mb, show_time(job.finished),
             ]
         ],
@@ -101,7 +101,9 @@ def print_tables(job: JobReport, files: Sequence[Path]) -> None:
 
 def flatten(found: Sequence[JobReport]) -> tuple[list[str], list[list[object]]]:
     """Return described jobs as columns and rows: one column for each metric that any of them has."""
-    first = ("job", "name", "state", "garment", "template", "fabric", "body", "attempts", "created", "finished")
+    first = (
+        "job", "name", "state", "verdict", "garment", "template", "fabric", "body", "attempts", "created", "finished"
+    )  # fmt: skip
     metrics = sorted({name for job in found for name in job.metrics})
     shown = [(job.as_json(), job.metrics) for job in found]
     rows = [[*(values[name] for name in first), *(known.get(name) for name in metrics)] for values, known in shown]
@@ -142,7 +144,7 @@ def _describe_gates(gates: Sequence[Gate]) -> str:
     """Return how many checks passed, and the message of the worst of the others."""
     if not gates:
         return "none"
-    order = {"fail": 0, "warn": 1}
+    order = {"fail": 0, "doubtful": 1}
     others = sorted((gate for gate in gates if gate.verdict in order), key=lambda gate: order[gate.verdict])
     passed = f"{len(gates) - len(others)} of {len(gates)} passed"
     return f"{passed}; {others[0].verdict}: {others[0].message}" if others else passed

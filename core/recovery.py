@@ -19,6 +19,7 @@ if TYPE_CHECKING:  # so that a refusal of a bad file need not wait for the other
     from .scan import Scan
     from .segment import Target
     from .simulate import Fabric, FabricEstimate, SteadyRotation
+    from .verdict import Gate
 
 STAGES = ("scan", "body", "segment", "template", "grade", "drape", "deform", "fit", "redrape", "measure")
 """The stages of a recovery in order; progress and seconds are reported by these names. Only methods that recover the
@@ -64,25 +65,6 @@ def make_selection(labels: Path | None, settings: RecoverySettings) -> Selection
         settings.colour_tolerance,
         settings.cloth_labels,
     )
-
-
-@dataclass(frozen=True)
-class Gate:
-    """Judge one quality of a result.
-
-    Attributes:
-        name: Stable name, `penetration`.
-        verdict: `pass`, `warn` or `fail`.
-        value: What was measured.
-        limit: Where `fail` begins.
-        message: One sentence with the next step.
-    """
-
-    name: str
-    verdict: str
-    value: float
-    limit: float
-    message: str
 
 
 @dataclass(frozen=True)

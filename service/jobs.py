@@ -17,6 +17,7 @@ from sqlalchemy.orm import Session
 from .. import __version__
 from ..core.errors import BadInput, GarmentqError, NotFound, keep_printable
 from ..core.limited import LONGEST_MESSAGE
+from ..core.verdict import Verdict, worst_verdict
 from .database import Database, change_rows, clock
 from .models import EventRow, JobInputRow, JobRow, JobTagRow, JobWaitRow, OutboxRow
 from .new_job import NewJob
@@ -35,7 +36,7 @@ LOSS = "worker_lost"
 
 FRESH = {
     "attempts": 0, "cancel": False, "finished": None, "stage": "", "progress": 0.0,
-    "bad_input": False, "error_code": None, "error_message": None, "result": None,
+    "bad_input": False, "error_code": None, "error_message": None, "verdict": None, "result": None,
 }  # fmt: skip
 """What an ended job that is tried again begins with."""
 
@@ -226,12 +227,14 @@ def write_fenced(session: Session, claim: Claim, **values: Any) -> None:
 
 
 def succeed(session: Session, claim: Claim, result: dict[str, Any]) -> None:
-    """End a job well, within the transaction that stores its result.
+    """End a job well, with the worst verdict of its result's gates, within the transaction that stores its result.
 
     Raises:
         FenceLost: where the job belongs to someone else.
     """
-    move(session, claim, State.SUCCEEDED, "succeeded", progress=1.0, result=result)
+    gates = result.get("gates")
+    verdict = worst_verdict(Verdict(gate["verdict"]) for gate in gates) if gates else None
+    move(session, claim, State.SUCCEEDED, "succeeded", progress=1.0, result=result, verdict=verdict)
 
 
 def fail(database: Database, claim: Claim, code: str, message: str, bad_input: bool) -> None:

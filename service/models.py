@@ -86,6 +86,7 @@ class JobRow(Base):
     error_code: Mapped[str | None] = mapped_column(String(64))
     error_message: Mapped[str | None] = mapped_column(Text)
     bad_input: Mapped[bool] = mapped_column(default=False)
+    verdict: Mapped[str | None] = mapped_column(String(16), index=True)
     result: Mapped[dict[str, Any] | None]
     checked: Mapped[dict[str, Any] | None]
 

@@ -25,6 +25,7 @@ TEXTS: dict[str, Any] = {
     "state": JobRow.state,
     "version": JobRow.version,
     "error": JobRow.error_code,
+    "verdict": JobRow.verdict,
     "garment": PatternRow.category,
     "template": PatternRow.template,
     "fabric": MaterialRow.name,

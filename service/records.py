@@ -32,7 +32,7 @@ class Failure:
 
 @dataclass(frozen=True)
 class Gate:
-    """Judge one metric of a result: `verdict` is pass, warn or fail."""
+    """Judge one metric of a result: `verdict` is pass, doubtful or fail."""
 
     __pydantic_config__: ClassVar = CLOSED
     name: str
@@ -199,7 +199,8 @@ class Key:
 class Job:
     """Show how far a job is: `progress` of its stage in 0..1, times in s since 1970.
 
-    `family` is the id of the root job, its own for a root, which has no `parent`.
+    `family` is the id of the root job, its own for a root, which has no `parent`; `verdict` is the worst of its gates,
+    `pass`, `doubtful` or `fail`, and None where nothing was judged.
     """
 
     id: str
@@ -218,6 +219,7 @@ class Job:
     kind: str = "recover"
     family: str = ""
     parent: str | None = None
+    verdict: str | None = None
 
     @classmethod
     def from_row(cls, row: JobRow) -> Job:
@@ -352,6 +354,7 @@ def _read_job(found: Json) -> dict[str, Any]:
         "bad_input": bool(found["bad_input"]),
         "queue": str(found["queue"]),
         "priority": int(found["priority"]),
+        "verdict": str(found["verdict"]) if found["verdict"] else None,
     }
 
 

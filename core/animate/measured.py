@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..recovery import Gate
+from ..verdict import Gate, Verdict
 from .animation import Animation
 
 DEPTH_MM = 2.0
@@ -30,7 +30,7 @@ def judge_animation(metrics: dict[str, float | None]) -> tuple[Gate, ...]:
     return (
         Gate(
             "converged",
-            "pass" if left == 0 else "warn",
+            Verdict.PASS if left == 0 else Verdict.DOUBTFUL,
             left,
             0.0,
             "Every step of every frame converged."
@@ -39,7 +39,7 @@ def judge_animation(metrics: dict[str, float | None]) -> tuple[Gate, ...]:
         ),
         Gate(
             "depth",
-            "pass" if depth <= DEPTH_MM else "warn",
+            Verdict.PASS if depth <= DEPTH_MM else Verdict.DOUBTFUL,
             depth,
             DEPTH_MM,
             f"The cloth lies up to {depth:.1f} mm inside the body"
@@ -47,7 +47,7 @@ def judge_animation(metrics: dict[str, float | None]) -> tuple[Gate, ...]:
         ),
         Gate(
             "crossings",
-            "pass" if crossed == 0 else "warn",
+            Verdict.PASS if crossed == 0 else Verdict.DOUBTFUL,
             crossed,
             0.0,
             "No face passes through another in any frame."

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..clock import Clock
 from ..motion import LeadIn, Pose, Recording, retarget
-from ..recovery import Gate
+from ..verdict import Gate
 from ..wear import Worn
 from .animation import STAGE, Animation, animate
 from .measured import judge_animation, measure_animation

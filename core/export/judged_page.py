@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any
 
-from ..recovery import Gate
+from ..verdict import Gate
 from .report import number
 
 

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from ..measure import PRODUCTS, overall, product_of
+from ..measure import Product, product_of
 from ..pattern import edge_length, panel_area, panel_outline
 from ..recovery import Recovery
 from ..simulate import FabricEstimate
+from ..verdict import worst_verdict
 from .drawing import SCALE, pattern_drawing
 from .page import page_html
 from .views import STOPS, render_views
@@ -19,17 +20,17 @@ from .views import STOPS, render_views
 VERDICTS = {
     "detail": {
         "pass": "Detail mesh: lies on the scan",
-        "warn": "Detail mesh: usable, with remarks",
+        "doubtful": "Detail mesh: usable, with remarks",
         "fail": "Detail mesh: look before you use it",
     },
     "pattern": {
-        "pass": "Pattern: seams match",
-        "warn": "Pattern: seams nearly match",
-        "fail": "Pattern: seams do not match",
+        "pass": "Pattern: fair, and its seams match",
+        "doubtful": "Pattern: usable, with remarks",
+        "fail": "Pattern: look before you cut it",
     },
     "drape": {
         "pass": "Drape: at rest",
-        "warn": "Drape: usable, with remarks",
+        "doubtful": "Drape: usable, with remarks",
         "fail": "Drape: settle it before simulating on",
     },
 }
@@ -112,11 +113,11 @@ def number(value: Any) -> str:
 
 
 def _header(recovery: Recovery) -> str:
-    of_product = {name: [g for g in recovery.gates if product_of(g.name) == name] for name in PRODUCTS}
+    of_product = {product: [g for g in recovery.gates if product_of(g.name) is product] for product in Product}
     verdicts = "".join(
-        f'<span class="verdict {overall(tuple(gates))}">{VERDICTS[name][overall(tuple(gates))]}</span>'
-        for name, gates in of_product.items()
-        if gates
+        f'<span class="verdict {verdict}">{VERDICTS[product][verdict]}</span>'
+        for product, gates in of_product.items()
+        if gates and (verdict := worst_verdict(gate.verdict for gate in gates))
     )
     facts = (
         ("Category", recovery.target.category),
@@ -175,9 +176,9 @@ def _gates(recovery: Recovery) -> str:
         f"<td class=check>{product_of(gate.name)}: {escape(gate.name.replace('_', ' '))}</td>"
         f"<td class=num>{number(gate.value)}</td>"
         f"<td class=num>{number(gate.limit)}</td><td>{escape(gate.message)}</td></tr>"
-        for product in PRODUCTS
+        for product in Product
         for gate in recovery.gates
-        if product_of(gate.name) == product
+        if product_of(gate.name) is product
     )
     head = (
         "<tr><th></th><th>Check</th><th class=num>Value</th><th class=num>Fails above</th><th>What it means</th></tr>"

@@ -4,7 +4,7 @@ from .chamfer import VertexCloud, chamfer_and_normals
 from .contours import carry_contours
 from .damage import DAMAGES, Damage
 from .fit import Reference, measure_distance, measure_fit
-from .gates import PRODUCTS, judge, overall, product_of
+from .gates import Product, judge, product_of
 from .knowledge import measure_knowledge
 from .matching import PanelPair, is_same_cut, match_panels
 from .packs import Pack, find_packs, is_raw_pack, read_mesh_file, read_packs, read_true_mesh, read_true_pattern
@@ -39,7 +39,6 @@ from .wear import measure_wear
 __all__ = [
     "DAMAGES",
     "PATTERN_METRICS",
-    "PRODUCTS",
     "STATES",
     "BodyScore",
     "BorderScore",
@@ -49,6 +48,7 @@ __all__ = [
     "Outcome",
     "Pack",
     "PanelPair",
+    "Product",
     "RawFile",
     "RawPack",
     "Reference",
@@ -84,7 +84,6 @@ __all__ = [
     "measure_true_body",
     "measure_visible",
     "measure_wear",
-    "overall",
     "product_of",
     "read_cover",
     "read_garment_pattern",

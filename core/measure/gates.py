@@ -4,10 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from enum import StrEnum
 
-from ..recovery import Gate
+from ..verdict import Gate, Verdict
 
 Metrics = Mapping[str, float | None]
+
+
+class Product(StrEnum):
+    """Say what of a result is judged: a drape in unrest says nothing about the detail mesh."""
+
+    DETAIL = "detail"
+    PATTERN = "pattern"
+    DRAPE = "drape"
 
 
 @dataclass(frozen=True)
@@ -17,20 +26,22 @@ class Rule:
     Attributes:
         name: Name of the gate.
         value: Reads the judged value from the metrics, or None where it was not measured.
-        warn: Above this the gate warns.
+        doubtful: Above this the result is doubtful.
         fail: Above this it fails.
         what: What is measured, with `{value}` in it.
         next_step: What the user should do about it.
         reason: Why the limits are where they are.
+        product: What of the result is judged.
     """
 
     name: str
     value: Callable[[Metrics], float | None]
-    warn: float
+    doubtful: float
     fail: float
     what: str
     next_step: str
     reason: str
+    product: Product = Product.DETAIL
 
 
 def _read(name: str) -> Callable[[Metrics], float | None]:
@@ -82,12 +93,14 @@ RULES = (
         "{value:.0f} % of the garment lies where the scan does not show it",
         "its pattern is the base pattern's there; give a closer one with --template, or scan the garment uncovered.",
         "A waistband under a top's hem is 8 % of trousers; from half on the base pattern says more than the scan does.",
+        Product.PATTERN,
     ),
     Rule(
         "seams", _read("seam_mismatch_mm"), 0.5, 3.0,
         "The two sides of a seam differ by up to {value:.2f} mm in length",
         "ease the longer side in when sewing, or grade again from another template.",
         "Grading keeps 0.1 mm; 3 mm (1/8 inch) is the sewing tolerance of industry specifications.",
+        Product.PATTERN,
     ),
     Rule(
         "penetration", _read("body_penetration_mm"), 1.0, 5.0,
@@ -113,6 +126,7 @@ RULES = (
         "The simulation mesh lies {value:.1f} mm (RMS) from the scan, or the scan from it",
         "its folds fall elsewhere than the scan's; use the detail mesh where the shape counts.",
         "Folds of one garment in two drapes differ by up to 10 mm; at 30 mm it hangs or stands out another way.",
+        Product.DRAPE,
     ),
     Rule(
         "rest", _read("wear.rest_gap_mm"), 25.0, 50.0,
@@ -133,24 +147,40 @@ RULES = (
         "A waist bears and a hem leaves room to step: skirts have 0.3 to 0.8, a hem drawn together at the knees 1.2.",
     ),
     Rule(
+        "redrape_fit", _farther("redrape.surface_rms_mm"), 15.0, 40.0,
+        "The pattern dressed anew from its flat panels lies {value:.1f} mm (RMS) from the scan",
+        "look at the re-draped mesh: what was sewn from this pattern may hang another way than what was scanned.",
+        "Folds of one garment in two drapes differ by 10 mm, crumpled cloth by 15; at 40 mm a part hangs elsewhere.",
+        Product.DRAPE,
+    ),
+    Rule(
+        "redrape_stretch", _read("redrape.stretch_p999"), 1.3, 2.0,
+        "One triangle of a thousand of the re-draped mesh is stretched {value:.2f} times",
+        "a cuff or waist is caught or too tight: start from the detail mesh, or dress the pattern on a wider body.",
+        "Woven cloth tears at 1.2 to 1.3, knits bear 1.5; at 2 an edge hangs on something: torn cuffs had 8.",
+        Product.DRAPE,
+    ),
+    Rule(
+        "redrape_intersections", _percent_of_faces("redrape.self_intersecting_faces"), 0.5, 3.0,
+        "{value:.2f} % of the faces of the re-draped mesh pass through others",
+        "simulate on the simulation mesh, or drape again in another pose.",
+        "As for the detail mesh: a few faces where layers touch; from 3 % on a simulator will not start from it.",
+        Product.DRAPE,
+    ),
+    Rule(
         "drape_residual", _first("redrape.residual", "drape.residual"), 1.0, 100.0,
         "The drape's least balanced node feels {value:.1f} times its own weight",
         "the drape is not at rest; settle it before simulating on. The detail mesh is judged by the surface fit.",
         "At 1 nothing moves more than its own weight would move it; 100 is the pull of tight cloth that slides.",
+        Product.DRAPE,
     ),
 )  # fmt: skip
 """Every gate, in the order of the report."""
 
 
-PRODUCTS = ("detail", "pattern", "drape")
-"""What a result consists of, and is judged by one at a time: a drape in unrest says nothing about the detail mesh."""
-
-_OTHER = {"hidden": "pattern", "seams": "pattern", "simulation_fit": "drape", "drape_residual": "drape"}
-
-
-def product_of(gate: str) -> str:
-    """Give which of `PRODUCTS` a gate judges, by the gate's name."""
-    return _OTHER.get(gate, "detail")
+def product_of(gate: str) -> Product:
+    """Return what a gate judges, by the gate's name; the detail mesh where no rule has that name."""
+    return next((rule.product for rule in RULES if rule.name == gate), Product.DETAIL)
 
 
 def judge(metrics: Metrics) -> tuple[Gate, ...]:
@@ -161,13 +191,10 @@ def judge(metrics: Metrics) -> tuple[Gate, ...]:
         if value is None:
             continue
         # Written so that a value which is no number fails.
-        verdict = "pass" if value <= rule.warn else "warn" if value <= rule.fail else "fail"
+        verdict = Verdict.FAIL
+        if value <= rule.fail:
+            verdict = Verdict.PASS if value <= rule.doubtful else Verdict.DOUBTFUL
         what = rule.what.format(value=value)
-        message = f"{what}." if verdict == "pass" else f"{what}: {rule.next_step}"
+        message = f"{what}." if verdict is Verdict.PASS else f"{what}: {rule.next_step}"
         gates.append(Gate(rule.name, verdict, float(value), rule.fail, message))
     return tuple(gates)
-
-
-def overall(gates: tuple[Gate, ...]) -> str:
-    """Give the worst verdict of all gates; `pass` where there is none."""
-    return next((verdict for verdict in ("fail", "warn") if any(gate.verdict == verdict for gate in gates)), "pass")

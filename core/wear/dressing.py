@@ -12,9 +12,9 @@ from ..body import Body, penetration_depth
 from ..clock import Clock
 from ..drape import WearerGeometry, redrape
 from ..mesh import self_intersections
-from ..recovery import Gate
 from ..segment import name_contours
 from ..simulate import Drape, Fabric
+from ..verdict import Gate
 from .ease import Ease, measure_ease
 from .load import measure_pressure, measure_strain
 from .verdicts import judge_wear

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..recovery import Gate
+from ..verdict import Gate, Verdict
 
 Metrics = Mapping[str, float | None]
 
@@ -19,7 +19,7 @@ def judge_wear(metrics: Metrics) -> tuple[Gate, ...]:
     return (
         Gate(
             "at_rest",
-            "pass" if rests else "fail",
+            Verdict.PASS if rests else Verdict.FAIL,
             residual,
             1.0,
             "The garment is at rest."
@@ -29,7 +29,7 @@ def judge_wear(metrics: Metrics) -> tuple[Gate, ...]:
         ),
         Gate(
             "depth",
-            "pass" if depth <= DEPTH_MM else "fail",
+            Verdict.PASS if depth <= DEPTH_MM else Verdict.FAIL,
             depth,
             DEPTH_MM,
             f"The garment lies up to {depth:.1f} mm inside the body"
@@ -38,7 +38,7 @@ def judge_wear(metrics: Metrics) -> tuple[Gate, ...]:
         _judge_width(metrics),
         Gate(
             "crossings",
-            "pass" if crossed == 0.0 else "fail",
+            Verdict.PASS if crossed == 0.0 else Verdict.FAIL,
             crossed,
             0.0,
             "No face passes through another."
@@ -53,7 +53,7 @@ def _judge_width(metrics: Metrics) -> Gate:
     ease = {name[5:-3]: value for name, value in metrics.items() if name.startswith("ease.") and value is not None}
     least = min(ease.values(), default=0.0)
     if least >= 0.0:
-        return Gate("width", "pass", 0.0, 0.0, "The cloth is nowhere shorter than the body's girth.")
+        return Gate("width", Verdict.PASS, 0.0, 0.0, "The cloth is nowhere shorter than the body's girth.")
     tight = [f"{-value:.0f} mm at the {name.replace('_', ' ')}" for name, value in sorted(ease.items()) if value < 0.0]
     message = f"The garment is too small by {', '.join(tight)}: it stretches there."
-    return Gate("width", "warn", -least, 0.0, message)
+    return Gate("width", Verdict.DOUBTFUL, -least, 0.0, message)

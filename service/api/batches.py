@@ -25,7 +25,7 @@ router = APIRouter(tags=["jobs"])
 BRIEF = {
     "job": "3685ecfd4f81", "name": "skirt", "state": "running", "stage": "drape", "progress": 0.4, "attempts": 1,
     "created": 1795250000.1, "started": 1795250000.4, "finished": None, "error": None, "bad_input": False,
-    "queue": "cpu", "priority": 0, "kind": "recover", "parent": None, "family": "3685ecfd4f81",
+    "queue": "cpu", "priority": 0, "verdict": None, "kind": "recover", "parent": None, "family": "3685ecfd4f81",
 }  # fmt: skip
 WORKER = {"name": "worker 1", "queues": "cpu", "concurrency": 2, "started": 1795240000.0, "seen": 1795250000.0}
 QUEUE = {"states": {"queued": 3, "running": 2}, "workers": [WORKER]}

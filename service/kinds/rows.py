@@ -18,8 +18,8 @@ from ..models import BodyRow, MaterialRow, MetricRow, PanelRow, PatternRow
 if TYPE_CHECKING:
     from ...core.body import Body
     from ...core.pattern import Pattern
-    from ...core.recovery import Gate
     from ...core.simulate import Fabric
+    from ...core.verdict import Gate
 
 
 class Judged(Protocol):

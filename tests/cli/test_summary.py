@@ -12,7 +12,7 @@ from garmentq.service.states import State
 
 GATES = [
     Gate("a", "pass", 1.0, 2.0, "fine."),
-    Gate("b", "warn", 1.0, 2.0, "nearly."),
+    Gate("b", "doubtful", 1.0, 2.0, "nearly."),
     Gate("c", "fail", 3.0, 2.0, "too far."),
 ]
 METRICS = {

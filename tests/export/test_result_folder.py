@@ -17,9 +17,10 @@ from garmentq.core.body import JOINTS
 from garmentq.core.export import plain, report_html, write_recovery
 from garmentq.core.measure import judge
 from garmentq.core.pattern import load_pattern
-from garmentq.core.recovery import Gate, Recovery
+from garmentq.core.recovery import Recovery
 from garmentq.core.scan import Scan
 from garmentq.core.simulate import FabricEstimate
+from garmentq.core.verdict import Gate, Verdict
 from PIL import Image
 
 HOSTILE = "\"><script>alert(1)</script><img src=x onerror='a()'>"
@@ -136,7 +137,7 @@ def test_a_hostile_name_is_only_text(tube_recovery) -> None:
         scan=Scan(recovery.scan.vertices, recovery.scan.faces, name=HOSTILE),
         template=HOSTILE,
         warnings=(HOSTILE,),
-        gates=(Gate(HOSTILE, "warn", 1.0, 2.0, HOSTILE),),
+        gates=(Gate(HOSTILE, Verdict.DOUBTFUL, 1.0, 2.0, HOSTILE),),
         metrics={"surface_rms_mm.s2t": 1.0, HOSTILE: 2.0},
         stage_seconds={HOSTILE: 1.0},
         manifest={HOSTILE: HOSTILE},
@@ -229,4 +230,4 @@ def test_verdict_and_remarks_are_shown(html: str) -> None:
     """Fails if the page kept a warning or a gate to itself."""
     assert "The scan&#x27;s hem was frayed." in html
     assert html.count('class="badge') == 6
-    assert re.search(r'class="verdict (pass|warn|fail)"', html)
+    assert re.search(r'class="verdict (pass|doubtful|fail)"', html)

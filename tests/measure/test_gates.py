@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.measure import PRODUCTS, judge, measure_knowledge, overall, product_of
+from garmentq.core.measure import Product, judge, measure_knowledge, product_of
 from garmentq.core.measure.gates import RULES
 from garmentq.core.simulate import FabricEstimate
+from garmentq.core.verdict import Verdict, worst_verdict
 
 GOOD = {
     "faces": 8000.0,
@@ -24,6 +25,10 @@ GOOD = {
     "wear.layers": 1.02,
     "wear.waist_by_hem": 0.7,
     "hidden_percent": 0.0,
+    "redrape.surface_rms_mm.s2t": 8.0,
+    "redrape.surface_rms_mm.t2s": 8.0,
+    "redrape.stretch_p999": 1.1,
+    "redrape.self_intersecting_faces": 4.0,
 }
 
 
@@ -50,13 +55,16 @@ def test_a_good_result_passes_every_gate() -> None:
         ("flipped_faces", "flips", 100.0, 400.0),
         ("self_intersecting_faces", "self_intersections", 100.0, 400.0),
         ("drape__residual", "drape_residual", 15.0, 500.0),
+        ("redrape__surface_rms_mm__s2t", "redrape_fit", 20.0, 50.0),
+        ("redrape__stretch_p999", "redrape_stretch", 1.5, 8.1),
+        ("redrape__self_intersecting_faces", "redrape_intersections", 100.0, 400.0),
         ("sim__surface_rms_mm__s2t", "simulation_fit", 12.0, 40.0),
         ("sim__surface_rms_mm__t2s", "simulation_fit", 12.0, 40.0),
     ],
 )
 def test_each_gate_warns_then_fails(metric: str, gate: str, warns: float, fails: float) -> None:
     """Fails if a gate read another metric, or warned where it should fail."""
-    assert verdicts(**{metric: warns}) == verdicts() | {gate: "warn"}
+    assert verdicts(**{metric: warns}) == verdicts() | {gate: "doubtful"}
     assert verdicts(**{metric: fails}) == verdicts() | {gate: "fail"}
 
 
@@ -75,7 +83,7 @@ def test_the_drape_that_counts_is_judged() -> None:
 def test_every_gate_judges_one_product() -> None:
     """Fails if an unsettled drape counted against the detail mesh, or the seams against the drape."""
     products = {rule.name: product_of(rule.name) for rule in RULES}
-    assert set(products.values()) == set(PRODUCTS)
+    assert set(products.values()) == set(Product)
     assert products["drape_residual"] == products["simulation_fit"] == "drape"
     assert products["seams"] == "pattern"
     assert products["surface_fit_s2t"] == products["penetration"] == "detail"
@@ -113,12 +121,12 @@ def test_messages_name_the_value_and_the_next_step() -> None:
     assert "8.2 mm" in gates["penetration"].message
     assert "garmentq inspect" in gates["penetration"].message
     assert gates["penetration"].limit == 5.0
-    assert overall(tuple(gates.values())) == "fail"
-    assert overall(()) == "pass"
+    assert worst_verdict(gate.verdict for gate in gates.values()) is Verdict.FAIL
+    assert worst_verdict(()) is Verdict.PASS
 
 
 def test_every_limit_has_a_reason_and_an_order() -> None:
     """Fails if a rule were added without its reason, or could fail before it warns."""
     for rule in RULES:
         assert rule.reason and rule.next_step
-        assert rule.warn < rule.fail
+        assert rule.doubtful < rule.fail

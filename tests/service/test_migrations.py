@@ -20,10 +20,10 @@ from garmentq.service.database import (
     read_revision,
     upgrade,
 )
-from garmentq.service.models import Base
+from garmentq.service.models import Base, JobRow, ScanRow
 from garmentq.service.settings import ServiceSettingBad
 from garmentq_home import drop_database, drop_tables, make_database, make_settings
-from sqlalchemy import create_engine, inspect, text
+from sqlalchemy import MetaData, Table, create_engine, insert, inspect, select, text
 
 
 def describe(engine):
@@ -81,6 +81,36 @@ def test_down_and_up_again(database):
     assert describe(database.engine) == {}
     upgrade(database)
     assert describe(database.engine) == before
+
+
+def test_results_from_before_verdicts_get_one(database):
+    """Broken where an old result has no verdict, its `warn` is a word that nothing knows, or it cannot go back."""
+    from alembic import command
+
+    gate = {"name": "seams", "value": 1.0, "limit": 2.0, "message": "."}
+    gates = [{**gate, "verdict": word} for word in ("pass", "warn")]
+    config = Config()
+    config.set_main_option("script_location", str(Path(migrations.__file__).parent))
+    with database.write() as session:
+        config.attributes["connection"] = session.connection()
+        command.downgrade(config, "0007")
+        session.execute(insert(ScanRow).values(sha256="s", name="s", size=1, created=0.0, details={}))
+        jobs = Table("jobs", MetaData(), autoload_with=session.connection())
+        old = {"scan": "s", "name": "s", "request": {}, "version": "0.1.0", "state": "succeeded", "touched": 0.0}
+        old |= {"priority": 0, "cancel": False, "attempts": 1, "fence": 1, "created": 0.0, "stage": "", "progress": 1.0}
+        for job, result in (("old", {"gates": gates}), ("empty", {}), ("open", None)):
+            kept = {**old, "id": job, "dedup": job, "family": job, "bad_input": False, "result": result}
+            session.execute(insert(jobs).values(kept))
+    upgrade(database)
+    with database.read() as session:
+        rows = {row.id: row for row in session.scalars(select(JobRow))}
+        assert {job: row.verdict for job, row in rows.items()} == {"old": "doubtful", "empty": None, "open": None}
+        assert [gate["verdict"] for gate in rows["old"].result["gates"]] == ["pass", "doubtful"]
+    with database.write() as session:
+        config.attributes["connection"] = session.connection()
+        command.downgrade(config, "0007")
+        assert '"warn"' in session.execute(text("select cast(result as text) from jobs where id = 'old'")).scalar()
+    upgrade(database)
 
 
 def test_a_newer_database_is_refused(settings, database):

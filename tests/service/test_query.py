@@ -202,3 +202,10 @@ def test_a_stored_result_comes_back(database, store, results, tmp_path):
         export_files(database, store, job, tmp_path / "out", ["../../x"])
     with pytest.raises(ResultMissing):
         export_files(database, store, "nosuchjob", tmp_path / "out")
+
+
+def test_a_verdict_is_a_question(database, results):
+    """Broken where a good result cannot be told from a bad one by a query, or a job without a result counts as good."""
+    assert {row.id for row in find_jobs(database, parse_conditions("verdict = pass"))} == set(results.values())
+    assert find_jobs(database, parse_conditions("verdict = fail")) == []
+    assert {row.verdict for row in find_jobs(database, parse_conditions("state = queued"))} == {None}

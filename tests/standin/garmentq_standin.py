@@ -21,10 +21,11 @@ from garmentq.core.errors import BadInput, Cancelled
 from garmentq.core.hooks import Hooks
 from garmentq.core.meshes import Meshes
 from garmentq.core.pattern import Edge, Garment, Panel, Pattern
-from garmentq.core.recovery import STAGES, Gate, Recovery, Request
+from garmentq.core.recovery import STAGES, Recovery, Request
 from garmentq.core.scan import Scan
 from garmentq.core.segment import Target
 from garmentq.core.simulate import Fabric
+from garmentq.core.verdict import Gate, Verdict
 
 STEPS = 40
 STEP_SECONDS = 0.1
@@ -123,7 +124,7 @@ def make_recovery(request: Request, rms: float) -> Recovery:
         garment=garment,
         meshes=Meshes(nodes, nodes),
         metrics={"surface_rms_mm.t2s": rms, "surface_rms_mm.s2t": rms / 2, "panel_area_error": None},
-        gates=(Gate("penetration", "pass", 0.1, 1.0, "fine"),),
+        gates=(Gate("penetration", Verdict.PASS, 0.1, 1.0, "fine"),),
         warnings=("this is a stand-in",),
         stage_seconds=dict.fromkeys(STAGES, 0.01),
         cpu_seconds=0.1,
