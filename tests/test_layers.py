@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[1]
 LAYERS = ("core", "service", "workers", "cli")
 """From the lowest to the highest."""
 ROOMS = (
-    "lazy", "errors", "hooks", "clock", "checkpoints", "limited", "record_file",
+    "lazy", "errors", "hooks", "clock", "checkpoints", "limited", "verdict", "record_file",
     "npy", "mesh", "body", "motion", "scan",
     "segment", "pattern", "simulate", "settings", "drape", "grade", "deform", "meshes", "reading", "recovery", "inputs",
     "person", "case", "fit", "wear", "animate", "measure", "export", "pipeline", "person_pipeline",
