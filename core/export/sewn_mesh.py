@@ -25,6 +25,10 @@ SQUARE_TRIES = 40
 """Widths of a layout that are tried for the smallest square around it: steps of 2 % from the widest panel on."""
 
 
+WHOLE = 0.01
+"""A layout's side is a multiple of this [m], so that it holds whole texels of 0.5, 1 or 2 mm."""
+
+
 @dataclass(frozen=True)
 class SewnMesh:
     """Hold one state of a garment and its cloth.
@@ -54,19 +58,16 @@ class SewnMesh:
     @cached_property
     def unit_uv(self) -> tuple[np.ndarray, float]:
         """Flat positions within 0..1, shape [uv_count, 2], and the metres of cloth that 1 is."""
-        return square_layout(self.garment, UV_GAP)
+        return square_layout(self.garment)
 
 
-def square_layout(garment: Garment, gap: float, margin: float = 0.0) -> tuple[np.ndarray, float]:
+def square_layout(garment: Garment) -> tuple[np.ndarray, float]:
     """Return panels side by side in a small square, unturned and at one scale, as coordinates within 0..1.
 
-    Args:
-        garment: What is laid out.
-        gap: Free space between panels [m].
-        margin: Free space around all of them [m].
+    Panels are `UV_GAP` apart, and half of that from the square's sides.
 
     Returns:
-        Coordinates, shape [uv_count, 2], and the side of the square [m].
+        Coordinates, shape [uv_count, 2], and the side of the square [m], a multiple of `WHOLE`.
     """
     uv = np.array(garment.uv, dtype=np.float64)
     panels = np.unique(garment.panel_of_uv)
@@ -76,14 +77,14 @@ def square_layout(garment: Garment, gap: float, margin: float = 0.0) -> tuple[np
     widest = float(sizes[:, 0].max())
     best, side = np.zeros_like(low), np.inf
     for width in widest * 1.02 ** np.arange(SQUARE_TRIES * 2):
-        places = lay_out(sizes, gap, width + 1e-9)
+        places = lay_out(sizes, UV_GAP, width + 1e-9)
         needed = float((places + sizes).max())
         if needed < side - 1e-12:
             best, side = places, needed
     for mask, corner, place in zip(own, low, best, strict=True):
-        uv[mask] += place - corner + margin
-    side += 2.0 * margin
-    return uv / side, side
+        uv[mask] += place - corner + 0.5 * UV_GAP
+    side = WHOLE * np.ceil((side + UV_GAP) / WHOLE - 1e-9)
+    return uv / side, float(side)
 
 
 def seams_of_uv(garment: Garment) -> np.ndarray:

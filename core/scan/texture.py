@@ -116,7 +116,7 @@ def _colour_obj(path: Path, count: int) -> np.ndarray | None:
     uv, corners, materials, libraries = _read_obj_corners(path, count)
     if not len(uv) or not libraries:
         return None
-    images = {name: file for library in libraries for name, file in _read_mtl(find_beside(path, library)).items()}
+    images = list_images(path, libraries)
     sums, hits = np.zeros((count, 3)), np.zeros(count)
     for name in sorted({material for material in materials if material in images}):
         image = open_image(find_beside(path, images[name]), f"the texture '{Path(images[name]).name[:60]}'")
@@ -129,15 +129,52 @@ def _colour_obj(path: Path, count: int) -> np.ndarray | None:
     return sums / np.maximum(hits, 1.0)[:, None]
 
 
+def list_images(path: Path, libraries: list[str]) -> dict[str, str]:
+    """Return the name of the image of each material that has one, of the libraries beside an OBJ.
+
+    Raises:
+        TextureBad: where a library is not there.
+    """
+    return {name: file for library in libraries for name, file in _read_mtl(find_beside(path, library)).items()}
+
+
 def _read_obj_corners(path: Path, count: int) -> tuple[np.ndarray, np.ndarray, list[str], list[str]]:
     """Read the texture coordinates [t, 2], of each corner vertex, coordinate and material [c, 3], and their names."""
+    uv, rows, materials, libraries = _read_obj_rows(path)
+    corners = [(*word, material) for face, material in rows for word in face if word[1] >= 0]
+    table = np.array(corners, np.int64).reshape(-1, 3)
+    if len(table) and (table[:, 1].max() >= len(uv) or table[:, 0].max() >= count):
+        raise TextureBad("its texture coordinates are not all there")
+    return uv, table, materials, libraries
+
+
+def read_corners(path: Path) -> tuple[np.ndarray, np.ndarray, list[str], list[str]]:
+    """Read the texture coordinates of an OBJ's triangles, polygons as fans, in the order in which they are parsed.
+
+    Returns:
+        The coordinates, shape [t, 2]; index of the coordinate (-1 for none) and of the material of each corner of each
+        triangle, shape [f, 3, 2]; names of the materials, and of their libraries.
+    """
+    uv, rows, materials, libraries = _read_obj_rows(path)
+    fans = [
+        ((face[0][1], material), (face[k][1], material), (face[k + 1][1], material))
+        for face, material in rows
+        for k in range(1, len(face) - 1)
+    ]
+    return uv, np.array(fans, np.int64).reshape(-1, 3, 2), materials, libraries
+
+
+def _read_obj_rows(
+    path: Path,
+) -> tuple[np.ndarray, list[tuple[list[tuple[int, int]], int]], list[str], list[str]]:
+    """Read texture coordinates, of each face (vertex, coordinate or -1) of its corners and its material, and names."""
     uv: list[tuple[float, float]] = []
-    corners: list[tuple[int, int, int]] = []
+    faces: list[tuple[list[tuple[int, int]], int]] = []
     materials, libraries = [""], []
     seen = 0
     with path.open("r", encoding="utf-8", errors="replace") as file:
         for line in file:
-            if line.startswith("v "):
+            if line.startswith(("v ", "v\t")):
                 seen += 1
             elif line.startswith("vt"):
                 words = line.split()
@@ -146,17 +183,15 @@ def _read_obj_corners(path: Path, count: int) -> tuple[np.ndarray, np.ndarray, l
                 libraries.append(line.split(None, 1)[1].strip())
             elif line.startswith("usemtl"):
                 materials.append(line.split(None, 1)[1].strip())
-            elif line.startswith("f ") and "/" in line:
+            elif line.startswith(("f ", "f\t")):
+                corners = []
                 for word in line.split("#", 1)[0].split()[1:]:
                     parts = word.split("/")
-                    if len(parts) > 1 and parts[1]:
-                        v, t = int(parts[0]), int(parts[1])
-                        own, place = v - 1 if v > 0 else seen + v, t - 1 if t > 0 else len(uv) + t
-                        corners.append((own, place, len(materials) - 1))
-    table = np.array(corners, np.int64).reshape(-1, 3)
-    if len(table) and (table[:, 1].max() >= len(uv) or table[:, 1].min() < 0 or table[:, 0].max() >= count):
-        raise TextureBad("its texture coordinates are not all there")
-    return np.array(uv, np.float64).reshape(-1, 2), table, materials, libraries
+                    v, t = int(parts[0]), int(parts[1]) if len(parts) > 1 and parts[1] else 0
+                    place = t - 1 if t > 0 else len(uv) + t if t < 0 else -1
+                    corners.append((v - 1 if v > 0 else seen + v, place))
+                faces.append((corners, len(materials) - 1))
+    return np.array(uv, np.float64).reshape(-1, 2), faces, materials, libraries
 
 
 def _read_mtl(path: Path) -> dict[str, str]:

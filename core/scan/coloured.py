@@ -1,0 +1,234 @@
+"""A scan's colours as the file has them: at its vertices, or in images by the coordinates of its faces' corners."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import BadInput
+from ..limited import ReaderCrashed, call_limited, is_memory_short
+from ..record_file import read_record, write_record
+from . import refusal
+from .columns import as_bytes
+from .header import check_header
+from .limits import Limits
+from .parse import parse
+from .texture import PIXELS, WHITE, TextureBad, decode, find_beside, list_images, open_image, read_corners, sample_image
+from .upright import AXES_UP, LENGTHS, turn_upright
+
+
+class ColoursMissing(BadInput):
+    """The scan has neither colours of its vertices nor a texture in it; a GLB holds its texture itself."""
+
+    code = "scan.colours_missing"
+
+
+@dataclass(frozen=True)
+class ColouredScan:
+    """Hold a scan's surface with the colours of its file; nothing of it is repaired or cut.
+
+    Attributes:
+        vertices: Positions [m], y up, shape [vertex_count, 3].
+        faces: Vertex indices, shape [face_count, 3].
+        colours: RGB bytes of the vertices, shape [vertex_count, 3], or None.
+        corner_uv: Coordinates in an image from its lower left corner of each face's corners, shape [face_count, 3, 2];
+            no rows where there are no images.
+        image: Index of each face's image, -1 for none, shape [face_count].
+        images: RGB bytes, shape [height, width, 3] each.
+        told: Why a texture that the file names was not read, or an empty text.
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    colours: np.ndarray | None
+    corner_uv: np.ndarray
+    image: np.ndarray
+    images: tuple[np.ndarray, ...] = ()
+    told: str = ""
+
+    @property
+    def is_coloured(self) -> np.ndarray:
+        """Return which faces have a colour, shape [face_count]."""
+        return np.ones(len(self.faces), dtype=bool) if self.colours is not None else self.image >= 0
+
+    def colours_at(self, face: np.ndarray, barycentric: np.ndarray) -> np.ndarray:
+        """Return RGB in 0..255 at places of faces, shape [n] and [n, 3]; of a face without a colour 0; shape [n, 3]."""
+        found = np.zeros((len(face), 3))
+        if self.colours is not None:
+            found = np.einsum("nk,nkd->nd", barycentric, self.colours[self.faces[face]].astype(np.float64))
+        for index, image in enumerate(self.images):
+            own = np.flatnonzero(self.image[face] == index)
+            uv = np.einsum("nk,nkd->nd", barycentric[own], self.corner_uv[face[own]])
+            found[own] = sample_image(image, uv)
+        return found
+
+
+def load_coloured(path: Path, units: str, up: str, limits: Limits | None = None) -> ColouredScan:
+    """Read a scan's surface with its colours, in a limited process unless this one is.
+
+    Args:
+        path: A PLY, OBJ, OFF or GLB file.
+        units: Its unit, one of `LENGTHS`.
+        up: Its axis that points up, one of `AXES_UP`.
+        limits: What reading may cost.
+
+    Raises:
+        ColoursMissing: where it has none; the message says why where it names a texture.
+        BadInput: with a code `scan.*` where it cannot be used.
+    """
+    if units not in LENGTHS or up not in AXES_UP:
+        raise refusal.ChoiceBad(f"a scan in '{units}' with '{up}' up is not known; submit it anew.")
+    limits = limits or Limits()
+    form = check_header(path, limits).format
+    if limits.is_confined:
+        found = _read_or_refuse(path, form)
+    else:
+        with tempfile.TemporaryDirectory(prefix="garmentq-colours-") as folder:
+            target = Path(folder) / "coloured.npz"
+            names = {"source": str(path.resolve()), "form": form, "target": str(target)}
+            call_limited(f"{__name__}:write_coloured", names, limits)
+            found = read_record(ColouredScan, target)
+    _check(found)
+    if not found.is_coloured.any():
+        raise ColoursMissing(f"{path.name} has no colours: {found.told}." if found.told else None)
+    return ColouredScan(
+        LENGTHS[units] * turn_upright(found.vertices, up),
+        found.faces.astype(np.int64),
+        found.colours,
+        found.corner_uv,
+        found.image,
+        found.images,
+        found.told,
+    )
+
+
+def write_coloured(source: str, form: str, target: str) -> dict[str, Any]:
+    """Read a file's colours and write them as a record; runs in a limited process."""
+    write_record(_read_or_refuse(Path(source), form), Path(target))
+    return {}
+
+
+def _read_or_refuse(path: Path, form: str) -> ColouredScan:
+    """Read a file; a parser fails in any way on a hostile one, and the user gets one line of it."""
+    try:
+        return _read(path, form)
+    except BadInput:
+        raise
+    except Exception as error:
+        if is_memory_short(error):
+            raise MemoryError from error
+        first = (str(error) or type(error).__name__).strip().split("\n", 1)[0]
+        raise refusal.Unreadable(f"{path.name} cannot be read: {first[:160]}; export the mesh again.") from error
+
+
+def _read(path: Path, form: str) -> ColouredScan:
+    if form == "glb":
+        return _read_glb(path)
+    arrays = parse(path, form, textures=form == "ply")  # an image of a PLY is sampled at its vertices
+    vertices, faces = arrays["vertices"], arrays["faces"]
+    corner_uv, image, images, told = np.zeros((len(faces), 3, 2)), np.full(len(faces), -1), (), ""
+    if form == "obj":
+        try:
+            corner_uv, image, images = _read_obj_images(path, faces)
+        except TextureBad as error:
+            told = str(error)
+    return ColouredScan(vertices, faces, arrays.get("colours"), corner_uv, image, images, told)
+
+
+def _read_obj_images(path: Path, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
+    """Return coordinates and image of each face of an OBJ, as `ColouredScan` has them."""
+    uv, corners, materials, libraries = read_corners(path)
+    image = np.full(len(faces), -1)
+    if not len(uv) or not libraries or not (corners >= 0).any():
+        return np.zeros((len(faces), 3, 2)), image, ()
+    if len(corners) != len(faces) or corners[..., 0].max() >= len(uv):
+        raise TextureBad("its texture coordinates are not all there")
+    named = list_images(path, libraries)
+    images: list[np.ndarray] = []
+    has_uv = (corners[..., 0] >= 0).all(axis=1)
+    for name, file in named.items():
+        own = has_uv & np.isin(corners[:, 0, 1], [n for n, material in enumerate(materials) if material == name])
+        if own.any():
+            image[own] = len(images)
+            images.append(open_image(find_beside(path, file), f"the texture '{Path(file).name[:60]}'"))
+            _bound(images)
+    return uv[np.maximum(corners[..., 0], 0)], image, tuple(images)
+
+
+def _read_glb(path: Path) -> ColouredScan:
+    """Read all parts of a scene; a part has an image, colours of its vertices or the one of its material."""
+    import trimesh
+
+    with path.open("rb") as file:
+        scene = trimesh.load_scene(file, file_type="glb", process=False)
+    parts = [part for part in scene.dump() if isinstance(part, trimesh.Trimesh) and len(part.faces)]
+    if not parts:
+        raise refusal.NoFaces(f"{path.name} holds no triangles; export the garment's mesh.")
+    offsets = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    images, place = [], {}
+    uv, image, colours = [], [], []
+    has_colours, told = False, ""
+    for part in parts:
+        material = getattr(part.visual, "material", None)
+        picture, flat = getattr(material, "baseColorTexture", None), getattr(part.visual, "uv", None)
+        index, corner_uv = -1, np.zeros((len(part.faces), 3, 2))
+        tone = getattr(material, "baseColorFactor", None)
+        colour = np.tile(WHITE if tone is None else as_bytes(np.asarray(tone)[:3]), (len(part.vertices), 1))
+        has_colours |= tone is not None
+        if picture is not None and flat is not None and len(flat) == len(part.vertices):
+            try:
+                if id(picture) not in place:
+                    images.append(decode(picture, "the texture"))
+                    _bound(images)
+                    place[id(picture)] = len(images) - 1
+                index, corner_uv = place[id(picture)], np.asarray(flat, np.float64)[part.faces]
+            except TextureBad as error:
+                told = str(error)
+        elif isinstance(part.visual, trimesh.visual.ColorVisuals) and part.visual.kind == "vertex":
+            colour, has_colours = as_bytes(np.asarray(part.visual.vertex_colors)[:, :3]), True
+        uv.append(corner_uv)
+        image.append(np.full(len(part.faces), index))
+        colours.append(colour)
+    return ColouredScan(
+        np.concatenate([np.asarray(part.vertices, np.float64) for part in parts]),
+        np.concatenate([np.asarray(p.faces, np.int64) + o for p, o in zip(parts, offsets[:-1], strict=True)]),
+        np.concatenate(colours).astype(np.uint8) if has_colours else None,
+        np.concatenate(uv),
+        np.concatenate(image),
+        tuple(images),
+        told,
+    )
+
+
+def _bound(images: list[np.ndarray]) -> None:
+    """Refuse images that are too large together.
+
+    Raises:
+        TextureBad: where they are.
+    """
+    if sum(image.shape[0] * image.shape[1] for image in images) > PIXELS:
+        raise TextureBad("its textures have more pixels together than are read")
+
+
+def _check(found: ColouredScan) -> None:
+    """Check what a limited process handed over: nothing points outside of what there is.
+
+    Raises:
+        ReaderCrashed: where it does.
+        NotFinite: where a vertex is NaN or infinite.
+    """
+    faces, count = found.faces, len(found.faces)
+    shapes = found.vertices.shape[1:] == (3,) and faces.shape == (count, 3) and found.image.shape == (count,)
+    shapes &= found.corner_uv.shape == (count, 3, 2) and faces.dtype.kind == found.image.dtype.kind == "i"
+    shapes &= found.colours is None or found.colours.shape == found.vertices.shape
+    shapes &= all(image.ndim == 3 and image.shape[2] == 3 and image.dtype == np.uint8 for image in found.images)
+    if not shapes or not count or faces.min() < 0 or faces.max() >= len(found.vertices):
+        raise ReaderCrashed()
+    if found.image.max() >= len(found.images):
+        raise ReaderCrashed()
+    if not np.isfinite(found.vertices).all():
+        raise refusal.NotFinite("a vertex is NaN or infinite; clean the mesh and export it again.")
