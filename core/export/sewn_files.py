@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import colorsys
 import json
 from pathlib import Path
 from typing import Any
@@ -10,36 +9,45 @@ from typing import Any
 import numpy as np
 
 from .glb import INDICES, VERTICES, GlbBuffer, pack_glb
-from .sewn_mesh import SewnMesh, describe_cloth, plain_names, seams_of_uv
+from .sewn_mesh import SewnMesh, describe_cloth, panel_colour, plain_names, seams_of_uv
 
 
-def write_sewn_obj(mesh: SewnMesh, path: Path) -> list[Path]:
+def write_sewn_obj(mesh: SewnMesh, path: Path, image: Path | None = None) -> list[Path]:
     """Write a welded OBJ [m] with a material library and a JSON of what an OBJ cannot hold beside it.
 
     Each panel is a group with a material of its own, and each corner has its flat position [m] for uv. The JSON is
     `describe_cloth`, and of each seam and contour the vertices in order, numbered from 1 as in the OBJ.
+
+    Args:
+        mesh: What is written.
+        path: Where to; both others have its name.
+        image: A texture in the same folder: all panels share one material then, and uv are within 0..1.
 
     Returns:
         The OBJ, its `.mtl` and its `.json`.
     """
     garment, library, sidecar = mesh.garment, path.with_suffix(".mtl"), path.with_suffix(".json")
     names = plain_names([panel.name for panel in garment.pattern.panels])
-    lines = ["# metres, y up; 1 unit of uv is 1 m of cloth", f"mtllib {library.name}", f"o {mesh.name}"]
+    flat, scale = (mesh.metre_uv, 1.0) if image is None else mesh.unit_uv
+    lines = [f"# metres, y up; 1 unit of uv is {scale:.9g} m of cloth", f"mtllib {library.name}", f"o {mesh.name}"]
     lines += [f"v {x:.7f} {y:.7f} {z:.7f}" for x, y, z in mesh.nodes.tolist()]
-    lines += [f"vt {u:.7f} {v:.7f}" for u, v in mesh.metre_uv.tolist()]
+    lines += [f"vt {u:.7f} {v:.7f}" for u, v in flat.tolist()]
     lines += [f"vn {x:.5f} {y:.5f} {z:.5f}" for x, y, z in mesh.normals.tolist()]
     for index, name in enumerate(names):
         own = np.flatnonzero(garment.panel_of_face == index)
-        lines += [f"g {name}", f"usemtl {name}"]
-        for corners, flat in zip((garment.faces[own] + 1).tolist(), (garment.uv_faces[own] + 1).tolist(), strict=True):
-            lines.append("f " + " ".join(f"{v}/{t}/{v}" for v, t in zip(corners, flat, strict=True)))
+        lines += [f"g {name}", f"usemtl {name if image is None else 'cloth'}"]
+        corner_nodes, corner_uv = (garment.faces[own] + 1).tolist(), (garment.uv_faces[own] + 1).tolist()
+        for corners, places in zip(corner_nodes, corner_uv, strict=True):
+            lines.append("f " + " ".join(f"{v}/{t}/{v}" for v, t in zip(corners, places, strict=True)))
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    materials = []
-    for index, name in enumerate(names):
-        red, green, blue = panel_colour(index, len(names))
-        materials.append(f"newmtl {name}\nKd {red:.4f} {green:.4f} {blue:.4f}\nKs 0 0 0\nillum 1\n")
+    if image is None:
+        colours = [" ".join(f"{value:.4f}" for value in panel_colour(n, len(names))) for n in range(len(names))]
+        materials = [f"newmtl {name}\nKd {kd}\nKs 0 0 0\nillum 1\n" for name, kd in zip(names, colours, strict=True)]
+    else:
+        materials = [f"newmtl cloth\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd {image.name}\n"]
     library.write_text("\n".join(materials), encoding="utf-8")
-    told = describe_cloth(mesh)
+    told = describe_cloth(mesh, image is not None)
+    told["metres_per_unit_of_uv"] = [scale]
     for seam, kept in zip(garment.pattern.seams, told["seams"], strict=True):
         kept["vertices"] = (garment.uv_node[garment.edge_uv[seam.a]] + 1).tolist()
     told["contours"] = {contour.name: (contour.vertices + 1).tolist() for contour in garment.contours}
@@ -47,20 +55,27 @@ def write_sewn_obj(mesh: SewnMesh, path: Path) -> list[Path]:
     return [path, library, sidecar]
 
 
-def write_sewn_glb(mesh: SewnMesh, path: Path) -> Path:
+def write_sewn_glb(mesh: SewnMesh, path: Path, image: bytes | None = None) -> Path:
     """Write a GLB [m] of one primitive a panel, each with a material of its own.
 
     Attributes of its vertices: POSITION, NORMAL; TEXCOORD_0, the flat position [m] (glTF's v runs downwards, so it is
     1 - v); TEXCOORD_1, the same panels within 0..1; `_NODE`, the welded node, so that the panels can be sewn again;
     `_PANEL`; `_SEAM`, up to two seams, -1 for none. Application's own attributes are float32, as whole numbers of 32
     bits are not allowed there. `extras` of the mesh hold `describe_cloth`.
+
+    Args:
+        mesh: What is written.
+        path: Where to.
+        image: A texture's PNG: the panels share one material with it then, and the two sets of uv change places, for
+            many programs read the first alone.
     """
     garment, buffer = mesh.garment, GlbBuffer()
     split = garment.uv_node
     flat, unit = mesh.metre_uv.copy(), mesh.unit_uv[0].copy()
     flat[:, 1], unit[:, 1] = 1.0 - flat[:, 1], 1.0 - unit[:, 1]
+    first, second = (flat, unit) if image is None else (unit, flat)
     values = {
-        "POSITION": mesh.nodes[split], "NORMAL": mesh.normals[split], "TEXCOORD_0": flat, "TEXCOORD_1": unit,
+        "POSITION": mesh.nodes[split], "NORMAL": mesh.normals[split], "TEXCOORD_0": first, "TEXCOORD_1": second,
         "_NODE": split, "_PANEL": garment.panel_of_uv, "_SEAM": seams_of_uv(garment),
     }  # fmt: skip
     names = plain_names([panel.name for panel in garment.pattern.panels])
@@ -78,32 +93,31 @@ def write_sewn_glb(mesh: SewnMesh, path: Path) -> Path:
             {
                 "attributes": attributes,
                 "indices": buffer.add(corners.astype("<u4").ravel(), INDICES),
-                "material": index,
+                "material": index if image is None else 0,
                 "extras": {"panel": index, "name": name},
             }
         )
+    told = describe_cloth(mesh, image is not None)
     scene: dict[str, Any] = {
         "asset": {"version": "2.0", "generator": "garmentq"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0, "name": mesh.name}],
-        "meshes": [{"name": mesh.name, "primitives": primitives, "extras": {"garmentq": describe_cloth(mesh)}}],
-        "materials": [
-            {
-                "name": name,
-                "doubleSided": True,
-                "pbrMetallicRoughness": {
-                    "baseColorFactor": [*panel_colour(n, len(names)), 1.0], "metallicFactor": 0.0,
-                    "roughnessFactor": 0.9,
-                },
-            }
-            for n, name in enumerate(names)
-        ],
-    }  # fmt: skip
+        "meshes": [{"name": mesh.name, "primitives": primitives, "extras": {"garmentq": told}}],
+    }
+    if image is None:
+        colours = [{"baseColorFactor": [*panel_colour(n, len(names)), 1.0]} for n in range(len(names))]
+        scene["materials"] = [_make_material(name, each) for name, each in zip(names, colours, strict=True)]
+    else:
+        scene["materials"] = [_make_material("cloth", {"baseColorTexture": {"index": 0}})]
+        scene["textures"] = [{"source": 0, "sampler": 0}]
+        scene["samplers"] = [{"magFilter": 9729, "minFilter": 9987, "wrapS": 33071, "wrapT": 33071}]
+        scene["images"] = [{"bufferView": buffer.add_bytes(image), "mimeType": "image/png", "name": "texture"}]
     path.write_bytes(pack_glb(scene, buffer))
     return path
 
 
-def panel_colour(index: int, count: int) -> list[float]:
-    """Return a pale colour for a panel, RGB in 0..1, told from its neighbours' by hue."""
-    return [round(channel, 4) for channel in colorsys.hsv_to_rgb(index / max(count, 1), 0.35, 0.85)]
+def _make_material(name: str, look: dict[str, Any]) -> dict[str, Any]:
+    """Return a glTF material of matt cloth, seen from both sides."""
+    rough = {"metallicFactor": 0.0, "roughnessFactor": 0.9}
+    return {"name": name, "doubleSided": True, "pbrMetallicRoughness": look | rough}

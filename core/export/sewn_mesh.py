@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import colorsys
 import re
 from dataclasses import asdict, dataclass
 from functools import cached_property
@@ -112,8 +113,13 @@ def plain_names(names: tuple[str, ...] | list[str]) -> list[str]:
     return found
 
 
-def describe_cloth(mesh: SewnMesh) -> dict[str, Any]:
-    """Return panels, seams, rest shape and fabric of a mesh as JSON values; lengths in metres."""
+def describe_cloth(mesh: SewnMesh, is_textured: bool = False) -> dict[str, Any]:
+    """Return panels, seams, rest shape and fabric of a mesh as JSON values; lengths in metres.
+
+    Args:
+        mesh: What is described.
+        is_textured: Whether its first uv set is the one within 0..1, for a texture.
+    """
     garment, pattern = mesh.garment, mesh.garment.pattern
 
     def tell(ref: EdgeRef) -> dict[str, Any]:
@@ -128,8 +134,8 @@ def describe_cloth(mesh: SewnMesh) -> dict[str, Any]:
         "mesh": mesh.name,
         "units": "m",
         "up": "y",
-        "rest": "the first uv set: flat panels, 1 unit is 1 m of cloth; the warp stands at grainline_rad from +v",
-        "metres_per_unit_of_second_uv": round(mesh.unit_uv[1], 9),
+        "rest": "flat panels are the uv set in metres; the warp stands at grainline_rad from +v",
+        "metres_per_unit_of_uv": [mesh.unit_uv[1], 1.0] if is_textured else [1.0, mesh.unit_uv[1]],
         "panels": [
             {"index": n, "name": panel.name, "group": names[n], "grainline_rad": round(panel.grainline, 6)}
             for n, panel in enumerate(pattern.panels)
@@ -152,3 +158,8 @@ def describe_fabric(fabric: Fabric) -> dict[str, Any]:
         **{name: float(numbers[name]) for name in FABRIC_UNITS},
         "meaning": "H00 weft, H11 warp, H01 both, H22 shear stiffness; k bending stiffness; friction against skin",
     }
+
+
+def panel_colour(index: int, count: int) -> list[float]:
+    """Return a pale colour for a panel, RGB in 0..1, told from its neighbours' by hue."""
+    return [round(channel, 4) for channel in colorsys.hsv_to_rgb(index / max(count, 1), 0.35, 0.85)]

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -36,6 +38,25 @@ def write_usd(garment: Garment, frames: np.ndarray, path: Path, fps: float | Non
     Raises:
         ImportError: where the extra `usd` is not installed; ask `can_write_usd` first.
     """
+    stage, _ = make_stage(garment, frames, fps)
+    stage.GetRootLayer().Export(str(path))
+    return path
+
+
+def make_stage(
+    garment: Garment, frames: np.ndarray, fps: float | None = None, uv: Mapping[str, np.ndarray] | None = None
+) -> tuple[Any, Any]:
+    """Return a stage in memory with the mesh that `write_usd` describes, and the mesh.
+
+    Args:
+        garment: As there.
+        frames: As there.
+        fps: As there.
+        uv: Coordinates of the uv vertices by the name of their primvar, shape [uv_count, 2] each; None: `st` alone.
+
+    Raises:
+        ImportError: where the extra `usd` is not installed.
+    """
     from pxr import Sdf, Tf, Usd, UsdGeom, Vt
 
     stage = Usd.Stage.CreateInMemory()
@@ -48,9 +69,11 @@ def write_usd(garment: Garment, frames: np.ndarray, path: Path, fps: float | Non
     mesh.CreateDoubleSidedAttr(True)
     mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(garment.faces), 3, dtype=np.int32)))
     mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(garment.faces.astype(np.int32).ravel()))
-    uv = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying)
-    uv.Set(Vt.Vec2fArray.FromNumpy(uv_layout(garment).astype(np.float32)))
-    uv.SetIndices(Vt.IntArray.FromNumpy(garment.uv_faces.astype(np.int32).ravel()))
+    kind = Sdf.ValueTypeNames.TexCoord2fArray
+    for name, flat in ({"st": uv_layout(garment)} if uv is None else uv).items():
+        primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(name, kind, UsdGeom.Tokens.faceVarying)
+        primvar.Set(Vt.Vec2fArray.FromNumpy(flat.astype(np.float32)))
+        primvar.SetIndices(Vt.IntArray.FromNumpy(garment.uv_faces.astype(np.int32).ravel()))
     for index, panel in enumerate(garment.pattern.panels):
         own = np.flatnonzero(garment.panel_of_face == index)
         # A name is the file's author's: only plain characters reach the file, and the number keeps two apart.
@@ -70,5 +93,4 @@ def write_usd(garment: Garment, frames: np.ndarray, path: Path, fps: float | Non
         nodes = np.ascontiguousarray(frame, dtype=np.float32)
         points.Set(Vt.Vec3fArray.FromNumpy(nodes), code)
         extent.Set(Vt.Vec3fArray.FromNumpy(np.stack([nodes.min(axis=0), nodes.max(axis=0)])), code)
-    stage.GetRootLayer().Export(str(path))
-    return path
+    return stage, mesh

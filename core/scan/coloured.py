@@ -130,7 +130,8 @@ def _read(path: Path, form: str) -> ColouredScan:
         return _read_glb(path)
     arrays = parse(path, form, textures=form == "ply")  # an image of a PLY is sampled at its vertices
     vertices, faces = arrays["vertices"], arrays["faces"]
-    corner_uv, image, images, told = np.zeros((len(faces), 3, 2)), np.full(len(faces), -1), (), ""
+    corner_uv, image, told = np.zeros((len(faces), 3, 2)), np.full(len(faces), -1), ""
+    images: tuple[np.ndarray, ...] = ()
     if form == "obj":
         try:
             corner_uv, image, images = _read_obj_images(path, faces)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from pathlib import Path
 
@@ -13,8 +14,13 @@ from garmentq.core.export.sewn_mesh import SewnMesh, plain_names, seams_of_uv
 from garmentq.core.pattern import load_draped_template
 from garmentq.core.simulate import get_fabric
 from gltf_validator import validate_glb
+from PIL import Image
 
 FABRIC = get_fabric("cotton_poplin")
+
+
+IMAGE = io.BytesIO()
+Image.fromarray(np.full((8, 8, 3), [200, 100, 50], np.uint8)).save(IMAGE, format="PNG")
 
 
 @pytest.fixture(scope="module")
@@ -84,12 +90,13 @@ def test_second_uv_is_within_one_at_one_scale(mesh: SewnMesh, tmp_path: Path) ->
     primitives = chunks["meshes"][0]["primitives"]
     assert all("TEXCOORD_1" in each["attributes"] for each in primitives)
     assert sorted(each["material"] for each in primitives) == list(range(len(chunks["materials"])))
-    assert chunks["meshes"][0]["extras"]["garmentq"]["metres_per_unit_of_second_uv"] == pytest.approx(side)
+    assert chunks["meshes"][0]["extras"]["garmentq"]["metres_per_unit_of_uv"] == pytest.approx([1.0, side])
 
 
-def test_glb_has_no_fault_by_khronos(mesh: SewnMesh, tmp_path: Path) -> None:
+@pytest.mark.parametrize("image", [None, IMAGE.getvalue()], ids=["plain", "textured"])
+def test_glb_has_no_fault_by_khronos(image: bytes | None, mesh: SewnMesh, tmp_path: Path) -> None:
     """Fails if an accessor is misaligned, out of bounds, or of a type that glTF forbids."""
-    found = validate_glb(write_sewn_glb(mesh, tmp_path / "a.glb"))
+    found = validate_glb(write_sewn_glb(mesh, tmp_path / "a.glb", image))
     assert (found["numErrors"], found["numWarnings"]) == (0, 0), found["messages"]
 
 
@@ -141,3 +148,16 @@ def test_same_mesh_same_bytes(mesh: SewnMesh, tmp_path: Path) -> None:
     """Fails if a file held a time, a random id or the order of a set."""
     first = write_sewn_glb(mesh, tmp_path / "a.glb").read_bytes()
     assert write_sewn_glb(mesh, tmp_path / "b.glb").read_bytes() == first
+
+
+def test_a_texture_is_read_by_the_first_uv(mesh: SewnMesh, tmp_path: Path) -> None:
+    """Fails if a viewer that knows one uv set would lay the texture on in metres, or does not find the image."""
+    scene = trimesh.load_scene(write_sewn_glb(mesh, tmp_path / "a.glb", IMAGE.getvalue()), process=False)
+    for part in scene.geometry.values():
+        assert part.visual.uv.min() >= 0.0 and part.visual.uv.max() <= 1.0
+        assert part.visual.material.baseColorTexture.size == (8, 8)
+    (tmp_path / "texture.png").write_bytes(IMAGE.getvalue())
+    obj = write_sewn_obj(mesh, tmp_path / "a.obj", tmp_path / "texture.png")[0]
+    part = trimesh.load(obj, process=False, force="mesh")
+    assert part.visual.material.image.size == (8, 8)
+    assert part.visual.uv.min() >= 0.0 and part.visual.uv.max() <= 1.0
