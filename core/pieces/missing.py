@@ -1,0 +1,29 @@
+"""What a garment needs to be worn and its net panels do not hold."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from .piece import EdgeUse
+
+
+def list_missing(uses: Collection[EdgeUse], banded: bool) -> tuple[str, ...]:
+    """Return what is missing for a wearable garment, a line each.
+
+    Args:
+        uses: What becomes of the garment's edges.
+        banded: True where it has a waistband of its own.
+    """
+    lines = []
+    if EdgeUse.NECK in uses:
+        lines.append("finish of the neck: rib, binding or facing")
+    if EdgeUse.ARMHOLE in uses:
+        lines.append("finish of the armholes: binding or facing")
+    if EdgeUse.WAIST in uses and banded:
+        lines.append("facing or inner half of the waistband, and its interfacing")
+    if EdgeUse.WAIST in uses:
+        lines.append("closure at the waist: zip and button, or elastic")
+    if EdgeUse.OPEN in uses:
+        lines.append("finish of edges that nobody named: hem, binding or facing")
+    lines += ["closures elsewhere, pockets, linings, labels", "true size name: the size is given by girths"]
+    return tuple(lines)

@@ -1,0 +1,50 @@
+"""Names of pieces that every cutting program takes."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+from .joining import HALVES
+
+LONGEST = 20
+"""Longest name of a piece: what Gerber reads."""
+
+SIDES = ("left", "right", "l", "r")
+
+
+def name_pieces(members: list[tuple[tuple[str, ...], bool]]) -> list[str]:
+    """Return a unique name of each piece: upper case letters, digits, `_` and `-`, at most 20.
+
+    Args:
+        members: The names of the panels in each piece, and whether it stands for both sides of the wearer.
+    """
+    names: list[str] = []
+    for panels, both in members:
+        base = _fold(_common(panels, both))[:LONGEST] or "PIECE"
+        name, number = base, 2
+        while name in names:
+            tail = f"_{number}"
+            name, number = base[: LONGEST - len(tail)] + tail, number + 1
+        names.append(name)
+    return names
+
+
+def _common(panels: tuple[str, ...], both: bool) -> str:
+    """Return what panels' names have in common, without the side of the wearer where the piece is for both."""
+    words = [[word for word in re.split(r"[\W_]+", panel) if word] for panel in panels]
+    shared = [word for word in words[0] if all(word in other for other in words)]
+    if both:
+        shared = [word for word in shared if word.lower() not in SIDES]
+    if not shared or all(word.lower() in SIDES for word in shared):
+        whole = " ".join(panels).lower()
+        known = [half for half in HALVES if half in whole] if len(panels) > 1 else []
+        shared = known[:1] or ([panels[0]] if not both else words[0][:1])
+    return "_".join(shared)
+
+
+def _fold(name: str) -> str:
+    """Return a name in upper case ASCII; accents are dropped, other letters become `_`."""
+    plain = unicodedata.normalize("NFKD", name)
+    plain = "".join(letter for letter in plain if not unicodedata.combining(letter))
+    return re.sub(r"[^A-Z0-9-]+", "_", plain.upper()).strip("_")
