@@ -7,6 +7,7 @@ from .garment import Garment
 from .garmentcode import load_pattern, read_pattern, save_pattern, write_pattern
 from .measures import BodyMeasures
 from .meshing import choose_edge_length, contains
+from .orientation import place_points
 from .pattern import EDGE_KINDS, Edge, EdgeRef, Panel, Pattern, Seam
 from .polygon import polygon_area, polygon_width
 from .resampling import resample
@@ -55,6 +56,7 @@ __all__ = [
     "mesh_pattern",
     "panel_area",
     "panel_outline",
+    "place_points",
     "polygon_area",
     "polygon_width",
     "read_pattern",

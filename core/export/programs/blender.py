@@ -1,0 +1,65 @@
+"""Set a garment up as sewn cloth in Blender: `blender --python THIS_FILE`, or run it in the text editor.
+
+The panels are one mesh that is cut along the seams; loose edges join both sides of each seam, which Blender's cloth
+takes for sewing threads. The flat panels are the rest shape, a shape key; START says where the cloth begins.
+Mass is the fabric's. Blender's stiffnesses have no units that a fabric could be measured in: they stay as they are.
+"""
+
+import os
+
+import bpy
+
+FOLDER = ""
+"""Where the files are; empty: beside this file, beside the .blend file, or in the current folder."""
+
+STEM = ""
+"""Beginning of the files' names."""
+
+MASS = 0.0
+"""Mass of a vertex [kg]."""
+
+START = "worn"
+"""`worn`: where the garment was at rest; `flat`: panels beside the body, which the threads pull together."""
+
+
+def find_folder() -> str:
+    """Return the folder that holds the files."""
+    places = [FOLDER, os.path.dirname(globals().get("__file__", "")), bpy.path.abspath("//"), os.getcwd()]
+    for place in places:
+        if place and os.path.isfile(os.path.join(place, STEM + "_sewing.obj")):
+            return place
+    raise FileNotFoundError(f"{STEM}_sewing.obj is not found; set FOLDER at the top of this script.")
+
+
+def load(folder: str, part: str):
+    """Import an OBJ of metres, y up, and return its object."""
+    bpy.ops.wm.obj_import(filepath=os.path.join(folder, f"{STEM}_{part}.obj"), forward_axis="NEGATIVE_Z", up_axis="Y")
+    found = bpy.context.selected_objects[0]
+    found.name = f"{STEM}_{part}"
+    return found
+
+
+def set_up():
+    """Make the garment and the body, and return the garment."""
+    folder = find_folder()
+    body, flat, worn = load(folder, "body"), load(folder, "sewing"), load(folder, "worn")
+    body.modifiers.new("Collision", "COLLISION")
+    body.collision.thickness_outer = 0.002
+    places = [vertex.co.copy() for vertex in worn.data.vertices]
+    bpy.data.objects.remove(worn)
+    flat.shape_key_add(name="flat", from_mix=False)
+    key = flat.shape_key_add(name="worn", from_mix=False)
+    for point, place in zip(key.data, places, strict=True):
+        point.co = place
+    key.value = 1.0 if START == "worn" else 0.0
+    cloth = flat.modifiers.new("Cloth", "CLOTH")
+    cloth.settings.use_sewing_springs = True
+    cloth.settings.mass = MASS
+    cloth.settings.rest_shape_key = flat.data.shape_keys.key_blocks["flat"]
+    cloth.settings.quality = 12
+    cloth.collision_settings.distance_min = 0.002
+    return flat
+
+
+if __name__ == "__main__":
+    set_up()

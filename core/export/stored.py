@@ -1,0 +1,68 @@
+"""The meshes of a stored result, read back from the files of its folder."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+
+from ..wear import Worn
+from ..wear.worn import ResultOld
+from .sewn_mesh import SewnMesh
+
+MESHES = ("graded", "detail", "simulation", "redrape")
+"""Names of a recovery's meshes; of a garment that is worn again there is `dressed` alone."""
+
+
+def stored_meshes(folder: Path, worn: Worn, names: tuple[str, ...] = MESHES) -> list[SewnMesh]:
+    """Return those of the meshes of a stored result that there are, `dressed` for one that is worn again.
+
+    Args:
+        folder: The result's files.
+        worn: What `load_worn` reads there: topology, rest shape and fabric of all of them.
+        names: Some of `MESHES`.
+
+    Raises:
+        ResultOld: where a mesh is not that garment's.
+    """
+    found = []
+    for name in (*names, "dressed"):
+        path = folder / f"{name}.ply"
+        if path.is_file():
+            nodes = read_nodes(path)
+            if nodes.shape != worn.garment.nodes.shape:
+                raise ResultOld()
+            found.append(SewnMesh(name, worn.garment, nodes, worn.fabric))
+    return found
+
+
+def read_nodes(path: Path) -> np.ndarray:
+    """Read the positions of a PLY that `write_ply` wrote [m], shape [n, 3].
+
+    Raises:
+        ResultOld: where it is another one.
+    """
+    content = path.read_bytes()
+    head, mark, body = content.partition(b"end_header\n")
+    count = re.search(rb"element vertex (\d+)", head)
+    width = head.partition(b"element face")[0].count(b"property double")
+    if not mark or count is None or width < 3 or len(body) < 8 * width * int(count[1]):
+        raise ResultOld()
+    rows = np.frombuffer(body, dtype="<f8", count=width * int(count[1])).reshape(-1, width)
+    return rows[:, :3].copy()
+
+
+def garment_stem(folder: Path) -> str:
+    """Return what a result's files are called after: the scan's name, or the pattern's, or `garment`; plain letters."""
+    named = ""
+    for name, path in (("manifest.json", ("scan", "name")), ("pattern.json", ("properties", "name"))):
+        try:
+            value = json.loads((folder / name).read_text(encoding="utf-8"))
+            for key in path:
+                value = value[key]
+            named = named or str(value)
+        except (OSError, ValueError, KeyError, TypeError):
+            continue
+    return re.sub(r"[^A-Za-z0-9-]+", "_", named)[:40].strip("_").lower() or "garment"
