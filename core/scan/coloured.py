@@ -17,6 +17,7 @@ from .columns import as_bytes
 from .header import check_header
 from .limits import Limits
 from .parse import parse
+from .scan import Scan
 from .texture import PIXELS, WHITE, TextureBad, decode, find_beside, list_images, open_image, read_corners, sample_image
 from .upright import AXES_UP, LENGTHS, turn_upright
 
@@ -233,3 +234,16 @@ def _check(found: ColouredScan) -> None:
         raise ReaderCrashed()
     if not np.isfinite(found.vertices).all():
         raise refusal.NotFinite("a vertex is NaN or infinite; clean the mesh and export it again.")
+
+
+def coloured_of(scan: Scan) -> ColouredScan:
+    """Return a checked scan's surface with the colours of its vertices.
+
+    Raises:
+        ColoursMissing: where it has none.
+    """
+    if scan.colours is None:
+        raise ColoursMissing()
+    colours = np.clip(np.round(255.0 * scan.colours), 0, 255).astype(np.uint8)
+    count = len(scan.faces)
+    return ColouredScan(scan.vertices, scan.faces, colours, np.zeros((count, 3, 2)), np.full(count, -1))

@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import distance_transform_edt
 
 from ..errors import BadInput
 from ..mesh import TriangleSurface, vertex_normals
 from ..pattern import Garment
 from ..scan.coloured import ColouredScan
-from .fill import fill_gaps
+from .fill import fill_gaps, spread_border
 from .texels import Texels, find_texels
 
 TEXELS_MM = (0.5, 1.0, 2.0)
@@ -155,7 +154,7 @@ def _fill_panels(
             slice(max(int(left) - GUTTER, 0), min(int(np.ceil(right)) + GUTTER, size)),
         )
         filled = fill_gaps(image[box], known[box]) if known[box].any() else np.full(image[box].shape, 128.0)
-        near = distance_transform_edt(~cloth[box]) <= GUTTER
+        filled, near = spread_border(filled, cloth[box] | known[box], GUTTER)
         part = found[box]
         part[near] = np.clip(np.round(filled[near]), 0, 255).astype(np.uint8)
     return found

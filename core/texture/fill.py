@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.ndimage import distance_transform_edt
 
 
 def fill_gaps(image: np.ndarray, known: np.ndarray) -> np.ndarray:
@@ -29,6 +30,20 @@ def fill_gaps(image: np.ndarray, known: np.ndarray) -> np.ndarray:
     coarse = _sum_blocks(padded) / np.maximum(blocks, 1.0)[..., None]
     larger = _enlarge(fill_gaps(coarse, blocks > 0.0), height, width)
     return np.asarray(np.where(known[..., None], image, larger))
+
+
+def spread_border(image: np.ndarray, cloth: np.ndarray, width: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return an image in which each texel near the cloth has the colour of the nearest one on it, and which are near.
+
+    Args:
+        image: Values, shape [height, width, channels].
+        cloth: Which texels are cloth, shape [height, width].
+        width: How far from the cloth texels are near [texel].
+    """
+    if not cloth.any():
+        return image, cloth
+    distance, (row, column) = distance_transform_edt(~cloth, return_indices=True)
+    return image[row, column], distance <= width
 
 
 def _sum_blocks(values: np.ndarray) -> np.ndarray:
