@@ -128,6 +128,7 @@ class OrderOptions:
     fabric: tuple[str, ...]
     lock: tuple[str, ...]
     free: str | None
+    part: tuple[str, ...]
     method: str
     preset: str
     units: str | None
@@ -197,6 +198,12 @@ def order_options(function: Decorator) -> Decorator:
             help="Parameter that the fit keeps fixed; may be given several times.",
         ),
         click.option("--free", type=click.Choice(["symmetry"]), help="Allow left and right to differ."),
+        click.option(
+            "--part",
+            multiple=True,
+            metavar="PART=CHOICE",
+            help="Part of the cut, overruling what the scan shows: neckline=v; see `templates list --parts`.",
+        ),
         *method_options(),
         click.option("--units", type=click.Choice(UNITS), help="Unit of the files.  [default: found]"),
         click.option("--up", type=click.Choice(AXES), help="Up axis of the files.  [default: found]"),

@@ -139,6 +139,7 @@ def make_settings(options: OrderOptions) -> RecoverySettings:
         keep_colour=options.keep_colour,
         colour_tolerance=options.colour_tolerance,
         cloth=",".join(options.cloth) or None,
+        parts=",".join(options.part) or None,
     )
 
 

@@ -27,19 +27,31 @@ def command() -> None:
 
 
 @command.command("list")
+@click.option("--parts", is_flag=True, help="List the parts that a cut is made of, with the choices of each.")
 @home_option
 @json_option
-def list_command(home: Path | None, as_json: bool) -> None:
-    """List the templates.
+def list_command(parts: bool, home: Path | None, as_json: bool) -> None:
+    """List the templates, or the parts by which their cut can be changed.
+
+    A name may ask for other parts behind a plus sign, wherever a template is named.
 
     \b
     Example:
-      garmentq templates list
+      garmentq templates list --parts
+      garmentq templates export tshirt+neckline=v -o vneck.json
     """
     from dataclasses import asdict, astuple
 
     from .terminal import print_json, print_table
 
+    if parts:
+        choices = _list_parts()
+        if as_json:
+            for part, words in choices.items():
+                print_json({"part": part, "choices": words})
+        else:
+            print_table(["part", "choices"], [[part, ", ".join(words)] for part, words in choices.items()])
+        return
     found = _open(home).list_templates()
     if as_json:
         for template in found:
@@ -112,6 +124,13 @@ def export_command(name: str, out: Path, home: Path | None) -> None:
 
     save_pattern(_load(name, home), out)
     click.echo(str(out))
+
+
+def _list_parts() -> dict[str, list[str]]:
+    """Return the choices of every part."""
+    from ..core.pattern.parts import PARTS
+
+    return {part: [str(choice) for choice in choices] for part, choices in PARTS.items()}
 
 
 def _open(home: Path | None) -> Backend:

@@ -11,6 +11,7 @@ from .settings import RecoverySettings
 if TYPE_CHECKING:
     from .body import Body
     from .drape import WearerGeometry
+    from .grade import Candidate
     from .pattern import Garment, Pattern
     from .scan import Scan
     from .segment import Target
@@ -31,6 +32,8 @@ class Case:
         base: The base pattern: gives symmetry, proportions and gathered seams.
         fabric: The cloth to begin with.
         scanned: The target as the scan shows it, where it was completed; None where it is the target.
+        candidates: The cuts that the scan's contours are nearest to, the base pattern first; empty where it was named.
+        notes: What the user should know of the base pattern, one sentence each.
     """
 
     request: Request
@@ -41,6 +44,8 @@ class Case:
     base: Pattern
     fabric: Fabric
     scanned: Target | None = None
+    candidates: tuple[Candidate, ...] = ()
+    notes: tuple[str, ...] = ()
 
     @property
     def seen(self) -> Target:

@@ -16,11 +16,12 @@ from .checkpoints import load, save
 from .clock import Clock
 from .drape import WearerGeometry, describe_motion, drape_as_scanned, drape_template, redrape
 from .fit import METHODS, Fit, find_held
-from .grade import choose_template, complete_target, grade_pattern, slide_seams
+from .grade import Choice, choose_cut, complete_target, grade_pattern, slide_seams
 from .hooks import SILENT, Hooks
 from .inputs import read_body, read_files, read_template
 from .measure import Reference, judge, measure_fit, measure_knowledge, measure_seams, measure_wear
-from .pattern import Garment, Pattern, list_templates, load_template, mesh_pattern
+from .pattern import Garment, find_cut, load_template, mesh_pattern, name_cut
+from .pattern.parts import PartsConflict
 from .recovery import Recovery, Request
 from .scan import Pieces
 from .segment import CATEGORIES, Target, mark_hidden_border, name_contours, segment_garment
@@ -92,10 +93,12 @@ def make_case(request: Request, clock: Clock) -> Case:
         category = settings.garment or (None if request.reading is None else request.reading.category)
         if category is not None:
             target = replace(target, category=check_category(category))
-    template, base = find_template(request, target)
-    base = replace(base, symmetric=settings.free != "symmetry")
+    choice = find_template(request, target, body)
+    base = replace(choice.pattern, symmetric=settings.free != "symmetry")
     find_held(base, base, settings.locks)  # a lock of nothing is refused now, not after the drape
-    return Case(request, pieces.garment, WearerGeometry(body), target, template, base, fabric)
+    wearer = WearerGeometry(body)
+    case = Case(request, pieces.garment, wearer, target, choice.template, base, fabric)
+    return replace(case, candidates=choice.candidates, notes=choice.notes)
 
 
 def complete_case(case: Case, clock: Clock) -> Case:
@@ -143,7 +146,13 @@ def drape_to_scan(case: Case, clock: Clock) -> GradedDrape:
             graded, case.wearer, case.fabric, case.target, vertex_count=count, hooks=hooks
         )
     motion = () if drape.rotation is None else (describe_motion(drape.rotation),)
-    warnings = (*_note_hidden(case), *notes, *motion, *(() if drape.converged else (drape.outcome.advice,)))
+    warnings = (
+        *case.notes,
+        *_note_hidden(case),
+        *notes,
+        *motion,
+        *(() if drape.converged else (drape.outcome.advice,)),
+    )
     save(clock.hooks, "drape", _KeptDrape(garment.pattern.points, garment.nodes, drape, warnings), base.points, count)
     return GradedDrape(garment, drape, warnings)
 
@@ -198,15 +207,22 @@ def find_body(request: Request, pieces: Pieces, hooks: Hooks) -> Body:
     return body
 
 
-def find_template(request: Request, target: Target) -> tuple[str, Pattern]:
-    """Give the base pattern and its name: the given file, the named template, or the category's own."""
-    given = read_template(request)
+def find_template(request: Request, target: Target, body: Body) -> Choice:
+    """Return the base pattern: the given file, the named template with the chosen parts, or what the scan shows.
+
+    Raises:
+        PartsConflict: where parts are chosen for a pattern file, or they cannot be sewn to each other.
+    """
+    given, settings = read_template(request), request.settings
     if request.template is not None and given is not None:
-        return request.template.stem, given
-    name = request.settings.template
-    if name is None:
-        name = choose_template(target, [info.name for info in list_templates()])
-    return name, load_template(name)
+        if settings.parts is not None:
+            raise PartsConflict(f"the parts of a pattern file are drawn in it; leave out '{settings.parts}'.")
+        return Choice(request.template.stem, given)
+    if settings.template is None:
+        return choose_cut(target, body, settings.chosen_parts)
+    stem = settings.template.partition("+")[0]
+    name = name_cut(stem, find_cut(settings.template).choose(settings.chosen_parts))
+    return Choice(name, load_template(name))
 
 
 def check_category(name: str) -> str:
@@ -232,6 +248,8 @@ def measure(case: Case, drape: GradedDrape, fit: Fit) -> dict[str, float | None]
     metrics |= measure_fit(fit.garment, fit.meshes, truth)
     metrics |= measure_seams(fit.garment.pattern)
     metrics |= measure_wear(case.target, case.body, fit.meshes.detail, fit.garment.faces, case.settings.seed)
+    for name, candidate in zip(("cut.misfit", "cut.next_misfit"), case.candidates, strict=False):
+        metrics[name] = candidate.misfit
     metrics["drape.residual"] = drape.drape.residual
     metrics["drape.iterations"] = float(drape.drape.iterations)
     metrics["drape.spin_rad_s"] = 0.0 if drape.drape.rotation is None else drape.drape.rotation.rate
@@ -247,6 +265,7 @@ def describe(case: Case) -> dict[str, Any]:
         "scan": {"name": scan.name, "sha256": scan.sha256, "units": scan.units, "up": scan.up_axis},
         "body": {"source": body.source, "fit_rms_m": float(np.round(body.fit_rms, 6))},
         "template": case.template,
+        "candidates": [{"template": one.template, "misfit": float(np.round(one.misfit, 4))} for one in case.candidates],
         "category": case.target.category,
         "fitted_faces": len(case.target.faces),
         "settings": case.settings.as_dict(),

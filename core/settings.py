@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from .errors import BadInput
+from .pattern.parts.cut import Cut, parse_parts
 from .simulate.fabric import Fabric
 
 METHODS = ("deform", "inverse", "hybrid")
@@ -49,6 +50,7 @@ class RecoverySettings:
             begins, from 0), each with its mirror image; `symmetry` says what holds anyway.
         free: What grading and fit may do beyond the default, or None: `symmetry` lets left and right differ. A garment
             that is cut symmetric is found better with symmetry kept: noise and folds are not.
+        parts: Choices of parts of the cut that overrule what the scan shows, `neckline=v,sleeve=long`, or None.
         cloth: Labels of a dressed person's other clothes, separated by commas, or None: they hide the body as the
             garment does, and are not taken for skin.
     """
@@ -69,12 +71,14 @@ class RecoverySettings:
     lock: str | None = None
     free: str | None = None
     cloth: str | None = None
+    parts: str | None = None
 
     def __post_init__(self) -> None:
         """Check every value.
 
         Raises:
             SettingsBad: where one is outside its list or range.
+            PartUnknown: where a part or a choice of it is none there is.
         """
         if self.method not in METHODS:
             raise SettingsBad(f"method '{self.method}' is not one of {', '.join(METHODS)}.")
@@ -93,8 +97,19 @@ class RecoverySettings:
             raise SettingsBad(f"free '{self.free}' is not 'symmetry'.")
         if self.free in self.locks:
             raise SettingsBad(f"'{self.free}' cannot be locked and free.")
+        if self.parts is not None:
+            Cut().choose(self.chosen_parts)
         if not 0.0 < self.colour_tolerance <= 442.0:
             raise SettingsBad(f"colour_tolerance {self.colour_tolerance} is outside 0 to 442 (black to white).")
+
+    @property
+    def chosen_parts(self) -> dict[str, str]:
+        """Return the choices of parts by part.
+
+        Raises:
+            PartUnknown: where one is not `PART=CHOICE`.
+        """
+        return parse_parts(self.parts or "")
 
     @property
     def locks(self) -> tuple[str, ...]:

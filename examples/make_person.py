@@ -19,8 +19,7 @@ import open3d
 import trimesh
 from garmentq.core.body import builtin_body
 from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template
-from garmentq.core.pattern.draft_legs import draft_trousers
-from garmentq.core.pattern.measures import BodyMeasures
+from garmentq.core.pattern import BodyMeasures, draft_template
 from scipy.ndimage import binary_dilation, generate_binary_structure
 
 DATA = Path(__file__).parent / "data"
@@ -63,7 +62,8 @@ COLOURS = np.array([[205, 170, 145], [70, 95, 170], [60, 60, 66], [110, 100, 100
 
 def drape_trousers() -> Mesh:
     """Dress the wearer in trousers that are cut by a smaller woman's measures than the template's."""
-    pattern = draft_trousers(BodyMeasures(waist=0.73, hip=1.00, waist_height=1.045, crotch_height=0.765))
+    measures = BodyMeasures(waist=0.73, hip=1.00, waist_height=1.045, crotch_height=0.765)
+    pattern = draft_template("trousers", measures)
     worn = drape_template(pattern, WearerGeometry(builtin_body(BODY)), settings=DrapeSettings(template_vertices=NODES))
     return shorten((worn.nodes, worn.faces), CUFF)
 

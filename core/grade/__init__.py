@@ -1,6 +1,6 @@
 """Grading of a base pattern: contours along the bones, and the stretch between them (thesis 3.2.3)."""
 
-from .choice import TemplateMissing, choose_template
+from .choice import Candidate, Choice, TemplateMissing, choose_cut, choose_template
 from .completion import complete_target
 from .distances import ContourMeasure, compare_contours, position_along
 from .flattening import (
@@ -20,6 +20,8 @@ from .sliding import SlideSettings, slide_seams, solve_isometry
 from .strain import believed_strain, hidden_folds
 
 __all__ = [
+    "Candidate",
+    "Choice",
     "ContourMeasure",
     "FlatteningSettings",
     "GradeSettings",
@@ -31,6 +33,7 @@ __all__ = [
     "SlideSettings",
     "TemplateMissing",
     "believed_strain",
+    "choose_cut",
     "choose_template",
     "compare_contours",
     "complete_target",

@@ -1,17 +1,57 @@
-"""Choose the base pattern for a target."""
+"""Choose the base pattern for a target: the template, and the parts in which the scan shows another cut."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
 
+from ..body import Body
 from ..errors import BadInput
-from ..pattern import Pattern, edge_length, list_templates, load_template
+from ..pattern import Pattern, edge_length, list_templates, load_template, name_cut
+from ..pattern.parts import CUTS, Bodice, Cut, Neckline, draft_cut, half_neck
 from ..segment import Target
+from .neckline import NecklineFit, NecklineFits, fit_necklines
 
 STAND_IN = {"long_sleeve_tshirt": "tshirt", "shorts": "trousers"}
 """The category whose templates serve where there is none of a target's own: sleeves and legs are graded longer or
 shorter, but no seam is added."""
+
+
+KEPT = 3
+"""Cuts that a result names, the chosen one among them."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """Name one cut that was compared with a scan.
+
+    Attributes:
+        template: Name by which it is drafted.
+        misfit: How unlike the scan's contours its own are: root mean square of the deviation of their lengths and of
+            the distance between necklines, both relative.
+    """
+
+    template: str
+    misfit: float
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Hold the base pattern that was chosen for a target.
+
+    Attributes:
+        template: Its name.
+        pattern: Drafted with the parts and measures that the scan shows.
+        candidates: The best cuts, the chosen one first; empty where the user named it.
+        notes: What the user should know, one sentence each.
+    """
+
+    template: str
+    pattern: Pattern
+    candidates: tuple[Candidate, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 class TemplateMissing(BadInput):
@@ -20,8 +60,57 @@ class TemplateMissing(BadInput):
     code = "template.none_fits"
 
 
+def choose_cut(target: Target, body: Body, parts: Mapping[str, str] | None = None) -> Choice:
+    """Choose template and parts for a target by its contours.
+
+    The template is that of `rank_templates`. A garment with a neck then gets the necklines, in front and behind, whose
+    lines are nearest to the scan's (`fit_necklines`): the shipped one where they agree or differ in depth only, which
+    grading mends, or else one drafted with the scan's proportion of depth to width. Grading moves control points and
+    never makes a corner, so a V has to be there before it.
+
+    Args:
+        target: The target.
+        body: The wearer.
+        parts: Choices of parts that the user fixed, by part. What garments of the target's category have no place for
+            is noted and left out: of a person's clothes, each takes what concerns it.
+
+    Raises:
+        TemplateMissing: where there is no template for the category.
+        PartUnknown, PartsConflict: where the user's parts are none, or cannot be sewn to each other.
+    """
+    wanted, fits = dict(parts or {}), fit_necklines(target, body)
+    options: list[tuple[tuple[float, bool, float], str, Cut]] = []
+    for template, missing, misfit in rank_templates(target, list(CUTS)):
+        fixed = {part: word for part, word in wanted.items() if CUTS[template].has_place_for(part)}
+        cut = CUTS[template].choose(fixed)
+        for named, more in _with_necklines(cut, fits, fixed):
+            cost = (missing, bool(options), math.hypot(misfit, more))
+            options.append((cost, name_cut(template, named), named))
+    chosen, *others = options
+    ranked = {
+        name: Candidate(name, cost[2]) for cost, name, _ in [*sorted(others, key=lambda one: one[0])[::-1], chosen]
+    }
+    _, name, cut = chosen
+    notes = tuple(
+        f"A {target.category} has no {part}; '{part}={word}' was left out."
+        for part, word in wanted.items()
+        if not cut.has_place_for(part)
+    )
+    pattern = load_template(name) if cut == CUTS.get(name) else draft_cut(cut, name=name)
+    return Choice(name, pattern, tuple(ranked.values())[: -KEPT - 1 : -1], notes)
+
+
 def choose_template(target: Target, names: Sequence[str]) -> str:
-    """Name the template that a target is graded from.
+    """Name the shipped template that a target is graded from: the first of `rank_templates`.
+
+    Raises:
+        TemplateMissing: where there is none for the category.
+    """
+    return rank_templates(target, names)[0][0]
+
+
+def rank_templates(target: Target, names: Sequence[str]) -> list[tuple[str, int, float]]:
+    """Rank the templates that a target can be graded from, best first.
 
     The templates of the target's category compete. First the one whose open contours have the target's names: no
     grading makes a cuff out of an armhole. Among those, the one whose contours are in shape nearest to the target's
@@ -30,6 +119,9 @@ def choose_template(target: Target, names: Sequence[str]) -> str:
     Args:
         target: The target; its category was chosen from its contours and the bones they encircle.
         names: The templates there are.
+
+    Returns:
+        Of each template its name, the number of contours that only one of both has, and the root of `contour_misfit`.
 
     Raises:
         TemplateMissing: where there is none for the category.
@@ -41,13 +133,56 @@ def choose_template(target: Target, names: Sequence[str]) -> str:
         raise TemplateMissing(
             f"no template fits the category '{target.category}'; name one of {', '.join(names)} with --template."
         )
-    if len(fitting) == 1:
-        return fitting[0]
     lengths = {contour.name: contour.length for contour in target.contours if contour.trusted}
     wanted = {contour.name for contour in target.contours}
     measured = [flat_contours(load_template(name)) for name in fitting]
     costs = [(len(wanted ^ set(flat)), contour_misfit(lengths, flat)) for flat in measured]
-    return fitting[costs.index(min(costs))]
+    order = sorted(range(len(fitting)), key=lambda i: costs[i])
+    return [(fitting[i], costs[i][0], math.sqrt(costs[i][1])) for i in order]
+
+
+def _with_necklines(cut: Cut, fits: NecklineFits | None, fixed: Mapping[str, str]) -> Iterator[tuple[Cut, float]]:
+    """Yield a cut with the necklines that fit a contour, the best pair first, each with the pair's misfit.
+
+    What the user fixed stays. A crew neck and a scoop are one line in two depths, and the cut's own stays for both. The
+    pattern has another size than the scan, so a neckline keeps the scan's proportion of depth to half width.
+    """
+    if fits is None or cut.bodice is Bodice.NONE:
+        yield cut, 0.0
+        return
+    fronts, backs = (
+        _unfixed(ranked, part in fixed, getattr(cut, part))
+        for part, ranked in (("neckline", fits.front), ("back_neckline", fits.back))
+    )
+    for front, back in product(fronts, backs):
+        yield (
+            _with_throat(_with_throat(cut, front, "neckline"), back, "back_neckline"),
+            math.hypot(front.misfit, back.misfit),
+        )
+
+
+def _unfixed(ranked: tuple[NecklineFit, ...], fixed: bool, own: Neckline) -> tuple[NecklineFit, ...]:
+    """Return the fits that are candidates: all, or the fixed neckline's own where it is among them."""
+    if not fixed:
+        return ranked
+    return tuple(fit for fit in ranked if _is_one(fit.throat.kind, own)) or ranked[:1]
+
+
+def _with_throat(cut: Cut, fit: NecklineFit, part: str) -> Cut:
+    """Return a cut whose front or back has the neckline of a fit, in proportion to the cut's own width."""
+    kind = fit.throat.kind
+    if _is_one(kind, getattr(cut, part)):
+        return cut
+    changed = cut.choose({part: str(kind)})
+    depth = half_neck(changed) * fit.throat.depth / fit.half_width
+    if part == "neckline":
+        return replace(changed, neck_depth=depth, neck_bow=fit.throat.bow)
+    return replace(changed, back_depth=depth)
+
+
+def _is_one(one: Neckline, other: Neckline) -> bool:
+    """Check whether two necklines are the same line, in depths that grading turns into each other."""
+    return one is other or {one, other} == {Neckline.CREW, Neckline.SCOOP}
 
 
 def flat_contours(pattern: Pattern) -> dict[str, float]:

@@ -18,9 +18,11 @@ from .templates import (
     TemplateInfo,
     TemplateUnknown,
     draft_template,
+    find_cut,
     list_templates,
     load_draped_template,
     load_template,
+    name_cut,
 )
 from .validity import check_outline
 
@@ -46,6 +48,7 @@ __all__ = [
     "edge_length",
     "edge_points",
     "equalise_seams",
+    "find_cut",
     "find_symmetry",
     "list_templates",
     "load_draped_template",
@@ -54,6 +57,7 @@ __all__ = [
     "map_controls",
     "mean_value_coordinates",
     "mesh_pattern",
+    "name_cut",
     "panel_area",
     "panel_outline",
     "place_points",

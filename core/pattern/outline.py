@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from .curves import edge_length, relative_to_chord, unit_length
+from .curves import edge_length, place_on_chord, relative_to_chord, unit_length, unit_points
 from .pattern import Edge, EdgeRef, Panel, Pattern, Seam
 
 PLACEMENT_DEPTH = 0.25
@@ -76,6 +76,40 @@ def unfold(outline: Outline, closing: str, dip: float = 0.0) -> Outline:
     return Outline(start, (*outline.strokes, *other.strokes, Stroke(start, handles, contour=closing)))
 
 
+def unfold_closed(outline: Outline) -> Outline:
+    """Mirror a left half that begins and ends at the middle."""
+    return Outline(outline.start, (*outline.strokes, *mirror(outline).strokes))
+
+
+def arc_handles(start: Point, end: Point, turn: float) -> tuple[Point, Point]:
+    """Return the handles of the cubic nearest to a circular arc: 4/3 tan(turn / 4) radii from its ends.
+
+    Args:
+        start: Where the arc begins [m].
+        end: Where it ends [m].
+        turn: Its angle [rad], positive to the left; up to a quarter turn the cubic is 0.03 % of the radius off.
+    """
+    a, b = np.array(start), np.array(end)
+    chord = b - a
+    half = turn / 2
+    reach = 2.0 / 3.0 * math.tan(turn / 4) / math.sin(half)  # in chords, as the radius is chord / (2 sin half)
+
+    def along(angle: float) -> np.ndarray:
+        return np.array(
+            [
+                math.cos(angle) * chord[0] - math.sin(angle) * chord[1],
+                math.sin(angle) * chord[0] + math.cos(angle) * chord[1],
+            ]
+        )
+
+    return (to_point(a + reach * along(-half)), to_point(b - reach * along(half)))
+
+
+def to_point(array: np.ndarray) -> Point:
+    """Return a point [m] as plain numbers."""
+    return (float(array[0]), float(array[1]))
+
+
 def mirror(outline: Outline, swap: bool = True) -> Outline:
     """Mirror an outline at x = 0 and walk it backwards, so that it stays counter-clockwise.
 
@@ -130,6 +164,12 @@ def _edge(start: Point, stroke: Stroke) -> Edge:
         return Edge("line", label=stroke.label, contour=stroke.contour)
     handles = relative_to_chord(np.array(stroke.handles), np.array(start), np.array(stroke.end))
     return Edge("cubic", handles, stroke.label, stroke.contour)
+
+
+def stroke_points(start: Point, stroke: Stroke, segments: int) -> np.ndarray:
+    """Return points of a stroke that begins at `start` [m], uniform in arc length, shape [segments + 1, 2]."""
+    unit = unit_points(_edge(start, stroke), segments)
+    return place_on_chord(unit, np.array(start), np.array(stroke.end))
 
 
 def length(outline: Outline, label: str) -> float:

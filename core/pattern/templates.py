@@ -14,6 +14,7 @@ from ..segment.target import Contour
 from .garment import Garment
 from .garmentcode import load_pattern
 from .measures import BodyMeasures
+from .parts import CUTS, Cut, differing_parts, draft_cut, parse_parts
 from .pattern import Pattern
 from .sewing import mesh_pattern
 
@@ -69,13 +70,39 @@ def list_templates() -> tuple[TemplateInfo, ...]:
 
 
 def load_template(name: str) -> Pattern:
-    """Load a shipped base pattern.
+    """Load a shipped base pattern, or draft it with other parts: `tshirt` or `tshirt+neckline=v,sleeve=long`.
 
     Raises:
         TemplateUnknown: where there is none of that name; the message lists those there are.
+        PartUnknown: where there is no such part.
+        PartsConflict: where the parts cannot be sewn to each other.
     """
+    if "+" in name:
+        return draft_cut(find_cut(name), name=name)
     _check_name(name)
     return load_pattern(LIBRARY / f"{name}.json")
+
+
+def find_cut(name: str) -> Cut:
+    """Return the cut of a shipped base pattern, with the other parts that its name asks for behind a `+`.
+
+    Raises:
+        TemplateUnknown: where there is none of that name.
+        PartUnknown: where there is no such part.
+    """
+    stem, _, parts = name.partition("+")
+    _check_name(stem)
+    return CUTS[stem].choose(parse_parts(parts))
+
+
+def name_cut(stem: str, cut: Cut) -> str:
+    """Return the name by which `load_template` drafts a cut that differs from a shipped one in its parts.
+
+    Raises:
+        TemplateUnknown: where there is no shipped base pattern of that name.
+    """
+    parts = ",".join(f"{part}={choice}" for part, choice in differing_parts(find_cut(stem), cut).items())
+    return f"{stem}+{parts}" if parts else stem
 
 
 def _check_name(name: str) -> None:
@@ -85,15 +112,14 @@ def _check_name(name: str) -> None:
 
 
 def draft_template(name: str, measures: BodyMeasures) -> Pattern:
-    """Draft a shipped base pattern anew for a body of other measures.
+    """Draft a base pattern of the library, or one with other parts, anew for a body of other measures.
 
     Raises:
         TemplateUnknown: where there is none of that name.
+        PartUnknown: where there is no such part.
+        PartsConflict: where the parts cannot be sewn to each other.
     """
-    from .drafting import DRAFTS  # it needs scipy.optimize, which a mere reader of templates does not pay for
-
-    _check_name(name)
-    return DRAFTS[name](measures)
+    return draft_cut(find_cut(name), measures, name)
 
 
 def load_draped_template(name: str) -> Garment | None:

@@ -5,6 +5,7 @@ from .contours import name_contours
 from .garment import NoContour, PartMissing, SeveralGarments, segment_garment
 from .inspect import Inspection, inspect_file
 from .loop import find_loops, smooth_loop, smoothed_length
+from .neck import NeckLines, unroll_neck
 from .noise import smooth_noise
 from .spikes import flatten_spikes
 from .target import CATEGORIES, CONTOUR_NAMES, Contour, Target, mark_hidden_border
@@ -14,6 +15,7 @@ __all__ = [
     "CONTOUR_NAMES",
     "Contour",
     "Inspection",
+    "NeckLines",
     "NoContour",
     "PartMissing",
     "SeveralGarments",
@@ -28,4 +30,5 @@ __all__ = [
     "smooth_loop",
     "smooth_noise",
     "smoothed_length",
+    "unroll_neck",
 ]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from garmentq.core.errors import NotFound
 from garmentq.core.pattern import (
+    BodyMeasures,
     EdgeRef,
     check_outline,
     find_symmetry,
@@ -16,7 +17,7 @@ from garmentq.core.pattern import (
     panel_area,
     seam_lengths,
 )
-from garmentq.core.pattern.drafting import DRAFTS, BodyMeasures
+from garmentq.core.pattern.parts import CUTS, draft_cut
 from garmentq.core.segment import CATEGORIES, CONTOUR_NAMES, find_loops
 
 NAMES = [info.name for info in list_templates()]
@@ -122,11 +123,14 @@ def test_front_necklines_are_deeper_than_back_ones():
 @pytest.mark.parametrize("name", NAMES)
 def test_the_files_are_what_the_drafts_give(name):
     """Breaks where a draft was changed and the file was not written again (`write_library`)."""
-    drawn, shipped = DRAFTS[name](), load_template(name)
+    drawn, shipped = draft_cut(CUTS[name], name=name), load_template(name)
     assert drawn.points == pytest.approx(shipped.points, abs=1e-9)
     assert [p.name for p in drawn.panels] == [p.name for p in shipped.panels]
     for a, b in zip(drawn.panels, shipped.panels, strict=True):
         assert a.notches == b.notches and a.grainline == b.grainline
+        for one, other in zip(a.edges, b.edges, strict=True):
+            assert one.kind == other.kind and one.contour == other.contour
+            assert one.handles == pytest.approx(other.handles, abs=1e-9)
         assert [e.label for e in a.edges] == [e.label for e in b.edges]
 
 
@@ -145,10 +149,10 @@ def test_long_seams_are_notched_on_both_sides(name):
 def test_a_bigger_body_gives_a_bigger_pattern_that_still_sews():
     """Breaks where a length in a draft is fixed that should follow the body."""
     big = BodyMeasures(bust=1.10, waist=0.95, hip=1.15)
-    for draft in DRAFTS.values():
-        areas = [sum(panel_area(p) for p in pattern.panels) for pattern in (draft(), draft(big))]
+    for cut in CUTS.values():
+        areas = [sum(panel_area(p) for p in pattern.panels) for pattern in (draft_cut(cut), draft_cut(cut, big))]
         assert areas[1] > 1.05 * areas[0]
-        lengths = seam_lengths(draft(big))
+        lengths = seam_lengths(draft_cut(cut, big))
         assert np.abs(lengths[:, 0] - lengths[:, 1]).max() < 1e-4
 
 

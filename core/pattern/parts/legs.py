@@ -1,16 +1,21 @@
-"""Draft garments with legs: trousers, shorts and a jumpsuit."""
+"""Draft legs: trousers and shorts that hang from the waist, and suits whose legs go on into a bodice.
+
+The construction is the trade's (W. Aldrich, Metric Pattern Cutting for Women's Wear, the classic trouser block): a
+crease line that halves each panel, forks of a sixteenth and an eighth of the hip girth, a back that rises higher than
+the front and whose fork is dropped until the inseams are equal.
+"""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import brentq, root
 
-from .draft_tops import ELBOW_SLEEVE, half_sleeves, neckline, to_point
-from .measures import BodyMeasures
-from .outline import Outline, Point, Stroke, length, mirror, place_panel, sew_by_label, smooth
-from .pattern import Panel, Pattern
+from ..measures import BodyMeasures
+from ..outline import Outline, Point, Stroke, length, mirror, place_panel, smooth, to_point
+from ..pattern import Panel
+from .cut import Cut, Legs, PartsConflict
+from .tops import FACES, Shoulder, draw_shoulder
 
 CREASE_FROM_MIDDLE = 0.12
 """Where each leg's crease line stands at first [m]: outside the ankles, so that no panel reaches over the middle."""
@@ -18,32 +23,38 @@ CREASE_FROM_MIDDLE = 0.12
 _EASED = ("inseam.0", "outseam.1", "outseam.2")
 """Seams of the trousers whose back is fitted to the front."""
 
+KNEE, ANKLE = 0.47, 0.08
+"""Heights above the feet of the cuts across a long leg [m]."""
+
+ROUND_LEG = {
+    Legs.STRAIGHT: (0.45, 0.40),
+    Legs.TAPERED: (0.42, 0.33),
+    Legs.FLARED: (0.42, 0.54),
+    Legs.WIDE: (0.58, 0.60),
+}
+"""Girths of a long leg at knee and hem [m]: a hem of 33 cm still passes the heel."""
+
 LegEnd = tuple[float, float]
 """Height above the feet of a cut across the leg, and half the mean of front and back width there [m]."""
 
 
-def draft_trousers(measures: BodyMeasures | None = None) -> Pattern:
-    """Draft straight trousers: front and back of each leg.
+def draw_legs(cut: Cut, m: BodyMeasures) -> list[Panel]:
+    """Draw front and back of each leg of trousers or shorts.
 
     Allowances: they sit 6 cm below the natural waist, where the girth is about waist + 6 cm; hip + 6 cm, the front
     1 cm narrower and the back 1 cm wider than a quarter, measured a third of the rise above the crotch; crotch 1.5 cm
-    below the body's; forks of hip / 16 - 1 cm (front) and hip / 8 - 2 cm (back), the seat's depth; knee 45 cm and hem
-    40 cm around. The back fork is lowered and the back's side corners moved until inseams and outseams are equal.
+    below the body's; forks of hip / 16 - 1 cm (front) and hip / 8 - 2 cm (back), the seat's depth; knee and hem of
+    `ROUND_LEG`. Shorts: inseam 19 cm, legs 59 cm around, 4 cm more than the thigh there. The back fork is lowered and
+    the back's side corners moved until inseams and outseams are equal.
     """
-    return _legs("trousers", measures or BodyMeasures(), ((0.47, 0.1125), (0.08, 0.10)))
+    from scipy.optimize import root  # a mere reader of templates does not pay for it
 
-
-def draft_shorts(measures: BodyMeasures | None = None) -> Pattern:
-    """Draft shorts to the middle of the thigh: front and back of each leg.
-
-    Allowances as the trousers'; inseam 19 cm, legs 59 cm around, 4 cm more than the thigh there.
-    """
-    m = measures or BodyMeasures()
-    return _legs("shorts", m, ((m.crotch_height - 0.205, 0.1475),))
-
-
-def _legs(name: str, m: BodyMeasures, ends: tuple[LegEnd, ...]) -> Pattern:
-    """Draw front and back legs that are cut at some heights, the last of which is the opening."""
+    ends: tuple[LegEnd, ...]
+    if cut.legs is Legs.SHORT:
+        ends = ((m.crotch_height - 0.205, 0.1475),)
+    else:
+        knee, hem = ROUND_LEG[cut.legs]
+        ends = ((KNEE, knee / 4), (ANKLE, hem / 4))
     base = m.waist_height
     crotch = m.crotch_height - 0.015 - base
     top = -0.06
@@ -76,7 +87,7 @@ def _legs(name: str, m: BodyMeasures, ends: tuple[LegEnd, ...]) -> Pattern:
         for leg, drawn in (("left", named), ("right", mirror(named))):
             across = CREASE_FROM_MIDDLE - crease if leg == "left" else crease - CREASE_FROM_MIDDLE
             panels.append(place_panel(f"{side}_{leg}", drawn, base, label="leg", across=across))
-    return sew_by_label(name, name, panels)
+    return panels
 
 
 def _leg(
@@ -118,90 +129,54 @@ def _leg(
     return Outline(centre, tuple(strokes))
 
 
-def draft_jumpsuit(measures: BodyMeasures | None = None) -> Pattern:
-    """Draft a sleeveless jumpsuit in one piece: front and back of each half, from the shoulder to the ankle.
+def draw_suit(cut: Cut, m: BodyMeasures) -> list[Panel]:
+    """Draw front and back of each half of a suit in one piece, from the shoulder to the ankle, and its sleeves.
 
-    Allowances: bust + 6 cm, waist + 16 cm and hip + 12 cm (it is stepped into through the neck, and bent in), crotch
-    4 cm below the body's, so that the trunk can bend; knee 47 cm and hem 42 cm around, neckline 12 cm deep in front and
-    4 cm behind. Side seams are one curve; the back's fork is lowered until the inseams are equal.
+    Allowances: waist + 16 cm and hip + 12 cm (it is stepped into through the neck, and bent in), crotch 4 cm below the
+    body's, so that the trunk can bend; straight legs of 47 cm at the knee and 42 cm at the hem, others differ from
+    these as trousers' do. Side seams are one curve; the back's fork is lowered until the inseams are equal.
     """
-    m = measures or BodyMeasures()
-    panels = _suit_panels(m, _bare_bodice(m))
-    return sew_by_label("jumpsuit", "jumpsuit", panels)
+    from scipy.optimize import brentq
 
-
-def draft_sleeved_jumpsuit(measures: BodyMeasures | None = None) -> Pattern:
-    """Draft a jumpsuit with sleeves to the elbow: front and back of each half, four half sleeves.
-
-    Waist, hip and legs as the sleeveless jumpsuit's; bust + 8 cm, armhole, neck, shoulders and sleeves as those of the
-    dress with sleeves.
-    """
-    m = measures or BodyMeasures()
-    bodice = _sleeved_bodice(m)
-    panels = _suit_panels(m, bodice)
-    for side, (_, under, scye, _) in bodice.items():
-        tip = (m.shoulder_half_width + 0.01, -0.04)
-        panels += half_sleeves(side, under, tip, scye.handles, m.nape_height, ELBOW_SLEEVE)
-    return sew_by_label("sleeved_jumpsuit", "jumpsuit", panels)
-
-
-Bodice = tuple[Point, Point, Stroke, float]
-"""Side neck point, underarm point, the armhole from there to the shoulder's tip, and the depth of the neckline [m]."""
-
-
-def _bare_bodice(m: BodyMeasures) -> dict[str, Bodice]:
-    """Give the upper ends of a sleeveless jumpsuit's front and back."""
-    neck, tip = (m.neck_half_width + 0.025, -0.005), (m.shoulder_half_width - 0.02, -0.034)
-    under = ((m.bust + 0.06) / 4, m.armpit_height - 0.03 - m.nape_height)
-    bodice = {}
-    for side, depth, hollow in (("front", 0.12, 0.058), ("back", 0.04, 0.050)):
-        scye = ((under[0] - hollow, under[1] + 0.004), (tip[0] - 0.016, tip[1] - 0.09))
-        bodice[side] = (neck, under, Stroke(tip, scye, contour="armhole.left"), depth)
-    return bodice
-
-
-def _sleeved_bodice(m: BodyMeasures) -> dict[str, Bodice]:
-    """Give the upper ends of a sleeved jumpsuit's front and back: those of the dress with sleeves."""
-    neck, tip = (m.neck_half_width + 0.02, 0.0), (m.shoulder_half_width + 0.01, -0.04)
-    under = ((m.bust + 0.08) / 4, m.armpit_height - 0.06 - m.nape_height)
-    bodice = {}
-    for side, depth, hollow in (("front", 0.10, 0.050), ("back", 0.025, 0.042)):
-        scye = ((under[0] - hollow, under[1] + 0.004), (tip[0] - 0.012, tip[1] - 0.08))
-        bodice[side] = (neck, under, Stroke(tip, scye, label=f"scye.{side}.left", notch=0.45), depth)
-    return bodice
-
-
-def _suit_panels(m: BodyMeasures, bodice: dict[str, Bodice]) -> list[Panel]:
-    """Draw front and back of each half; the back's fork is lowered until the inseams are equal."""
-    front = _half_suit(m, "front", m.hip / 16 - 0.01, 0.0, bodice["front"])
+    if cut.legs is Legs.SHORT:
+        raise PartsConflict("short legs are not cut in one with a bodice; choose straight, tapered, flared or wide.")
+    shoulder = draw_shoulder(cut, m)
+    knee, hem = (own - usual for own, usual in zip(ROUND_LEG[cut.legs], ROUND_LEG[Legs.STRAIGHT], strict=True))
+    wider = (knee / 8, hem / 8)
+    front = _half_suit(m, 0, m.hip / 16 - 0.01, 0.0, shoulder, wider)
     wanted = length(front, "inseam.0")
 
     def back(drop: float) -> Outline:
-        return _half_suit(m, "back", m.hip / 8 - 0.025, drop, bodice["back"])
+        return _half_suit(m, 1, m.hip / 8 - 0.025, drop, shoulder, wider)
 
     drop = brentq(lambda moved: length(back(moved), "inseam.0") - wanted, -0.05, 0.15, xtol=1e-12)
     panels = []
     for side, outline in (("front", front), ("back", back(drop))):
         panels.append(place_panel(f"{side}_left", outline, m.nape_height))
         panels.append(place_panel(f"{side}_right", mirror(outline), m.nape_height))
-    return panels
+    return panels + shoulder.sleeves(cut.sleeve, m.nape_height)
 
 
-def _half_suit(m: BodyMeasures, side: str, fork: float, fork_drop: float, bodice: Bodice) -> Outline:
-    """Draw the left half of a jumpsuit's front or back around the leg's middle, 13 cm from the body's."""
-    base = m.nape_height
-    neck, under, armhole, depth = bodice
+def _half_suit(
+    m: BodyMeasures, face: int, fork: float, fork_drop: float, shoulder: Shoulder, wider: tuple[float, float]
+) -> Outline:
+    """Draw the left half of a suit's front (0) or back (1) around the leg's middle, 13 cm from the body's.
+
+    `wider` is how far each side seam stands out at knee and hem from a straight leg's [m].
+    """
+    base, side = m.nape_height, FACES[face]
     hip, waist, crotch = m.hip_height + 0.04 - base, m.waist_height - base, m.crotch_height - 0.04 - base
     fork_tip = (-fork, crotch - fork_drop)
-    knee, ankle = 0.47 - base, 0.08 - base
+    knee, ankle = KNEE - base, ANKLE - base
     sides = [
-        (0.245, ankle),
-        (0.25, knee),
+        (0.245 + wider[1], ankle),
+        (0.25 + wider[0], knee),
         ((m.hip + 0.12) / 4, m.hip_height - base),
         ((m.waist + 0.16) / 4, waist),
-        under,
+        shoulder.under,
     ]
-    throat = neckline(neck, depth)
+    upper = shoulder.strokes(face)
+    inner = (0.015 - wider[0], knee)
     strokes = (
         Stroke((0.0, waist), label=f"centre.{side}.0"),
         Stroke((0.0, hip), label=f"centre.{side}.1"),
@@ -210,15 +185,13 @@ def _half_suit(m: BodyMeasures, side: str, fork: float, fork_drop: float, bodice
             ((0.0, hip + 0.62 * (crotch - hip)), (-0.45 * fork, fork_tip[1] + 0.002)),
             label=f"crotch.{side}",
         ),
-        Stroke((0.015, knee), _slack(fork_tip, (0.015, knee), 0.10, 0.30), label="inseam.0.left"),
-        Stroke((0.035, ankle), label="inseam.1.left"),
+        Stroke(inner, _slack(fork_tip, inner, 0.10, 0.30), label="inseam.0.left"),
+        Stroke((0.035 - wider[1], ankle), label="inseam.1.left"),
         Stroke(sides[0], contour="leg.left"),
         *smooth(sides, [f"side.{i}.left" for i in range(len(sides) - 1)]),
-        armhole,
-        Stroke(neck, label="shoulder.left"),
-        throat,
+        *upper,
     )
-    return Outline(throat.end, strokes)
+    return Outline(upper[-1].end, strokes)
 
 
 def _slack(start: Point, end: Point, at_start: float, at_end: float) -> tuple[Point, ...]:

@@ -1,0 +1,40 @@
+"""Base patterns from parts: a garment's cut as one choice for each part, and the drafts of the parts."""
+
+from .cut import (
+    PARTS,
+    Bodice,
+    Cut,
+    Legs,
+    Neckline,
+    PartsConflict,
+    PartUnknown,
+    Skirt,
+    Sleeve,
+    Waistband,
+    differing_parts,
+    parse_parts,
+)
+from .draft import draft_cut, half_neck
+from .library import CUTS
+from .necklines import Throat, corner_turn, neckline_points
+
+__all__ = [
+    "CUTS",
+    "PARTS",
+    "Bodice",
+    "Cut",
+    "Legs",
+    "Neckline",
+    "PartUnknown",
+    "PartsConflict",
+    "Skirt",
+    "Sleeve",
+    "Throat",
+    "Waistband",
+    "corner_turn",
+    "differing_parts",
+    "draft_cut",
+    "half_neck",
+    "neckline_points",
+    "parse_parts",
+]

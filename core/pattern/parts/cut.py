@@ -1,0 +1,205 @@
+"""What a garment is cut as: one choice for each of its parts, and the measures that depart from a part's own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from enum import StrEnum
+from typing import Any
+
+from ...errors import BadInput
+
+
+class PartUnknown(BadInput):
+    """A part or a choice of it is not one there is; `garmentq templates list --parts` shows them."""
+
+    code = "part.unknown"
+
+
+class PartsConflict(BadInput):
+    """Two parts of a cut cannot be sewn to each other."""
+
+    code = "part.conflict"
+
+
+class Bodice(StrEnum):
+    """How the trunk is covered: by its girths, from wide to close."""
+
+    NONE = "none"
+    BOXY = "boxy"
+    SHIFT = "shift"
+    SKIMMING = "skimming"
+
+
+class Neckline(StrEnum):
+    """The line of a neck opening between the two side neck points, in front or behind."""
+
+    CREW = "crew"
+    SCOOP = "scoop"
+    V = "v"
+    SQUARE = "square"
+    BOAT = "boat"
+
+
+class Sleeve(StrEnum):
+    """A sleeve by its length."""
+
+    NONE = "none"
+    CAP = "cap"
+    SHORT = "short"
+    ELBOW = "elbow"
+    LONG = "long"
+
+
+class Skirt(StrEnum):
+    """A skirt by the shape of its panels."""
+
+    NONE = "none"
+    STRAIGHT = "straight"
+    PENCIL = "pencil"
+    A_LINE = "a-line"
+    HALF_CIRCLE = "half-circle"
+    FULL_CIRCLE = "full-circle"
+
+
+class Legs(StrEnum):
+    """Legs by the line of their seams from the thigh down."""
+
+    NONE = "none"
+    STRAIGHT = "straight"
+    TAPERED = "tapered"
+    FLARED = "flared"
+    WIDE = "wide"
+    SHORT = "short"
+
+
+class Waistband(StrEnum):
+    """What finishes a waist."""
+
+    NONE = "none"
+    BAND = "band"
+
+
+@dataclass(frozen=True)
+class Cut:
+    """Say how a garment is cut; `parts.draft_cut` drafts it.
+
+    Attributes:
+        bodice: The trunk above the waist.
+        neckline, back_neckline: Of the front and of the back.
+        sleeve: Of each arm.
+        skirt: Below the waist, cut in one piece with a bodice where there is one.
+        panels: Panels of a skirt all around, 2 or 4.
+        legs: Below the waist instead of a skirt, in one piece with a bodice where there is one.
+        waistband: Of a skirt.
+        neck_depth, back_depth: Of a neckline below the side neck point [m]; None: as the neckline is usually cut.
+        neck_bow: How far a V's side bows out of its chord, as a share of it; negative: towards the middle.
+    """
+
+    bodice: Bodice = Bodice.NONE
+    neckline: Neckline = Neckline.CREW
+    back_neckline: Neckline = Neckline.CREW
+    sleeve: Sleeve = Sleeve.NONE
+    skirt: Skirt = Skirt.NONE
+    panels: int = 2
+    legs: Legs = Legs.NONE
+    waistband: Waistband = Waistband.NONE
+    neck_depth: float | None = None
+    back_depth: float | None = None
+    neck_bow: float = 0.0
+
+    @property
+    def category(self) -> str:
+        """Return the category of a garment that is cut so: one of `segment.CATEGORIES`.
+
+        Raises:
+            PartsConflict: where the parts make no garment.
+        """
+        if self.bodice is Bodice.NONE:
+            if self.sleeve is not Sleeve.NONE:
+                raise PartsConflict("a sleeve needs a bodice; choose one, or sleeve=none.")
+            if (self.skirt is Skirt.NONE) == (self.legs is Legs.NONE):
+                raise PartsConflict("a cut without a bodice is a skirt or legs; choose one of them.")
+            if self.skirt is not Skirt.NONE:
+                return "skirt"
+            return "shorts" if self.legs is Legs.SHORT else "trousers"
+        if self.legs is not Legs.NONE:
+            if self.skirt is not Skirt.NONE:
+                raise PartsConflict("legs and a skirt cannot be cut in one; leave out one of them.")
+            return "jumpsuit"
+        if self.skirt is not Skirt.NONE:
+            return "dress"
+        if self.sleeve is Sleeve.NONE:
+            return "tank"
+        return "long_sleeve_tshirt" if self.sleeve is Sleeve.LONG else "tshirt"
+
+    def choose(self, parts: dict[str, str]) -> Cut:
+        """Return the cut with other choices for some of its parts; measures of a neckline that changes are dropped.
+
+        Args:
+            parts: Names of choices by names of parts: `{"neckline": "v"}`.
+
+        Raises:
+            PartUnknown: where there is no such part, or no such choice of it.
+        """
+        changed: dict[str, Any] = {}
+        for part, word in parts.items():
+            changed[part] = _choice(part, word)
+            if changed[part] != getattr(self, part):
+                changed |= _DROPPED.get(part, {})
+        return replace(self, **changed)
+
+    def has_place_for(self, part: str) -> bool:
+        """Check whether a garment of the cut's kind can have another choice of a part: trousers have no neckline."""
+        if part in ("neckline", "back_neckline", "sleeve"):
+            return self.bodice is not Bodice.NONE
+        if part == "waistband":
+            return self.skirt is not Skirt.NONE and self.bodice is Bodice.NONE
+        return part not in PARTS or str(getattr(self, part)) != "none"
+
+
+PARTS: dict[str, type[StrEnum]] = {
+    "bodice": Bodice,
+    "neckline": Neckline,
+    "back_neckline": Neckline,
+    "sleeve": Sleeve,
+    "skirt": Skirt,
+    "legs": Legs,
+    "waistband": Waistband,
+}
+"""The parts of a cut by name, each with its choices."""
+
+_DROPPED: dict[str, dict[str, Any]] = {
+    "neckline": {"neck_depth": None, "neck_bow": 0.0},
+    "back_neckline": {"back_depth": None},
+}
+"""Measures that belong to a part's former choice."""
+
+
+def _choice(part: str, word: str) -> StrEnum:
+    if part not in PARTS:
+        raise PartUnknown(f"'{part[:40]}' is no part of a cut; name one of {', '.join(PARTS)}.")
+    try:
+        return PARTS[part](word)
+    except ValueError:
+        raise PartUnknown(f"{part} '{word[:40]}' is not one of {', '.join(PARTS[part])}.") from None
+
+
+def parse_parts(text: str) -> dict[str, str]:
+    """Read choices of parts, `neckline=v,sleeve=long`; whether there are such is not looked at.
+
+    Raises:
+        PartUnknown: where one has no `=`, or a part is named twice.
+    """
+    found: dict[str, str] = {}
+    for word in filter(None, (word.strip() for word in text.split(","))):
+        part, sign, choice = (piece.strip() for piece in word.partition("="))
+        if not sign or part in found:
+            raise PartUnknown(f"'{word[:60]}' is not PART=CHOICE, each part once, as in neckline=v.")
+        found[part] = choice
+    return found
+
+
+def differing_parts(cut: Cut, other: Cut) -> dict[str, str]:
+    """Return what has to be chosen to make of a cut another one, measures apart."""
+    names = (field.name for field in fields(Cut) if field.name in PARTS)
+    return {name: str(getattr(other, name)) for name in names if getattr(other, name) != getattr(cut, name)}

@@ -1,0 +1,48 @@
+"""Draft a garment from its parts."""
+
+from __future__ import annotations
+
+from ..division import divide_edges
+from ..measures import BodyMeasures
+from ..outline import sew_by_label
+from ..pattern import Pattern
+from .cut import Bodice, Cut, Legs, PartsConflict, Waistband
+from .legs import draw_legs, draw_suit
+from .skirts import SWEEP, draw_skirt
+from .tops import draw_shoulder, draw_top
+
+
+def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None = None) -> Pattern:
+    """Draft the pattern of a cut.
+
+    Args:
+        cut: The parts.
+        measures: Of the wearer; None: those of the built-in female body of 1.70 m.
+        name: Of the pattern; None: its category.
+
+    Raises:
+        PartsConflict: where two parts cannot be sewn to each other; the message names them.
+    """
+    m, category = measures or BodyMeasures(), cut.category
+    if cut.waistband is Waistband.BAND and (cut.bodice is not Bodice.NONE or cut.legs is not Legs.NONE):
+        raise PartsConflict("a band finishes the waist of a skirt; choose waistband=none.")
+    if cut.bodice is Bodice.NONE:
+        panels = draw_skirt(cut, m) if cut.legs is Legs.NONE else draw_legs(cut, m)
+    else:
+        panels = draw_top(cut, m) if cut.legs is Legs.NONE else draw_suit(cut, m)
+    pattern = sew_by_label(name or category, category, panels)
+    return _divide(pattern, cut) if category == "skirt" else pattern
+
+
+def half_neck(cut: Cut, measures: BodyMeasures | None = None) -> float:
+    """Return the distance of a bodice's side neck points from the middle plane [m]."""
+    return draw_shoulder(cut, measures or BodyMeasures()).neck[0]
+
+
+def _divide(pattern: Pattern, cut: Cut) -> Pattern:
+    """Give waist and hem of a skirt without a band more control points, so that grading can open it to a circle."""
+    if cut.waistband is Waistband.BAND or cut.skirt in SWEEP:
+        return pattern
+    if cut.panels == 4:
+        return divide_edges(pattern, {"hem"}, 2)
+    return divide_edges(divide_edges(pattern, {"hem"}, 4), {"waist"}, 2)

@@ -1,0 +1,119 @@
+"""A scan's neckline is told by the shape of its contour, and the base pattern is cut so."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from garmentq.core.body import builtin_body
+from garmentq.core.grade import choose_cut
+from garmentq.core.grade.neckline import fit_necklines
+from garmentq.core.pattern import edge_points, load_template
+from garmentq.core.pattern.parts import Neckline, Throat, neckline_points
+from garmentq.core.segment import Contour, Target, unroll_neck
+
+BODY = builtin_body("builtin:female,height=1.70")
+
+
+def neck_target(front: Throat, back: Throat, *, noise: float = 0.0, turn: float = 0.0) -> Target:
+    """Return a target whose neck contour is two drafted necklines, laid on a chest that leans as cylinders do."""
+    halves = []
+    for throat, sign in ((front, 1.0), (back, -1.0)):
+        line = neckline_points(throat, 0.10, 40)
+        lean = np.radians(25.0)
+        halves.append(np.c_[line[:, 0], 1.40 + line[:, 1] * np.cos(lean), -sign * line[:, 1] * np.sin(lean)])
+    ahead, behind = halves
+    flip = np.array([-1.0, 1.0, 1.0])
+    loop = np.concatenate([ahead[:-1], (ahead * flip)[:0:-1], (behind * flip)[:-1], behind[:0:-1]])
+    loop += noise * np.random.default_rng(3).standard_normal(loop.shape)
+    around = np.array([[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]])
+    neck = Contour("neck", np.arange(len(loop)), 0.6)
+    others = tuple(Contour(name, np.arange(4), length) for name, length in TSHIRT.items())
+    return Target(loop @ around.T, np.zeros((0, 3), int), loop, (neck, *others), (), "tshirt")
+
+
+TSHIRT = {"hem": 1.02, "cuff.left": 0.35, "cuff.right": 0.35}
+"""The other contours of the T-shirt, as the library has them."""
+
+CREW_BACK = Throat.at_back(Neckline.CREW)
+
+
+@pytest.mark.parametrize("kind", [Neckline.CREW, Neckline.SCOOP, Neckline.V, Neckline.SQUARE, Neckline.BOAT])
+def test_each_neckline_is_told_from_the_others(kind):
+    """Breaks where a line is taken for another: 1 mm of noise is a scanner's, and teeth are smoothed away."""
+    fits = fit_necklines(neck_target(Throat.at_front(kind), CREW_BACK, noise=0.001), BODY)
+    assert fits is not None
+    assert fits.front[0].throat.kind is kind
+    assert fits.front[0].misfit < 0.04
+    assert fits.back[0].throat.kind is Neckline.CREW
+
+
+def test_unrolled_lines_have_the_drafted_width_and_depth():
+    """Breaks where the profile is not measured along the cloth, or front and back are exchanged."""
+    target = neck_target(Throat(Neckline.V, 0.18), CREW_BACK)
+    lines = unroll_neck(target.vertices[: len(target.contours[0].vertices)], BODY)
+    assert lines is not None
+    assert lines.front[0] == pytest.approx([0.10, 0.0], abs=2e-3)
+    assert lines.front[-1] == pytest.approx([0.0, 0.18], abs=6e-3)  # the corner is rounded
+    assert lines.back[-1] == pytest.approx([0.0, 0.025], abs=5e-3)
+
+
+def test_a_bowed_v_is_a_v_until_its_corner_is_gone():
+    """Breaks where any pointed curve counts: a side that bows by 0.1 keeps a corner, a shallow round line has none."""
+    bowed = fit_necklines(neck_target(Throat(Neckline.V, 0.18, 0.08), CREW_BACK), BODY)
+    assert bowed is not None and bowed.front[0].throat.kind is Neckline.V
+    assert bowed.front[0].throat.bow == pytest.approx(0.08, abs=0.03)
+    shallow = fit_necklines(neck_target(CREW_BACK, Throat(Neckline.V, 0.05, 0.125)), BODY)
+    assert shallow is not None and shallow.back[0].throat.kind is not Neckline.V
+
+
+def test_the_base_pattern_gets_the_corner_where_the_scan_has_it():
+    """Breaks where the V lands in the back, or keeps the template's depth instead of the scan's proportion."""
+    for front, back, name in (
+        (Throat(Neckline.V, 0.16), CREW_BACK, "tshirt+neckline=v"),
+        (Throat.at_front(Neckline.CREW), Throat(Neckline.V, 0.13), "tshirt+back_neckline=v"),
+        (Throat(Neckline.CREW, 0.08), CREW_BACK, "tshirt"),
+    ):
+        choice = choose_cut(neck_target(front, back), BODY)
+        assert choice.template == name == choice.candidates[0].template
+        assert len(choice.candidates) == 3
+    choice = choose_cut(neck_target(Throat(Neckline.V, 0.16), CREW_BACK), BODY)
+    panel = choice.pattern.panel("front")
+    neck = [edge_points(panel, i, 8) for i, edge in enumerate(panel.edges) if edge.contour == "neck"]
+    width, depth = np.ptp(np.concatenate(neck), axis=0)
+    assert depth / (width / 2) == pytest.approx(1.6, rel=0.04)
+
+
+def test_the_user_overrules_the_scan():
+    """Breaks where --part is a hint only, or a part that trousers have no place for stops a person's recovery."""
+    target = neck_target(Throat(Neckline.V, 0.16), CREW_BACK)
+    assert choose_cut(target, BODY, {"neckline": "square"}).template == "tshirt+neckline=square"
+    plain = choose_cut(target, BODY, {"neckline": "crew"})
+    assert plain.template == "tshirt"
+    assert np.array_equal(plain.pattern.points, load_template("tshirt").points)
+    legs = tuple(Contour(name, np.arange(4), 0.4) for name in ("waist", "leg.left", "leg.right"))
+    trousers = choose_cut(replace(target, contours=legs, category="trousers"), BODY, {"neckline": "v"})
+    assert trousers.template == "trousers"
+    assert "neckline" in trousers.notes[0]
+
+
+def test_a_neck_that_cannot_be_trusted_changes_nothing():
+    """Breaks where damage at the neck chooses the cut."""
+    target = neck_target(Throat(Neckline.V, 0.16), CREW_BACK)
+    torn = replace(target, contours=(replace(target.contours[0], trusted=False), *target.contours[1:]))
+    choice = choose_cut(torn, BODY)
+    assert choice.template == "tshirt"
+    assert np.array_equal(choice.pattern.points, load_template("tshirt").points)
+
+
+def test_a_turned_wearer_has_the_same_neckline():
+    """Breaks where left and right are the world's x instead of the wearer's."""
+    turn = 0.6
+    around = np.array([[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]])
+    turned = replace(BODY, joints=BODY.joints @ around.T)
+    straight = fit_necklines(neck_target(Throat.at_front(Neckline.V), CREW_BACK), BODY)
+    found = fit_necklines(neck_target(Throat.at_front(Neckline.V), CREW_BACK, turn=turn), turned)
+    assert straight is not None and found is not None
+    assert found.front[0].throat.kind is straight.front[0].throat.kind
+    assert found.front[0].misfit == pytest.approx(straight.front[0].misfit, abs=0.01)

@@ -1,0 +1,181 @@
+"""Every allowed combination of parts drafts a pattern that can be cut and sewn."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+from garmentq.core.pattern import (
+    BodyMeasures,
+    EdgeRef,
+    check_outline,
+    find_cut,
+    find_symmetry,
+    load_template,
+    mesh_pattern,
+    name_cut,
+    panel_area,
+    seam_lengths,
+)
+from garmentq.core.pattern.parts import (
+    CUTS,
+    Bodice,
+    Cut,
+    Legs,
+    Neckline,
+    PartsConflict,
+    PartUnknown,
+    Skirt,
+    Sleeve,
+    Throat,
+    Waistband,
+    corner_turn,
+    draft_cut,
+    neckline_points,
+    parse_parts,
+)
+from garmentq.core.segment import CATEGORIES, CONTOUR_NAMES, find_loops
+
+CURVY = BodyMeasures(bust=1.08, waist=0.86, hip=1.12)
+"""A bigger wearer: drafts whose corners are solved for must find them here, too."""
+
+
+def many_cuts() -> dict[str, Cut]:
+    """Return the combinations of parts that meet each other at an edge, by a name."""
+    found = {}
+    lower = (
+        (Skirt.NONE, Legs.NONE),
+        (Skirt.A_LINE, Legs.NONE),
+        (Skirt.FULL_CIRCLE, Legs.NONE),
+        (Skirt.NONE, Legs.WIDE),
+    )
+    sleeves = (Sleeve.NONE, Sleeve.CAP, Sleeve.LONG)
+    for bodice, neckline, sleeve, (skirt, legs) in product(tuple(Bodice)[1:], Neckline, sleeves, lower):
+        cut = Cut(bodice, neckline, sleeve=sleeve, skirt=skirt, legs=legs)
+        found[f"{bodice} {neckline} {sleeve} {skirt} {legs}"] = cut
+    found |= {f"back {kind}": Cut(Bodice.BOXY, back_neckline=kind) for kind in Neckline}
+    for skirt, panels, band in product(Skirt, (2, 4), Waistband):
+        found[f"{skirt} {panels} {band}"] = Cut(skirt=skirt, panels=panels, waistband=band)
+    found |= {f"{legs} legs": Cut(legs=legs) for legs in Legs}
+    return found
+
+
+def test_every_combination_drafts_or_says_why_not():
+    """Breaks where a part does not meet another: a crossing outline, unequal seams, an edge without name or partner."""
+    drafted = refused = 0
+    for name, cut in many_cuts().items():
+        try:
+            pattern = draft_cut(cut)
+        except PartsConflict as conflict:
+            assert len(str(conflict)) > 20
+            refused += 1
+            continue
+        drafted += 1
+        lengths = seam_lengths(pattern)
+        assert np.abs(lengths[:, 0] - lengths[:, 1]).max() < 1e-6, name
+        assert lengths.min() > 0.015, name
+        sewn = [ref for seam in pattern.seams for ref in (seam.a, seam.b)]
+        assert len(sewn) == len(set(sewn)), name
+        for panel in pattern.panels:
+            check_outline(panel)
+            assert panel_area(panel) > 0.003, (name, panel.name)
+            for i, edge in enumerate(panel.edges):
+                assert (edge.contour == "") == (EdgeRef(panel.name, i) in sewn), (name, panel.name, i)
+                assert edge.contour in ("", *CONTOUR_NAMES)
+        assert pattern.category in CATEGORIES
+    assert drafted > 140 and refused > 40
+
+
+@pytest.mark.parametrize(
+    ("template", "neckline"),
+    [*(("tshirt", str(kind)) for kind in Neckline), ("tank", "v"), ("sleeved_jumpsuit", "square")],
+)
+def test_a_neckline_changes_the_neck_alone(template, neckline):
+    """Breaks where a neckline moves the armhole or side, is not symmetric, or leaves a hole open when sewn."""
+    name = name_cut(template, find_cut(template).choose({"neckline": neckline, "back_neckline": "crew"}))
+    pattern, shipped = load_template(name), load_template(template)
+    mirrors = find_symmetry(pattern).mirrors
+    assert {i for m in mirrors for i in (m.source, m.target)} == set(range(len(pattern.panels)))
+    assert [p.name for p in pattern.panels] == [p.name for p in shipped.panels]
+    for panel, other in zip(pattern.panels, shipped.panels, strict=True):
+        labels = {edge.label for edge in panel.edges} - {""}
+        assert labels == {edge.label for edge in other.edges} - {""}
+    garment = mesh_pattern(pattern, 500)
+    assert len(find_loops(garment.faces)) == len(find_loops(mesh_pattern(shipped, 500).faces))
+
+
+def test_necklines_have_the_corners_of_their_kind():
+    """Breaks where a V is rounded at its point, or a round neckline has a corner there."""
+    turns = {kind: np.degrees(corner_turn(Throat.at_front(kind), 0.09)) for kind in Neckline}
+    assert turns[Neckline.V] == pytest.approx(2 * np.degrees(np.arctan2(0.17, 0.09)), abs=0.1)
+    for kind in (Neckline.CREW, Neckline.SCOOP, Neckline.BOAT, Neckline.SQUARE):
+        assert turns[kind] < 8.0, kind  # of the last 1/32 of half a curve
+
+
+def test_the_bow_of_a_v_is_its_largest_distance_from_the_chord():
+    """Breaks where the sign or the size of a bow is wrong: outwards is positive."""
+    for bow in (-0.1, 0.05, 0.12):
+        line = neckline_points(Throat(Neckline.V, 0.16, bow), 0.12, 200)
+        chord = np.array([-0.12, -0.16]) / 0.2
+        across = (line - line[0]) @ np.array([-chord[1], chord[0]])
+        assert across[np.abs(across).argmax()] == pytest.approx(0.2 * bow, abs=1e-4)
+
+
+def test_circle_skirts_are_rings():
+    """Breaks where an arc is drawn by wrong handles: waist and hem are known in closed form, and so is the area."""
+    for skirt, sweep in ((Skirt.HALF_CIRCLE, np.pi), (Skirt.FULL_CIRCLE, 2 * np.pi)):
+        pattern = draft_cut(Cut(skirt=skirt), CURVY)
+        inner = (CURVY.waist + 0.02) / sweep
+        ring = sweep / 2 * ((inner + 0.50) ** 2 - inner**2)
+        assert sum(panel_area(p) for p in pattern.panels) == pytest.approx(ring, rel=1e-3)
+
+
+@pytest.mark.parametrize("legs", ["tapered", "flared", "wide"])
+def test_legs_differ_below_the_seat_only(legs):
+    """Breaks where a wider hem moves the waist, or the back is no longer solved to fit the front."""
+    wide, straight = (draft_cut(Cut(legs=Legs(kind)), CURVY) for kind in (legs, "straight"))
+    for panel, other in zip(wide.panels, straight.panels, strict=True):
+        hems = [
+            np.ptp(p.points[[i, (i + 1) % len(p.points)], 0])
+            for p in (panel, other)
+            for i, edge in enumerate(p.edges)
+            if edge.contour.startswith("leg")
+        ]
+        assert (hems[0] > hems[1]) == (legs != "tapered")
+        assert len(panel.points) == len(other.points)
+
+
+def test_names_of_cuts_are_read_as_they_are_written():
+    """Breaks where a part is lost between a cut and its name: a result could not be drafted again."""
+    for stem in CUTS:
+        for choice in ({}, {"neckline": "v"}, {"neckline": "square", "sleeve": "cap", "back_neckline": "scoop"}):
+            cut = CUTS[stem].choose(choice)
+            named = find_cut(name_cut(stem, cut))
+            assert (named.neckline, named.back_neckline, named.sleeve) == (cut.neckline, cut.back_neckline, cut.sleeve)
+    assert name_cut("tshirt", CUTS["tshirt"]) == "tshirt"
+    assert load_template("tshirt+neckline=v").name == "tshirt+neckline=v"
+
+
+@pytest.mark.parametrize("text", ["neckline", "collar=shawl", "neckline=heart", "neckline=v,neckline=crew"])
+def test_parts_that_are_none_are_refused(text):
+    """Breaks where a slip of the pen is taken for a choice, or ends in a traceback."""
+    with pytest.raises(PartUnknown):
+        Cut(Bodice.BOXY).choose(parse_parts(text))
+
+
+@pytest.mark.parametrize(
+    "cut",
+    [
+        Cut(sleeve=Sleeve.LONG, skirt=Skirt.A_LINE),
+        Cut(skirt=Skirt.A_LINE, legs=Legs.WIDE),
+        Cut(),
+        Cut(Bodice.SHIFT, skirt=Skirt.FULL_CIRCLE),
+        Cut(Bodice.BOXY, waistband=Waistband.BAND),
+        Cut(skirt=Skirt.A_LINE, panels=3),
+    ],
+)
+def test_parts_that_cannot_be_sewn_are_refused(cut):
+    """Breaks where a garment is drafted without one of its parts."""
+    with pytest.raises(PartsConflict):
+        draft_cut(cut)
