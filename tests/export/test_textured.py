@@ -10,9 +10,11 @@ import pytest
 import trimesh
 from garmentq.core.errors import BadInput
 from garmentq.core.export import write_ply
+from garmentq.core.export.prints import BLEED, PrintPlace, draw_print, list_prints
 from garmentq.core.export.sewn_mesh import SewnMesh
 from garmentq.core.export.stored import garment_stem, read_nodes
-from garmentq.core.export.textured import BLEED, PrintPlace, draw_print, write_textured
+from garmentq.core.export.textured import write_textured
+from garmentq.core.pattern import load_template
 from garmentq.core.scan import Scan
 from garmentq.core.scan.coloured import ColoursMissing, coloured_of
 from garmentq.core.simulate import get_fabric
@@ -44,7 +46,7 @@ def written(mesh: SewnMesh, tmp_path_factory) -> dict[str, Path]:
 def test_every_file_is_there_and_names_are_plain(written: dict[str, Path]) -> None:
     """Fails if a panel's name left the folder."""
     wanted = {"tube_texture.png", "tube_texture_mask.png", "tube_textured.glb", "tube_textured.obj",
-              "tube_textured.mtl", "tube_textured.json", "tube_print_front.png", "tube_print_back.png"}  # fmt: skip
+              "tube_textured.mtl", "tube_textured.json", "tube_print_FRONT.png", "tube_print_BACK.png"}  # fmt: skip
     assert wanted <= set(written) <= wanted | {"tube_textured.usd"}
 
 
@@ -70,7 +72,7 @@ def test_glb_has_no_fault_by_khronos(written: dict[str, Path]) -> None:
 
 def test_a_print_is_the_panel_at_true_scale_with_bleed(written: dict[str, Path]) -> None:
     """Fails if a print comes out of a printer at another size, or stops at the sew line."""
-    image = Image.open(written["tube_print_front.png"])
+    image = Image.open(written["tube_print_FRONT.png"])
     assert image.mode == "RGBA"
     assert image.info["dpi"][0] == pytest.approx(12.7, abs=0.01)  # 2 mm a pixel
     wide, high = (0.0254 * pixels / image.info["dpi"][0] for pixels in image.size)
@@ -122,3 +124,13 @@ def test_files_are_called_after_the_scan(tmp_path: Path) -> None:
     assert garment_stem(tmp_path) == "garment"
     (tmp_path / "manifest.json").write_text(json.dumps({"scan": {"name": "../My Shirt (1)"}}))
     assert garment_stem(tmp_path) == "my_shirt_1"
+
+
+@pytest.mark.parametrize("name", ["tshirt", "trousers", "pencil_skirt", "sleeved_jumpsuit"])
+def test_every_panel_is_printed_once_and_as_it_is_cut(name: str) -> None:
+    """Fails if the colours of a pair's copy are lost, or a print is mirrored."""
+    pattern = load_template(name)
+    prints = list_prints(pattern)
+    assert sorted(place.panel for _, places in prints for place in places) == list(range(len(pattern.panels)))
+    assert all(np.linalg.det(place.rotation) == pytest.approx(1.0) for _, places in prints for place in places)
+    assert len({each for each, _ in prints}) == len(prints)
