@@ -6,18 +6,21 @@ from pathlib import Path
 
 import click
 
-from .options import home_option, json_option
+from . import exits
+from .options import json_option, known_home_option
 
 
 @click.command("backup")
 @click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
 @click.option("--overwrite", is_flag=True, help="Replace the file if it exists.")
-@home_option
+@known_home_option
 @json_option
-def command(file: Path, overwrite: bool, home: Path | None, as_json: bool) -> None:
+@click.pass_context
+def command(context: click.Context, file: Path, overwrite: bool, home: Path | None, as_json: bool) -> None:
     """Save the embedded database and its files into one tar file.
 
-    Jobs may go on meanwhile: the file holds the state of the moment it was begun.
+    Jobs may go on meanwhile: the file holds the state of the moment it was begun. Stored files that are missing or
+    damaged are left out and counted; the exit status is 11 then.
 
     \b
     Example:
@@ -29,8 +32,11 @@ def command(file: Path, overwrite: bool, home: Path | None, as_json: bool) -> No
 
     saved = make_backup(read_settings(home=home), file.absolute(), overwrite)
     if as_json:
-        print_json({"file": str(saved.path), "files": saved.files, "bytes": saved.size, "missing": len(saved.missing)})
-        return
+        lost = {"missing": len(saved.missing), "damaged": len(saved.damaged)}
+        print_json({"file": str(saved.path), "files": saved.files, "bytes": saved.size, **lost})
+        context.exit(exits.INCOMPLETE if saved.damaged or saved.missing else exits.OK)
     note(f"saved the database and {saved.files} files of {saved.size / 1e6:.1f} MB in {saved.path}")
-    if saved.missing:
-        note(f"{len(saved.missing)} files that the database names are gone from the store")
+    if saved.missing or saved.damaged:
+        left = f"{len(saved.missing)} files that the database names are gone, {len(saved.damaged)} are damaged"
+        note(f"{left}; the backup is without them, and `garmentq verify --read-data` names their jobs")
+        context.exit(exits.INCOMPLETE)

@@ -7,12 +7,12 @@ from pathlib import Path
 import click
 
 from ..service.states import State
-from .options import home_option, json_option
+from .options import json_option, known_home_option
 
 
 @click.command("cancel")
 @click.argument("jobs", nargs=-1, required=True, metavar="JOB...")
-@home_option
+@known_home_option
 @json_option
 def command(jobs: tuple[str, ...], home: Path | None, as_json: bool) -> None:
     """Stop a job.

@@ -25,8 +25,8 @@ def command() -> None:
 def upgrade(home: Path | None, as_json: bool) -> None:
     """Make the tables or bring them up to date, and make the store's folder or bucket.
 
-    Every command does so by itself where it must; a deployment runs this once before its workers start. Two at the same
-    time wait for each other.
+    No other command changes tables that are there: one of an older version could not use them afterwards. A deployment
+    runs this once before its workers start. Two at the same time wait for each other.
 
     \b
     Example:
@@ -38,7 +38,7 @@ def upgrade(home: Path | None, as_json: bool) -> None:
     from .terminal import note, print_json
 
     settings = read_settings(home=home)
-    database = open_database(settings)
+    database = open_database(settings, is_upgraded=True)
     with database.read() as session:
         revision = read_revision(session.connection())
     database.dispose()

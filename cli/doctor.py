@@ -38,8 +38,7 @@ OPEN3D_LIBRARIES = ("libEGL.so.1", "libGL.so.1", "libX11.so.6", "libudev.so.1", 
 def command(context: click.Context, home: Path | None, as_json: bool) -> None:
     """Check that everything garmentq needs is there.
 
-    Starts nothing and changes nothing but the database's tables, if they are old. Passwords are not shown. Exit status
-    1 where a check failed.
+    Starts and changes nothing. Passwords are not shown. Exit status 1 where a check failed.
 
     \b
     Example:
@@ -60,7 +59,7 @@ def command(context: click.Context, home: Path | None, as_json: bool) -> None:
 
 def _examine(settings: ServiceSettings) -> Iterator[Finding]:
     is_remote = bool(os.environ.get("GARMENTQ_URL"))
-    there = [_check_database, _check_broker, _check_store]
+    there = [_check_home, _check_database, _check_broker, _check_store]
     checks: list[Callable[[ServiceSettings], Iterator[Finding]]] = [
         _check_python, _check_packages, _check_open3d, *([_check_service] if is_remote else there), _check_threads,
         _show_settings,
@@ -112,29 +111,49 @@ def _check_open3d(settings: ServiceSettings) -> Iterator[Finding]:
 
 def _check_database(settings: ServiceSettings) -> Iterator[Finding]:
     from ..core.errors import GarmentqError
-    from ..service.database import open_database
-    from ..service.query import count_states
+    from ..service.database import check_integrity, open_database
+    from ..service.health import find_troubles, read_queue
     from ..service.settings import hide_password
 
+    if not settings.database_url and not (settings.home / "garmentq.db").exists():
+        yield "database", True, f"{settings.home} has none yet; the first command that needs it makes it"
+        return
     try:
-        states = count_states(open_database(settings))
+        database = open_database(settings)
+        check_integrity(database)
+        queue = read_queue(database)
     except GarmentqError as error:
         yield "database", False, f"{error.code}: {error.message}"
         return
-    jobs = ", ".join(f"{count} {state}" for state, count in sorted(states.items())) or "no jobs yet"
+    jobs = ", ".join(f"{count} {state}" for state, count in sorted(queue.states.items())) or "no jobs yet"
     yield "database", True, f"{hide_password(settings.database)}: {jobs}"
+    troubles = find_troubles(queue)
+    yield "queue", not troubles, " ".join(troubles) or "nothing stands in its way"
+
+
+def _check_home(settings: ServiceSettings) -> Iterator[Finding]:
+    """Warn of a home that other users of the machine can read: scans of bodies are personal data."""
+    if not settings.home.is_dir():
+        return
+    is_private = not settings.home.stat().st_mode & 0o077
+    text = "only its owner can read it" if is_private else f"others can read it; chmod 700 {settings.home}"
+    yield "home", is_private, text
 
 
 def _check_service(settings: ServiceSettings) -> Iterator[Finding]:
     """Ask the service that GARMENTQ_URL names; its database, broker and store are its own matter."""
     from .. import __version__
     from ..core.errors import GarmentqError
+    from ..service.health import find_troubles
+    from ..service.local_token import find_local_token
     from ..service.remote import RemoteBackend
     from ..service.settings import hide_password
 
     url = hide_password(os.environ["GARMENTQ_URL"])
     try:
-        service = RemoteBackend(os.environ["GARMENTQ_URL"], os.environ.get("GARMENTQ_API_KEY", ""))
+        address = os.environ["GARMENTQ_URL"]
+        token = os.environ.get("GARMENTQ_API_KEY", "") or find_local_token(address, settings.home)
+        service = RemoteBackend(address, token)
         found = service.read_health()
         queue = service.read_queue()
     except GarmentqError as error:
@@ -144,7 +163,8 @@ def _check_service(settings: ServiceSettings) -> Iterator[Finding]:
     yield "service", not same, f"{url}: garmentq {found['version']}, database and store ok{same}"
     jobs = ", ".join(f"{count} {state}" for state, count in sorted(queue.states.items())) or "no jobs yet"
     count = len(queue.workers)
-    yield "queue", True, f"{jobs}; {count} worker{'' if count == 1 else 's'}"
+    troubles = find_troubles(queue)
+    yield "queue", not troubles, " ".join([f"{jobs}; {count} worker{'' if count == 1 else 's'}", *troubles])
 
 
 def _check_broker(settings: ServiceSettings) -> Iterator[Finding]:
@@ -170,13 +190,16 @@ def _check_store(settings: ServiceSettings) -> Iterator[Finding]:
     from ..service.settings import hide_password
     from ..service.stores import open_store
 
+    if not settings.is_store_remote and not settings.store and not settings.store_path.exists():
+        yield "store", True, f"{settings.store_path} is made when first written to"
+        return
     try:
-        open_store(settings).put_bytes(b"garmentq doctor was here\n")
+        open_store(settings).check()
     except GarmentqError as error:
         yield "store", False, f"{error.code}: {error.message}"
         return
     if settings.is_store_remote:
-        yield "store", True, f"{hide_password(settings.store)} takes a file"
+        yield "store", True, f"{hide_password(settings.store)} answers"
         return
     free = shutil.disk_usage(settings.store_path).free
     text = f"{settings.store_path}, {free / (1 << 30):.1f} GiB free"

@@ -20,10 +20,12 @@ CANCELLED = 7
 TIMED_OUT = 8
 UNREACHABLE = 9
 FAILED_CHECK = 10
+INCOMPLETE = 11
 DETACHED = 130
 
 SEVERITY = (
-    OK, FAILED_CHECK, FAULT, USAGE, NOT_FOUND, BAD_INPUT, FAILED, DEAD, CANCELLED, TIMED_OUT, UNREACHABLE, DETACHED
+    OK, FAILED_CHECK, INCOMPLETE, FAULT, USAGE, NOT_FOUND, BAD_INPUT, FAILED, DEAD, CANCELLED, TIMED_OUT, UNREACHABLE,
+    DETACHED,
 )  # fmt: skip
 """Every status from the mildest on: of several jobs the last one counts. A result that fails a check is milder than any
 job without one."""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .options import home_option, json_option
+from .options import json_option, known_home_option
 
 
 @click.command("export")
@@ -15,7 +15,7 @@ from .options import home_option, json_option
 @click.option(
     "--out", "-o", type=click.Path(file_okay=False, path_type=Path), default=Path("."), help="Folder.  [default: here]"
 )
-@home_option
+@known_home_option
 @json_option
 def command(job: str, names: tuple[str, ...], out: Path, home: Path | None, as_json: bool) -> None:
     """Copy a job's files into a folder.

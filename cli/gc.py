@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .options import home_option, json_option
+from .options import json_option, known_home_option
 
 GRACE_HOURS = 24.0
 """As in `service.garbage`, which is not imported for `--help`; a test compares them."""
@@ -21,7 +21,7 @@ GRACE_HOURS = 24.0
     show_default=True,
     help="Keep younger files: a running job may be about to use them.",
 )
-@home_option
+@known_home_option
 @json_option
 def command(is_delete: bool, grace_hours: float, home: Path | None, as_json: bool) -> None:
     """Remove stored files that no job names.

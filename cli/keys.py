@@ -27,21 +27,34 @@ def command() -> None:
 @click.argument("name")
 @click.option(
     "--scope", "scopes", multiple=True, default=("read", "submit"), show_default=True,
-    type=click.Choice(["read", "submit", "admin"]), help="Scope that the key has; may be given several times.",
+    type=click.Choice(["read", "submit", "metrics", "admin"]), help="What the key may do; given once or more.",
 )  # fmt: skip
 @click.option("--quota", type=click.IntRange(1, 1_000_000), default=100, show_default=True, help="Open jobs at a time.")
+@click.option(
+    "--priority", type=click.IntRange(0, 100), default=0, show_default=True, help="Highest priority of its jobs."
+)
+@click.option("--days", type=click.FloatRange(0.001, 36500), help="It expires after so many days.  [default: never]")
 @home_option
 @json_option
-def create_command(name: str, scopes: tuple[str, ...], quota: int, home: Path | None, as_json: bool) -> None:
+def create_command(
+    name: str,
+    scopes: tuple[str, ...],
+    quota: int,
+    priority: int,
+    days: float | None,
+    home: Path | None,
+    as_json: bool,
+) -> None:
     """Make a key and print its token, which is shown only now.
 
     \b
     Example:
       garmentq keys create atelier --quota 500
+      garmentq keys create guest --days 14
     """
     from .terminal import note, print_json
 
-    key, token = _open(home).create_key(name, scopes, quota)
+    key, token = _open(home).create_key(name, scopes, quota, priority, days)
     if as_json:
         print_json(key.as_json() | {"token": token})
         return
@@ -67,8 +80,12 @@ def list_command(home: Path | None, as_json: bool) -> None:
             print_json(key.as_json())
         return
     print_table(
-        ["key", "name", "scopes", "quota", "created", "revoked"],
-        [[k.id, k.name, ", ".join(k.scopes), k.quota, show_time(k.created), show_time(k.revoked)] for k in found],
+        ["key", "name", "scopes", "quota", "priority", "created", "used", "expires", "revoked"],
+        [
+            [k.id, k.name, ", ".join(k.scopes), k.quota, k.priority]
+            + [show_time(at) for at in (k.created, k.used, k.expires, k.revoked)]
+            for k in found
+        ],
     )
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from . import exits
-from .options import home_option, json_option
+from .options import json_option, known_home_option
 
 if TYPE_CHECKING:
     from ..service.records import Event
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 @click.command("logs")
 @click.argument("job")
 @click.option("--follow", "-f", "follows", is_flag=True, help="Follow until the job has ended.")
-@home_option
+@known_home_option
 @json_option
 @click.pass_context
 def command(context: click.Context, job: str, follows: bool, home: Path | None, as_json: bool) -> None:

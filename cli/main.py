@@ -34,11 +34,14 @@ COMMANDS = {
     "worker": "Run a worker until it is told to stop.",
     "serve": "Serve the HTTP API until told to stop.",
     "keys": "Make, list and revoke API keys.",
+    "audit": "Show who changed, took or deleted what over HTTP.",
     "up": "Start the embedded broker and worker.",
     "down": "Stop the embedded worker and broker; the jobs stay.",
     "db": "Bring the database's tables up to date.",
+    "delete": "Delete ended jobs with their files.",
     "gc": "Remove stored files that no job names.",
     "backup": "Save the embedded database and its files into one tar file.",
+    "verify": "Look whether every stored file is there and sound.",
     "restore": "Bring a backup back into a home.",
     "doctor": "Check that everything garmentq needs is there.",
     "bench": "Recover every target pack in a folder and compare with the truth.",
@@ -46,7 +49,7 @@ COMMANDS = {
 """Every command with its line in `garmentq --help`; a test compares it with the command's own help."""
 
 
-LOCAL = ("worker", "serve", "up", "down", "db", "gc", "backup", "restore")
+LOCAL = ("worker", "serve", "audit", "up", "down", "db", "delete", "gc", "backup", "verify", "restore")
 """Commands that work on a home of this machine, and so not where GARMENTQ_URL names a service."""
 
 

@@ -27,6 +27,12 @@ home_option = click.option(
     type=click.Path(file_okay=False, path_type=Path),
     help="Folder of the database, the store and the logs.  [default: ~/.local/share/garmentq]",
 )
+known_home_option = click.option(
+    "--home",
+    type=click.Path(exists=True, file_okay=False, path_type=Path),
+    help="Folder of the database, the store and the logs; it must be there.  [default: ~/.local/share/garmentq]",
+)
+"""For commands that only look at what there is: a mistyped home is no empty one."""
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object a line.")
 verbose_option = click.option("--verbose", is_flag=True, help="Show every metric, check, warning and file.")
 workers_option = click.option(

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from .options import gather, home_option, json_option
+from .options import gather, json_option, known_home_option
 
 NAMED = ("garment", "state", "fabric", "name", "kind", "family", "tag")
 """Fields that have an option of their own."""
@@ -55,7 +55,7 @@ query_options = gather(
 @click.command("query")
 @query_options
 @click.option("--csv", "as_csv", is_flag=True, help="Print a table for a spreadsheet, with every metric.")
-@home_option
+@known_home_option
 @json_option
 def command(options: QueryOptions, as_csv: bool, home: Path | None, as_json: bool) -> None:
     """Search completed jobs by their results.

@@ -7,13 +7,13 @@ from pathlib import Path
 import click
 
 from . import exits
-from .options import WaitOptions, home_option, json_option, verbose_option, wait_options
+from .options import WaitOptions, json_option, known_home_option, verbose_option, wait_options
 
 
 @click.command("result")
 @click.argument("job")
 @wait_options
-@home_option
+@known_home_option
 @verbose_option
 @json_option
 @click.pass_context

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from .options import home_option, json_option
+from .options import json_option, known_home_option
+
+if TYPE_CHECKING:
+    from ..service.records import Job
 
 
 @click.command("status")
 @click.argument("job", required=False)
 @click.option("--limit", type=click.IntRange(1, 10000), default=20, show_default=True, help="Jobs shown at most.")
 @click.option("--watch", is_flag=True, help="Show jobs and workers until Ctrl-C.")
-@home_option
+@known_home_option
 @json_option
 def command(job: str | None, limit: int, watch: bool, home: Path | None, as_json: bool) -> None:
     """Show the jobs, or one of them.
@@ -27,9 +31,10 @@ def command(job: str | None, limit: int, watch: bool, home: Path | None, as_json
       garmentq status 3685ecfd4f81 --json
     """
     from ..service.backend import open_backend
+    from ..service.health import find_troubles
     from ..service.settings import read_settings
     from .family import arrange, find_family, indent
-    from .terminal import print_error, print_json, print_table, show_time
+    from .terminal import note, print_error, print_json, print_table, show_time
 
     backend = open_backend(read_settings(home=home))
     if watch:
@@ -45,11 +50,20 @@ def command(job: str | None, limit: int, watch: bool, home: Path | None, as_json
     print_table(
         ["job", "name", "kind", "state", "verdict", "stage", "%", "attempts", "created", "ended"],
         [
-            [one.id, indent(depth, one.name), one.kind, one.state, one.verdict, one.stage, round(100 * one.progress)]
-            + [one.attempts, show_time(one.created), show_time(one.finished)]
+            [one.id, indent(depth, one.name), one.kind, show_state(one), one.verdict, one.stage]
+            + [round(100 * one.progress), one.attempts, show_time(one.created), show_time(one.finished)]
             for depth, one in arrange(found)
         ],
     )
+    if not found:
+        note("no jobs yet; `garmentq submit SCAN` makes one.")
     for one in found if job else ():
         if one.error:
             print_error(one.error.code, one.error.message)
+    for trouble in find_troubles(backend.read_queue()):
+        note(trouble)
+
+
+def show_state(job: Job) -> str:
+    """Return a job's state, and what it rests for where it does."""
+    return job.state if job.delay is None else f"{job.state} ({job.delay.code})"

@@ -27,6 +27,12 @@ class BadInput(GarmentqError):
     code = "input.bad"
 
 
+class Unavailable(GarmentqError):
+    """Something that the service needs is away or full; it waits for it, and tries again by itself."""
+
+    code = "service.unavailable"
+
+
 class NotFound(GarmentqError):
     """Nothing of that name or id is known; list what there is and try again."""
 

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from .catalogue import ImportedTemplate, Template
     from .derived import DerivedOrder
     from .query import JobQuery
-    from .records import Artifact, Job, JobReport, Key, News, Queue
+    from .queue_records import Queue
+    from .records import Artifact, Job, JobReport, Key, News
     from .submission import Order, Submitted
 
 
@@ -55,7 +56,7 @@ class Backend(Protocol):
         """
 
     def list_jobs(self, limit: int = 50) -> list[JobReport]:
-        """Return the newest jobs, newest first."""
+        """Return the jobs that run, then the newest others, each newest first."""
 
     def find_jobs(self, wanted: JobQuery) -> list[JobReport]:
         """Return the jobs that meet every condition of a query.
@@ -150,8 +151,13 @@ class Backend(Protocol):
             FabricUnknown, FabricShipped: where there is none of that name, or it is a shipped one.
         """
 
-    def create_key(self, name: str, scopes: Sequence[str], quota: int) -> tuple[Key, str]:
-        """Make an API key; its token is returned here and never again."""
+    def create_key(
+        self, name: str, scopes: Sequence[str], quota: int, priority: int = 0, days: float | None = None
+    ) -> tuple[Key, str]:
+        """Make an API key; its token is returned here and never again.
+
+        Its jobs may have a `priority` up to that, and it expires after some `days`.
+        """
 
     def list_keys(self) -> list[Key]:
         """Return every API key, oldest first."""
@@ -174,9 +180,10 @@ def open_backend(settings: ServiceSettings) -> Backend:
     """
     url = os.environ.get("GARMENTQ_URL", "")
     if url:
+        from .local_token import find_local_token
         from .remote import RemoteBackend
 
-        return RemoteBackend(url, os.environ.get("GARMENTQ_API_KEY", ""))
+        return RemoteBackend(url, os.environ.get("GARMENTQ_API_KEY", "") or find_local_token(url, settings.home))
     from .local import LocalBackend
 
     return LocalBackend(settings)

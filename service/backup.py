@@ -18,10 +18,11 @@ from sqlalchemy.engine import make_url
 
 from .. import __version__
 from ..core.errors import BadInput
-from .database import Database
+from .database import Database, reachable
 from .garbage import find_references
+from .home import take_home
 from .settings import ServiceSettings
-from .store import ArtifactMissing, Store
+from .store import ArtifactDamaged, ArtifactMissing, Store
 from .stores import open_store
 
 DATABASE = "garmentq.db"
@@ -50,12 +51,14 @@ class Saved:
         files: Stored files in it.
         size: Their bytes.
         missing: Files that the database names and the store has lost; the backup is sound without them.
+        damaged: Files whose bytes changed in the store; they are left out as if they were missing.
     """
 
     path: Path
     files: int
     size: int
     missing: tuple[str, ...] = ()
+    damaged: tuple[str, ...] = ()
 
 
 def make_backup(settings: ServiceSettings, destination: Path, is_overwrite: bool = False) -> Saved:
@@ -92,7 +95,8 @@ def restore_backup(settings: ServiceSettings, source: Path, is_overwrite: bool =
     Jobs that ran when the backup was made are taken back by the next worker, as after a crash.
 
     Raises:
-        BackupRefused: where the home has a database already and `is_overwrite` is not said.
+        BackupRefused: where the home has a database already and `is_overwrite` is not said, or a worker or the API has
+            it open: they would go on with the file that was replaced.
         BackupDamaged: where a file is missing, changed, or is none of a backup's; the database is not touched then.
     """
     target = _find_database(settings)
@@ -100,7 +104,7 @@ def restore_backup(settings: ServiceSettings, source: Path, is_overwrite: bool =
         raise BackupRefused(f"{target} exists; restore into another --home, or add --overwrite to lose what is there.")
     target.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
     store = open_store(settings)
-    with tempfile.TemporaryDirectory(prefix=".restore-", dir=target.parent) as folder:
+    with _alone(settings), tempfile.TemporaryDirectory(prefix=".restore-", dir=target.parent) as folder:
         snapshot = Path(folder) / DATABASE
         with _open_tar(source) as archive:
             kept, size = _read_members(archive, store, snapshot)
@@ -111,13 +115,26 @@ def restore_backup(settings: ServiceSettings, source: Path, is_overwrite: bool =
     return Saved(settings.home, len(named & kept), size, missing)
 
 
+@contextmanager
+def _alone(settings: ServiceSettings) -> Iterator[None]:
+    """Keep workers and the API of this machine out for the block."""
+    lock = take_home(settings)
+    if lock is None:
+        raise BackupRefused("a worker or the API has this home open; `garmentq down`, and stop `garmentq serve`.")
+    try:
+        yield
+    finally:
+        os.close(lock)
+
+
 def _write(settings: ServiceSettings, source: Path, stream: IO[bytes], destination: Path) -> Saved:
     store = open_store(settings)
-    missing: list[str] = []
+    missing, damaged = list[str](), list[str]()
     count = size = 0
     with tempfile.TemporaryDirectory(dir=destination.parent) as folder, tarfile.open(fileobj=stream, mode="w") as tar:
         snapshot = Path(folder) / DATABASE
-        with closing(sqlite3.connect(source)) as live, closing(sqlite3.connect(snapshot)) as copy:
+        opened = closing(sqlite3.connect(source)), closing(sqlite3.connect(snapshot))
+        with reachable(settings.database), opened[0] as live, opened[1] as copy:
             live.backup(copy)
             copy.execute("pragma journal_mode = delete")  # one file, no log beside it
         tar.add(snapshot, DATABASE, recursive=False)
@@ -127,13 +144,16 @@ def _write(settings: ServiceSettings, source: Path, stream: IO[bytes], destinati
             except ArtifactMissing:
                 missing.append(key)
                 continue
+            except ArtifactDamaged:
+                damaged.append(key)
+                continue
             tar.add(file, BLOBS + key, recursive=False)
             count, size = count + 1, size + file.stat().st_size
-        about = json.dumps({"garmentq": __version__, "files": count, "missing": missing}).encode()
+        about = json.dumps({"garmentq": __version__, "files": count, "missing": missing + damaged}).encode()
         member = tarfile.TarInfo(ABOUT)
         member.size = len(about)
         tar.addfile(member, io.BytesIO(about))  # last: a backup that was cut off has none
-    return Saved(destination, count, size, tuple(missing))
+    return Saved(destination, count, size, tuple(missing), tuple(damaged))
 
 
 def _read_members(archive: tarfile.TarFile, store: Store, snapshot: Path) -> tuple[set[str], int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sqlite3
 import time
 from collections.abc import Iterator
@@ -11,13 +12,13 @@ from typing import Any, cast
 
 from sqlalchemy import Connection, CursorResult, Engine, Float, Update, create_engine, event, inspect, text
 from sqlalchemy.engine import make_url
-from sqlalchemy.exc import ArgumentError, OperationalError
+from sqlalchemy.exc import ArgumentError, DatabaseError, OperationalError
 from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.orm import Session
 from sqlalchemy.pool import NullPool
 from sqlalchemy.sql.functions import FunctionElement
 
-from ..core.errors import GarmentqError
+from ..core.errors import GarmentqError, Unavailable
 from .lock import hold_lock
 from .settings import ServiceSettingBad, ServiceSettings, hide_password
 
@@ -30,20 +31,35 @@ CONNECT_SECONDS = 10
 BUSY_SECONDS = 30
 """How long SQLite waits for another writer [s]; a write here takes milliseconds, so this outlasts any queue of them."""
 
+DAMAGED = ("malformed", "file is not a database")
+"""What SQLite says of a file whose bytes changed."""
+
 WAL_SECONDS = 0.05
 """Pause between two tries to enter the write-ahead log [s]: a connection opens or closes in less."""
 
 
-class DatabaseUnreachable(GarmentqError):
+class DatabaseUnreachable(Unavailable):
     """The database cannot be reached; check GARMENTQ_DATABASE_URL or the rights on the home folder."""
 
     code = "service.database_unreachable"
+
+
+class DatabaseDamaged(DatabaseUnreachable):
+    """The database file is damaged; `garmentq down`, keep the file aside, then `garmentq restore BACKUP.tar`."""
+
+    code = "service.database_damaged"
 
 
 class DatabaseTooNew(GarmentqError):
     """The database was made by a newer garmentq; upgrade this one, or use another --home."""
 
     code = "service.database_too_new"
+
+
+class DatabaseTooOld(GarmentqError):
+    """The database was made by an older garmentq; stop its workers, save it, then run `garmentq db upgrade`."""
+
+    code = "service.database_too_old"
 
 
 class DriverMissing(GarmentqError):
@@ -87,13 +103,13 @@ class Database:
     @contextmanager
     def read(self) -> Iterator[Session]:
         """Open a session that only reads."""
-        with _reachable(self.url), Session(self.engine, expire_on_commit=False) as session, session.begin():
+        with reachable(self.url), Session(self.engine, expire_on_commit=False) as session, session.begin():
             yield session
 
     @contextmanager
     def write(self) -> Iterator[Session]:
         """Open a session that may write; SQLite takes its write lock at once (`BEGIN IMMEDIATE`)."""
-        with _reachable(self.url), Session(self._writer, expire_on_commit=False) as session, session.begin():
+        with reachable(self.url), Session(self._writer, expire_on_commit=False) as session, session.begin():
             yield session
 
     @property
@@ -106,15 +122,23 @@ class Database:
         self.engine.dispose()
 
 
-def open_database(settings: ServiceSettings, pooled: bool = True) -> Database:
-    """Open the database of a home, made or brought up to date where it is missing or old.
+def open_database(settings: ServiceSettings, pooled: bool = True, is_upgraded: bool = False) -> Database:
+    """Open the database of a home; where it is empty its tables are made.
+
+    Args:
+        settings: Which home.
+        pooled: As for `Database`.
+        is_upgraded: Bring an old one up to date. That is said by `garmentq db upgrade` alone: the workers and commands
+            of an older version cannot use the database afterwards.
 
     Raises:
         DatabaseUnreachable: where it cannot be opened.
-        DatabaseTooNew: where a newer version made it.
+        DatabaseTooOld, DatabaseTooNew: where an older or a newer version made it.
     """
     try:
         settings.home.mkdir(parents=True, exist_ok=True, mode=0o700)
+        if not settings.database_url:  # SQLite would make it with the rights that the user's files have
+            os.close(os.open(settings.home / "garmentq.db", os.O_RDWR | os.O_CREAT, 0o600))
     except OSError as error:
         raise DatabaseUnreachable(f"the home folder {settings.home} cannot be made: {error.strerror}.") from error
     database = Database(settings.database, pooled)
@@ -123,6 +147,8 @@ def open_database(settings: ServiceSettings, pooled: bool = True) -> Database:
     try:
         with database.read() as session:
             current = read_revision(session.connection())
+        if current is not None and not is_upgraded and current < HEAD:
+            raise DatabaseTooOld()
         if current != HEAD:
             with hold_lock(settings.home / "upgrade.lock"):
                 upgrade(database)
@@ -130,6 +156,19 @@ def open_database(settings: ServiceSettings, pooled: bool = True) -> Database:
         database.dispose()
         raise
     return database
+
+
+def check_integrity(database: Database) -> None:
+    """Look through an SQLite file for pages that cannot be; a server looks after its own.
+
+    Raises:
+        DatabaseDamaged: where there are some.
+    """
+    if database.is_sqlite:
+        with database.read() as session:
+            found = str(session.execute(text("pragma quick_check(1)")).scalar())
+        if found != "ok":
+            raise DatabaseDamaged()
 
 
 def serialise(session: Session, key: str) -> None:
@@ -181,6 +220,8 @@ def _make_engine(url: str, pooled: bool) -> Engine:
         raise ServiceSettingBad(
             "GARMENTQ_DATABASE_URL is no address; write postgresql://USER:PASSWORD@HOST/DB."
         ) from None
+    if "@" in (parsed.host or ""):
+        raise ServiceSettingBad("the password in GARMENTQ_DATABASE_URL holds an '@'; write %40 for it.")
     options: dict[str, Any] = {} if pooled else {"poolclass": NullPool}
     if parsed.drivername in ("postgres", "postgresql", "postgresql+psycopg"):
         try:
@@ -228,9 +269,21 @@ def _begin_sqlite(connection: Connection) -> None:
 
 
 @contextmanager
-def _reachable(url: str) -> Iterator[None]:
+def reachable(url: str) -> Iterator[None]:
+    """Turn what a driver raises within the block into our errors.
+
+    Raises:
+        DatabaseUnreachable, DatabaseDamaged: where the database does not answer, or its file is none any more.
+    """
     try:
         yield
-    except OperationalError as error:
-        reason = str(error.orig).strip().splitlines()[0]
+    except (DatabaseError, sqlite3.DatabaseError) as error:
+        reason = str(getattr(error, "orig", error)).strip().splitlines()[0]
+        if any(words in reason for words in DAMAGED):
+            raise DatabaseDamaged(
+                f"the database {hide_password(url)} is damaged ({reason}); `garmentq down`, keep the file aside, then "
+                "`garmentq restore BACKUP.tar`, or run it on what `sqlite3 FILE .recover` saves."
+            ) from error
+        if not isinstance(error, OperationalError | sqlite3.OperationalError):
+            raise
         raise DatabaseUnreachable(f"the database {hide_password(url)} does not answer: {reason}.") from error

@@ -43,6 +43,7 @@ class DerivedOrder:
         nonce: What makes a forced job the same when it is asked for again; empty: a random one.
         key: Id of the API key that asks, or empty.
         quota: Jobs that the key may have open at a time.
+        realm: Whose equal orders are one job: a key's id; empty: everybody's.
     """
 
     kind: str
@@ -57,6 +58,7 @@ class DerivedOrder:
     nonce: str = ""
     key: str = ""
     quota: int = 0
+    realm: str = ""
 
 
 def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
@@ -99,6 +101,7 @@ def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
             nonce=(order.nonce or uuid.uuid4().hex) if order.force else "",
             key=order.key,
             quota=order.quota,
+            realm=order.realm,
         )
         return add_job(session, wanted)
 

@@ -81,8 +81,10 @@ def find_below(database: Database, jobs: Sequence[str]) -> list[JobRow]:
     return found
 
 
-def cancel(database: Database, job: str) -> State:
+def cancel(database: Database, job: str, key: str = "") -> State:
     """Ask a job and all below it to stop: what is queued or waits ends at once, what runs at its worker's next look.
+
+    Where other API keys asked for the job as well, it goes on for them, and `key` sees it no more.
 
     Returns:
         The job's own state after this call: `cancelled`, `running`, or the state it had ended in before.
@@ -92,7 +94,12 @@ def cancel(database: Database, job: str) -> State:
     """
     with database.write() as session:
         row = _lock(session, job)
-        for one in find_tree(session, row, is_locked=True):
+        tree = find_tree(session, row, is_locked=True)
+        ids = [one.id for one in tree]
+        if key and session.scalar(select(exists().where(OwnerRow.job == job, OwnerRow.key != key))):
+            session.execute(delete_rows(OwnerRow).where(OwnerRow.key == key, OwnerRow.job.in_(ids)))
+            return row.state
+        for one in tree:
             _cancel(session, one)
         return row.state
 

@@ -75,15 +75,16 @@ def find_references(session: Session) -> Iterator[str]:
             yield from session.scalars(select(table.columns["sha256"]))
     for scan, request in session.execute(select(JobRow.scan, JobRow.request).execution_options(yield_per=1000)):
         yield scan
-        yield from _find_hashes(request)
+        yield from find_hashes(request)
 
 
-def _find_hashes(value: Any) -> Iterator[str]:
+def find_hashes(value: Any) -> Iterator[str]:
+    """Return every key of a stored file that a request's JSON values name."""
     if isinstance(value, dict):
         value = list(value.values())
     if isinstance(value, list):
         for part in value:
-            yield from _find_hashes(part)
+            yield from find_hashes(part)
     elif isinstance(value, str) and HASH.fullmatch(value):
         yield value
 

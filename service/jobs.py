@@ -15,28 +15,26 @@ from sqlalchemy import ColumnElement, Update, and_, select, update
 from sqlalchemy.orm import Session
 
 from .. import __version__
-from ..core.errors import BadInput, GarmentqError, NotFound, keep_printable
+from ..core.errors import BadInput, GarmentqError, NotFound, Unavailable, keep_printable
 from ..core.limited import LONGEST_MESSAGE
 from ..core.verdict import Verdict, worst_verdict
 from .database import Database, change_rows, clock
+from .fairness import choose_job
 from .models import EventRow, JobInputRow, JobRow, JobTagRow, JobWaitRow, OutboxRow
 from .new_job import NewJob
+from .outage import find_pause
 from .states import ENDED, TRANSITIONS, State
 
 T = TypeVar("T")
 
 IDS_AT_ONCE = 500
 """Values bound in one question; SQLite takes 32 766."""
-
-LOST = "job.worker_lost"
-"""Code of a job whose workers died too often."""
-
-LOSS = "worker_lost"
-"""Event of a process that died under a job."""
-
+LOST, LOSS = "job.worker_lost", "worker_lost"
+"""Code of a job whose workers died too often; event of a process that died under one."""
 FRESH = {
     "attempts": 0, "cancel": False, "finished": None, "stage": "", "progress": 0.0,
     "bad_input": False, "error_code": None, "error_message": None, "verdict": None, "result": None,
+    "delays": 0, "delay_code": None, "not_before": None,
 }  # fmt: skip
 """What an ended job that is tried again begins with."""
 
@@ -174,15 +172,8 @@ def claim_next(database: Database, wakeup: str, owner: str, lease_seconds: float
 
     A wake-up is the right to one job, not to a certain one: so priorities hold whatever order the broker keeps.
     """
-    queue = select(JobRow.queue).where(JobRow.id == wakeup).scalar_subquery()
     with database.write() as session:
-        best = session.scalars(
-            select(JobRow.id)
-            .where(JobRow.state == State.QUEUED, JobRow.cancel.is_(False), JobRow.queue == queue)
-            .order_by(JobRow.priority.desc(), JobRow.created, JobRow.id)
-            .limit(1)
-            .with_for_update(skip_locked=True)
-        ).one_or_none()
+        best = choose_job(session, wakeup)
         return None if best is None else _claim(session, best, owner, lease_seconds)
 
 
@@ -277,10 +268,21 @@ def release(database: Database, claim: Claim) -> None:
         FenceLost: where the job belongs to someone else.
     """
     with database.write() as session:
-        if session.scalar(select(JobRow.cancel).where(_held(claim)).with_for_update()):
-            move(session, claim, State.CANCELLED, "cancelled")  # in the queue nobody would claim it any more
-        else:
-            move(session, claim, State.QUEUED, "released", attempts=JobRow.attempts - 1)
+        _give_back(session, claim, "released")
+
+
+def put_off(database: Database, claim: Claim, outage: Unavailable, first_seconds: float) -> None:
+    """Return a running job to the queue, where it rests: what it needs is away, and no attempt is spent on that.
+
+    Raises:
+        FenceLost: where the job belongs to someone else.
+    """
+    with database.write() as session:
+        delays = session.scalar(select(JobRow.delays).where(_held(claim))) or 0
+        pause = find_pause(first_seconds, delays)
+        rest = {"delays": delays + 1, "delay_code": outage.code, "not_before": clock() + pause}
+        note = {"code": outage.code, "message": keep_printable(outage.message)[:LONGEST_MESSAGE], "seconds": pause}
+        _give_back(session, claim, "put_off", note, **rest)
 
 
 def expire(session: Session, row: JobRow, max_attempts: int) -> None:
@@ -337,18 +339,19 @@ def pick_known(ids: Sequence[str], found: Mapping[str, T]) -> list[T]:
     return [found[job] for job in ids]
 
 
-def list_jobs(database: Database, limit: int = 50) -> list[JobRow]:
-    """Return the newest jobs, newest first."""
-    with database.read() as session:
-        return list(session.scalars(select(JobRow).order_by(JobRow.created.desc(), JobRow.id).limit(limit)))
-
-
 def read_events(database: Database, job: str, after: int = 0) -> list[EventRow]:
     """Return a job's events with an id above `after`, in order."""
     with database.read() as session:
-        return list(
-            session.scalars(select(EventRow).where(EventRow.job == job, EventRow.id > after).order_by(EventRow.id))
-        )
+        wanted = select(EventRow).where(EventRow.job == job, EventRow.id > after)
+        return list(session.scalars(wanted.order_by(EventRow.id)))
+
+
+def _give_back(session: Session, claim: Claim, event: str, note: dict[str, Any] | None = None, **values: Any) -> None:
+    """Queue a running job whose attempt does not count."""
+    if session.scalar(select(JobRow.cancel).where(_held(claim)).with_for_update()):
+        move(session, claim, State.CANCELLED, "cancelled")  # in the queue nobody would claim it any more
+    else:
+        move(session, claim, State.QUEUED, event, note, attempts=JobRow.attempts - 1, **values)
 
 
 def _claim(session: Session, job: str, owner: str, lease_seconds: float) -> Claim | None:
@@ -361,6 +364,7 @@ def _claim(session: Session, job: str, owner: str, lease_seconds: float) -> Clai
             lease_until=clock() + lease_seconds,
             attempts=JobRow.attempts + 1,
             fence=JobRow.fence + 1,
+            not_before=None,
             started=clock(),
             touched=clock(),
         )

@@ -7,7 +7,7 @@ import hmac
 import secrets
 from dataclasses import dataclass
 
-from sqlalchemy import exists, func, select
+from sqlalchemy import exists, func, select, update
 from sqlalchemy.orm import Session
 
 from ..core.errors import BadInput, GarmentqError, NotFound
@@ -15,8 +15,15 @@ from .database import Database, clock
 from .models import ApiKeyRow, JobRow, OwnerRow
 from .states import OPEN
 
-SCOPES = ("read", "submit", "admin")
-"""`read`: see own jobs and the libraries; `submit`: upload, queue, cancel; `admin`: all jobs, templates and keys."""
+SCOPES = ("read", "submit", "metrics", "admin")
+"""`read`: see own jobs and the libraries; `submit`: upload, queue, cancel, delete; `metrics`: numbers of the whole
+service; `admin`: all jobs, templates and keys."""
+
+USED_SECONDS = 60.0
+"""How exactly a key's last use is noted [s]: more often would be a write for each request."""
+
+MOST_URGENT = 100
+"""Highest priority of any job."""
 
 TOKEN_BYTES = 32
 """Random bytes of a token: beyond any guessing, so that a plain hash of it is safe to keep."""
@@ -27,13 +34,13 @@ for hours."""
 
 
 class KeyMissing(GarmentqError):
-    """This service asks for a key; send `Authorization: Bearer TOKEN`, or set GARMENTQ_API_KEY."""
+    """This service asks for a key; send `Authorization: Bearer TOKEN` (see docs/api.md), or set GARMENTQ_API_KEY."""
 
     code = "key.missing"
 
 
 class KeyBad(GarmentqError):
-    """The key is not known or was revoked; ask for a new one (`garmentq keys create`)."""
+    """The key is not known, was revoked or has expired; ask for a new one (`garmentq keys create`)."""
 
     code = "key.bad"
 
@@ -50,6 +57,12 @@ class QueueFull(GarmentqError):
     code = "key.queue_full"
 
 
+class PriorityTooHigh(GarmentqError):
+    """The key may not ask for so high a priority; leave it out, or ask the operator for a key that may."""
+
+    code = "key.priority"
+
+
 class KeyUnknown(NotFound):
     """There is no such key; `garmentq keys list` shows them."""
 
@@ -57,7 +70,7 @@ class KeyUnknown(NotFound):
 
 
 class KeySpecBad(BadInput):
-    """A key needs a name of at most 255 letters, scopes among read, submit and admin, and a quota from 1 to 1000000."""
+    """A key needs a name of at most 255 letters, known scopes, a quota from 1 to 1000000 and a priority of 0 to 100."""
 
     code = "key.spec_bad"
 
@@ -70,11 +83,13 @@ class Caller:
         key: The key's id; empty for the local user of a service without keys.
         scopes: What is allowed, of `SCOPES`.
         quota: Jobs that may be queued or running at a time; 0: any number.
+        priority: Highest priority that its jobs may have.
     """
 
     key: str
     scopes: tuple[str, ...]
     quota: int
+    priority: int = MOST_URGENT
 
     @property
     def sees_all(self) -> bool:
@@ -91,18 +106,44 @@ class Caller:
             raise ScopeMissing(f"the key lacks the scope '{scope}'; ask for one that has it.")
 
 
+    def may_hurry(self, priority: int) -> None:
+        """Check the priority of a job.
+
+        Raises:
+            PriorityTooHigh: where the key may not ask for it.
+        """
+        if priority > self.priority:
+            raise PriorityTooHigh(f"the key's highest priority is {self.priority}; ask for that, or for another key.")
+
+
 LOCAL = Caller("", SCOPES, 0)
 """The user of a service that listens on this machine only and has no keys."""
 
 
-def create_key(database: Database, name: str, scopes: tuple[str, ...], quota: int = QUOTA) -> tuple[ApiKeyRow, str]:
+def create_key(
+    database: Database,
+    name: str,
+    scopes: tuple[str, ...],
+    quota: int = QUOTA,
+    priority: int = 0,
+    days: float | None = None,
+) -> tuple[ApiKeyRow, str]:
     """Make a key; its token is given here and never again.
 
+    Args:
+        database: Where it is kept.
+        name: Whose it is.
+        scopes: What it may, of `SCOPES`.
+        quota: Jobs that it may have open at a time.
+        priority: Highest priority that its jobs may have.
+        days: After so long it expires [d]; None: never.
+
     Raises:
-        KeySpecBad: where name, scopes or quota cannot be used.
+        KeySpecBad: where one of them cannot be used.
     """
     is_named = 0 < len(name) <= 255 and name.isprintable()
-    if not is_named or not scopes or not set(scopes) <= set(SCOPES) or not 1 <= quota <= 1_000_000:
+    is_bounded = 0 <= priority <= MOST_URGENT and (days is None or 0 < days <= 36500)
+    if not is_named or not is_bounded or not scopes or not set(scopes) <= set(SCOPES) or not 1 <= quota <= 1_000_000:
         raise KeySpecBad()
     token = "gq_" + secrets.token_hex(TOKEN_BYTES)
     row = ApiKeyRow(
@@ -113,6 +154,8 @@ def create_key(database: Database, name: str, scopes: tuple[str, ...], quota: in
         quota=quota,
         created=clock(),
         revoked=None,
+        priority=priority,
+        expires=None if days is None else clock() + days * 86400.0,
     )
     with database.write() as session:
         session.add(row)
@@ -150,22 +193,33 @@ def has_keys(database: Database) -> bool:
         return bool(session.execute(select(exists().where(ApiKeyRow.id != ""))).scalar())
 
 
-def admit(database: Database, token: str | None, is_open: bool) -> Caller:
-    """Authenticate a token. Without one, return the local user if the service is open and has no keys.
+def admit(database: Database, token: str | None, local_token: str = "") -> Caller:
+    """Authenticate a token.
+
+    Args:
+        database: Whose keys count.
+        token: What the caller sent.
+        local_token: Makes its bearer the local user while the service has no keys; empty: there is no local user.
 
     Raises:
         KeyMissing, KeyBad: where nobody of that token is known.
     """
     if not token:
-        if is_open and not has_keys(database):
-            return LOCAL
         raise KeyMissing()
-    wanted = _hash(token)
+    if local_token and hmac.compare_digest(token.encode("utf-8", "replace"), local_token.encode()):
+        if has_keys(database):
+            raise KeyBad("this service has keys by now; the token of its home is for one without.")
+        return LOCAL
+    wanted, old = _hash(token), ApiKeyRow.used.is_(None) | (ApiKeyRow.used < clock() - USED_SECONDS)
     with database.read() as session:
-        row = session.scalars(select(ApiKeyRow).where(ApiKeyRow.hash == wanted)).one_or_none()
-    if row is None or row.revoked is not None or not hmac.compare_digest(row.hash, wanted):
+        asked = select(ApiKeyRow, old, ApiKeyRow.expires <= clock()).where(ApiKeyRow.hash == wanted)
+        row, is_old, is_over = session.execute(asked).one_or_none() or (None, False, False)
+    if row is None or row.revoked is not None or is_over or not hmac.compare_digest(row.hash, wanted):
         raise KeyBad()
-    return Caller(row.id, tuple(row.scopes), row.quota)
+    if is_old:
+        with database.write() as session:
+            session.execute(update(ApiKeyRow).where(ApiKeyRow.id == row.id).values(used=clock()))
+    return Caller(row.id, tuple(row.scopes), row.quota, row.priority)
 
 
 def own(session: Session, key: str, job: str) -> None:

@@ -7,10 +7,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import derived, families, jobs, keys, materials, ordering, query, reaper, results, submission, templates
+from . import derived, families, health, jobs, keys, materials, ordering, query, results, submission, templates
 from .catalogue import ImportedTemplate, Template
 from .database import Database
-from .records import Artifact, Event, Job, JobReport, Key, News, Queue, Worker
+from .queue_records import Queue
+from .records import Artifact, Event, Job, JobReport, Key, News
 from .services import Services, open_services
 from .settings import ServiceSettings
 from .states import State
@@ -57,12 +58,12 @@ class LocalBackend:
         return known + [Job.from_row(row) for row in more]
 
     def list_jobs(self, limit: int = 50) -> list[JobReport]:
-        """Return the newest jobs, newest first."""
-        return results.report_jobs(self._database, jobs.list_jobs(self._database, limit), self.settings)
+        """Return the jobs that run, then the newest others, each newest first."""
+        return results.report_jobs(self._database, query.list_jobs(self._database, limit), self.settings)
 
     def find_jobs(self, wanted: query.JobQuery) -> list[JobReport]:
         """Return the jobs that meet every condition of a query."""
-        found = query.find_jobs(self._database, wanted.conditions, wanted.sort, wanted.limit)
+        found = query.find_jobs(self._database, wanted.conditions, wanted.sort, (wanted.limit, wanted.offset))
         return results.report_jobs(self._database, found, self.settings)
 
     def poll_events(self, job: str, after: int = 0) -> News:
@@ -72,8 +73,7 @@ class LocalBackend:
 
     def read_queue(self) -> Queue:
         """Count the jobs by state, and list the living workers."""
-        workers = [Worker.from_row(row) for row in reaper.list_workers(self._database)]
-        return Queue(query.count_states(self._database), workers)
+        return health.read_queue(self._database)
 
     def check_order(self, order: submission.Order, template: str | None = None) -> submission.Order:
         """Check an order's files and names before anything is queued."""
@@ -133,9 +133,11 @@ class LocalBackend:
         """Delete an imported fabric; jobs that were asked for with it keep its numbers."""
         materials.delete_material(self._database, name)
 
-    def create_key(self, name: str, scopes: Sequence[str], quota: int) -> tuple[Key, str]:
+    def create_key(
+        self, name: str, scopes: Sequence[str], quota: int, priority: int = 0, days: float | None = None
+    ) -> tuple[Key, str]:
         """Make an API key; its token is returned here and never again."""
-        row, token = keys.create_key(self._database, name, tuple(scopes), quota)
+        row, token = keys.create_key(self._database, name, tuple(scopes), quota, priority, days)
         return Key.from_row(row), token
 
     def list_keys(self) -> list[Key]:

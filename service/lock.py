@@ -20,6 +20,21 @@ def hold_lock(path: Path) -> Iterator[None]:
         os.close(descriptor)
 
 
+def share_lock(path: Path) -> int | None:
+    """Take the lock together with others, for as long as this process lives; None where another holds it alone.
+
+    Returns:
+        The descriptor to keep open.
+    """
+    descriptor = _open(path)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(descriptor)
+        return None
+    return descriptor
+
+
 def take_lock(path: Path) -> int | None:
     """Take the lock for as long as this process lives, or give None where another holds it.
 

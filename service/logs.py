@@ -6,8 +6,12 @@ import json
 import logging
 import sys
 import time
+from contextvars import ContextVar
 
 from ..core.errors import keep_printable
+
+REQUEST: ContextVar[str] = ContextVar("request", default="")
+"""Id of the HTTP request that is being answered, as its answer tells it; empty elsewhere."""
 
 FIELDS = ("job", "attempt", "stage")
 """What a record may carry beside its message; null where a line is about no job."""
@@ -27,6 +31,7 @@ class JsonLines(logging.Formatter):
             "pid": record.process,
             "message": record.getMessage(),
             **{name: getattr(record, name, None) or None for name in FIELDS},
+            "request": REQUEST.get() or None,
         }
         if record.exc_info:
             line["traceback"] = self.formatException(record.exc_info)

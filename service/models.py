@@ -52,7 +52,7 @@ class JobRow(Base):
 
     __tablename__ = "jobs"
     __table_args__ = (
-        Index("ix_jobs_urgency", "state", "queue", text("priority DESC"), "created", "id"),
+        Index("ix_jobs_urgency", "state", "queue", text("priority DESC"), "payer", "created", "id"),
         Index("ix_jobs_lease_until", "lease_until"),
         Index("ix_jobs_created", "created"),
         Index("ix_jobs_payer_state", "payer", "state"),
@@ -87,6 +87,9 @@ class JobRow(Base):
     error_message: Mapped[str | None] = mapped_column(Text)
     bad_input: Mapped[bool] = mapped_column(default=False)
     verdict: Mapped[str | None] = mapped_column(String(16), index=True)
+    delays: Mapped[int] = mapped_column(default=0, server_default="0")
+    delay_code: Mapped[str | None] = mapped_column(String(64))
+    not_before: Mapped[float | None]
     result: Mapped[dict[str, Any] | None]
     checked: Mapped[dict[str, Any] | None]
 
@@ -143,6 +146,24 @@ class LockRow(Base):
     name: Mapped[str] = mapped_column(String(32), primary_key=True)
     owner: Mapped[str] = mapped_column(String(255))
     until: Mapped[float]
+
+
+class OutageRow(Base):
+    """Tell what a host's workers wait for, by its error's code; `seen` is renewed as long as they do."""
+
+    __tablename__ = "outages"
+    place: Mapped[str] = mapped_column(String(255), primary_key=True)
+    code: Mapped[str] = mapped_column(String(64), primary_key=True)
+    since: Mapped[float]
+    seen: Mapped[float]
+
+
+class PayerRow(Base):
+    """Remember when a job of a payer (an API key, or empty) was claimed last: who waited longest is next."""
+
+    __tablename__ = "payers"
+    payer: Mapped[str] = mapped_column(String(16), primary_key=True)
+    served: Mapped[float]
 
 
 class WorkerRow(Base):
@@ -262,6 +283,22 @@ class ApiKeyRow(Base):
     quota: Mapped[int]
     created: Mapped[float]
     revoked: Mapped[float | None]
+    priority: Mapped[int] = mapped_column(default=0, server_default="0")
+    expires: Mapped[float | None]
+    used: Mapped[float | None]
+
+
+class AuditRow(Base):
+    """Record who changed or took something over HTTP; rows are only ever added."""
+
+    __tablename__ = "audit"
+    id: Mapped[int] = mapped_column(SERIAL, primary_key=True, autoincrement=True)
+    at: Mapped[float] = mapped_column(index=True)
+    key: Mapped[str] = mapped_column(String(16))
+    action: Mapped[str] = mapped_column(String(32))
+    subject: Mapped[str] = mapped_column(String(255))
+    address: Mapped[str] = mapped_column(String(64))
+    request: Mapped[str] = mapped_column(String(64))
 
 
 class OwnerRow(Base):
@@ -281,6 +318,7 @@ class UploadRow(Base):
     name: Mapped[str] = mapped_column(String(255))
     size: Mapped[int] = mapped_column(BigInteger)
     created: Mapped[float]
+    kinds: Mapped[list[Any]] = mapped_column(default=list, server_default="[]")
 
 
 class IdempotencyRow(Base):

@@ -50,6 +50,7 @@ class Order:
         nonce: What makes a forced job the same when it is asked for again; empty: a random one.
         key: Id of the API key that asks, or empty; the job is then that key's too.
         quota: Jobs that the key may have queued at a time.
+        realm: Whose equal orders are one job: a key's id; empty: everybody's.
         name: What the family is called; empty: after the scan's file.
         tags: Words that it can be found by.
         given_as: One of `GIVEN_AS`, or None: found out.
@@ -75,6 +76,7 @@ class Order:
     wearing: str | None = None
     marks: tuple[str, ...] = ()
     choices: Mapping[str, PartOrder] = field(default_factory=dict)
+    realm: str = ""
 
 
 def is_person(order: Order) -> bool:

@@ -73,6 +73,12 @@ AND = re.compile(r"and\s", re.ASCII | re.IGNORECASE)
 MANY = 2_000
 """Jobs that meet a condition on a metric from which they are many: naming 2000 takes about 2 ms."""
 
+MOST_CONDITIONS = 50
+"""Conditions of one question; SQLite refuses some hundreds, PostgreSQL takes seconds for them."""
+
+MOST_SKIPPED = 1_000_000
+"""Jobs that a page may lie behind; the database walks over each."""
+
 MOST = 10_000
 """Rows that one question may bring back; more belongs into a program that reads the database."""
 
@@ -107,22 +113,27 @@ class JobQuery:
         wheres: Conditions as they were typed, joined by `and`.
         sort: Field or metric to sort by; `-` before it: largest first.
         limit: Jobs at most.
+        offset: Jobs left out before them.
     """
 
     given: Mapping[str, str] = field(default_factory=dict)
     wheres: Sequence[str] = ()
     sort: str = "-created"
     limit: int = 50
+    offset: int = 0
 
     @property
     def conditions(self) -> list[Condition]:
         """Return every condition.
 
         Raises:
-            QueryBad: where one cannot be read.
+            QueryBad: where one cannot be read, or they are too many.
         """
         given = [Condition(name, "=", value) for name, value in self.given.items()]
-        return given + [condition for text in self.wheres for condition in parse_conditions(text)]
+        found = given + [condition for text in self.wheres for condition in parse_conditions(text)]
+        if len(found) > MOST_CONDITIONS:
+            raise QueryBad(f"{len(found)} conditions are more than {MOST_CONDITIONS}; ask for less at a time.")
+        return found
 
 
 def parse_conditions(text: str) -> list[Condition]:
@@ -152,19 +163,21 @@ def find_jobs(
     database: Database,
     conditions: Sequence[Condition] = (),
     sort: str = "-created",
-    limit: int = 50,
+    limit: int | tuple[int, int] = 50,
     owner: str | None = None,
 ) -> list[JobRow]:
     """Return the jobs that meet every condition, sorted by a name (`-` before it: largest first).
 
-    With `owner` only the jobs of one API key. A job without the metric or field in question meets no condition on it,
-    and comes last in a sort by it.
+    With `owner` only the jobs of one API key; `limit` may be a pair, of how many and after how many. A job without the
+    metric or field in question meets no condition on it, and comes last in a sort by it.
 
     Raises:
         QueryBad: where a name is unknown or the limit is out of range.
     """
-    if not 1 <= limit <= MOST:
-        raise QueryBad(f"limit {limit} is outside 1 to {MOST}.")
+    count, offset = limit if isinstance(limit, tuple) else (limit, 0)
+    if not 1 <= count <= MOST or not 0 <= offset <= MOST_SKIPPED:
+        raise QueryBad(f"limit {count} is outside 1 to {MOST}, or offset {offset} outside 0 to {MOST_SKIPPED}.")
+    page = (count, offset)
     with database.read() as session:
         statement: Select[Any] = (
             select(JobRow)
@@ -179,24 +192,24 @@ def find_jobs(
         name, falling = sort.removeprefix("-"), sort.startswith("-")
         field = TEXTS.get(name, NUMBERS.get(name))
         if field is not None:
-            return _first(session, statement, _as_text(name, field), falling, limit)
+            return _first(session, statement, _as_text(name, field), falling, page)
         _check_metric(session, name)
         metric = aliased(MetricRow)
         on = (metric.job == JobRow.id) & (metric.name == name)
         # Jobs that have the metric come in the order of its index; only where they are too few are the others asked.
-        known = _first(session, statement.join(metric, on & metric.value.is_not(None)), metric.value, falling, limit)
+        known = _first(session, statement.join(metric, on & metric.value.is_not(None)), metric.value, falling, page)
         return (
             known
-            if len(known) == limit
-            else _first(session, statement.outerjoin(metric, on), metric.value, falling, limit)
+            if len(known) == count
+            else _first(session, statement.outerjoin(metric, on), metric.value, falling, page)
         )
 
 
-def _first(session: Session, statement: Select[Any], column: Any, falling: bool, limit: int) -> list[JobRow]:
+def _first(session: Session, statement: Select[Any], column: Any, falling: bool, page: tuple[int, int]) -> list[JobRow]:
     """Return the first jobs in the order of a column; the newest first among equals, and those without it last."""
     order = column.desc() if falling else column.asc()
     ordered = statement.order_by(order.nulls_last(), JobRow.created.desc(), JobRow.id)
-    return list(session.scalars(ordered.limit(limit)))
+    return list(session.scalars(ordered.limit(page[0]).offset(page[1])))
 
 
 def _condition(name: str, sign: str, value: str) -> Condition:
@@ -261,6 +274,14 @@ def _check_metric(session: Session, name: str) -> None:
         if known or not CONDITION.match(f"{name} = 0"):
             names = ", ".join(sorted([*TEXTS, TAG, *NUMBERS, *known]))
             raise QueryBad(f"there is no '{name[:60]}'; there are {names}.")
+
+
+def list_jobs(database: Database, limit: int = 50) -> list[JobRow]:
+    """Return the jobs that run, then the newest others, each newest first."""
+    newest, runs = select(JobRow).order_by(JobRow.created.desc(), JobRow.id), JobRow.state == State.RUNNING
+    with database.read() as session:
+        first = session.scalars(newest.where(runs).limit(limit)).all()
+        return [*first, *session.scalars(newest.where(~runs).limit(limit - len(first)))]
 
 
 def count_states(database: Database) -> dict[State, int]:

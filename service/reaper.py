@@ -11,7 +11,9 @@ from collections.abc import Callable
 from sqlalchemy import ColumnElement, delete, exists, insert, select, update
 from sqlalchemy.exc import IntegrityError
 
+from .clocks import AHEAD_SECONDS
 from .database import Database, change_rows, clock
+from .fairness import is_due
 from .jobs import LOSS, expire, record
 from .models import JobRow, LockRow, OutboxRow, WorkerRow
 from .states import OPEN, State
@@ -21,10 +23,21 @@ BATCH = 50
 than 0.1 s (with 200 the first jobs of a long queue waited up to 0.6 s)."""
 
 
+DUTY = "dispatcher"
+"""Name of the duty to dispatch and reap."""
+
+DUTY_SECONDS = 5.0
+"""How long the duty outlives its holder [s]: what a dead dispatcher delays the queue at most."""
+
+FORGET_SECONDS = 30.0
+"""A worker that has not said so for so long lives no more [s]; it says so every 5 s."""
+
+
 def hold_duty(database: Database, name: str, owner: str, seconds: float) -> bool:
     """Take or renew a duty for some seconds; False where another process has it."""
     with database.write() as session:
-        is_free = (LockRow.owner == owner) | (LockRow.until < clock())
+        is_stale = (LockRow.until < clock()) | (LockRow.until > clock() + seconds + AHEAD_SECONDS)
+        is_free = (LockRow.owner == owner) | is_stale
         held = update(LockRow).where(LockRow.name == name, is_free).values(owner=owner, until=clock() + seconds)
         if change_rows(session, held) == 1:
             return True
@@ -98,9 +111,10 @@ def end_life(database: Database, name: str) -> None:
 
 
 def list_workers(database: Database) -> list[WorkerRow]:
-    """Return the living workers by name."""
+    """Return the living workers by name; whoever died without a word is off the list after `FORGET_SECONDS`."""
+    lives = (WorkerRow.seen > clock() - FORGET_SECONDS) & (WorkerRow.seen < clock() + AHEAD_SECONDS)
     with database.read() as session:
-        return list(session.scalars(select(WorkerRow).order_by(WorkerRow.name)))
+        return list(session.scalars(select(WorkerRow).where(lives).order_by(WorkerRow.name)))
 
 
 def report_loss(database: Database, mark: str, reason: str) -> None:
@@ -132,6 +146,7 @@ def dispatch(database: Database, publish: Callable[[str, str], None]) -> int:
         owed = session.execute(
             select(OutboxRow.id, OutboxRow.job, JobRow.queue)
             .join(JobRow, JobRow.id == OutboxRow.job)
+            .where(is_due())
             .order_by(OutboxRow.id)
             .limit(BATCH)
         ).all()

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 from .states import State
 
 if TYPE_CHECKING:
-    from .models import ApiKeyRow, ArtifactRow, EventRow, JobRow, WorkerRow
+    from .models import ApiKeyRow, ArtifactRow, EventRow, JobRow
 
 Json = Mapping[str, Any]
 """One object of a JSON answer."""
@@ -126,45 +126,11 @@ class News:
 
 
 @dataclass(frozen=True)
-class Worker:
-    """Describe a living worker, with times in s since 1970; its name is shown to the scope `admin` only."""
-
-    __pydantic_config__: ClassVar = CLOSED
-    name: str
-    queues: str
-    concurrency: int
-    started: float
-    seen: float
-
-    @classmethod
-    def from_row(cls, row: WorkerRow) -> Self:
-        """Read a row of the table of workers."""
-        return cls(row.name, row.queues, row.concurrency, row.started, row.seen)
-
-    @classmethod
-    def from_json(cls, found: Json) -> Self:
-        """Read a service's answer."""
-        return cls(
-            name=str(found["name"]),
-            queues=str(found["queues"]),
-            concurrency=int(found["concurrency"]),
-            started=float(found["started"]),
-            seen=float(found["seen"]),
-        )
-
-
-@dataclass(frozen=True)
-class Queue:
-    """Count the jobs by state, and list the living workers."""
-
-    __pydantic_config__: ClassVar = CLOSED
-    states: dict[State, int]
-    workers: list[Worker]
-
-
-@dataclass(frozen=True)
 class Key:
-    """Show an API key, without its token: at most `quota` jobs open at a time."""
+    """Show an API key, without its token: at most `quota` jobs open at a time, none of a higher `priority`.
+
+    Times in s since 1970; `used` is exact to `keys.USED_SECONDS`.
+    """
 
     id: str
     name: str
@@ -172,11 +138,15 @@ class Key:
     quota: int
     created: float
     revoked: float | None
+    priority: int = 0
+    expires: float | None = None
+    used: float | None = None
 
     @classmethod
     def from_row(cls, row: ApiKeyRow) -> Self:
         """Read a row of the table of keys."""
-        return cls(row.id, row.name, list(row.scopes), row.quota, row.created, row.revoked)
+        life = (row.created, row.revoked, row.priority, row.expires, row.used)
+        return cls(row.id, row.name, list(row.scopes), row.quota, *life)
 
     @classmethod
     def from_json(cls, found: Json) -> Self:
@@ -187,12 +157,24 @@ class Key:
             scopes=[str(scope) for scope in found["scopes"]],
             quota=int(found["quota"]),
             created=float(found["created"]),
-            revoked=_optional(found["revoked"]),
+            revoked=read_optional(found["revoked"]),
+            priority=int(found.get("priority", 0)),
+            expires=read_optional(found.get("expires")),
+            used=read_optional(found.get("used")),
         )
 
     def as_json(self) -> dict[str, Any]:
         """Return the key as JSON values."""
         return {"key": self.id, **{n: v for n, v in asdict(self).items() if n != "id"}}
+
+
+@dataclass(frozen=True)
+class Delay:
+    """Tell why a queued job rests: an outage's code, and until when [s since 1970]."""
+
+    __pydantic_config__: ClassVar = CLOSED
+    code: str
+    until: float
 
 
 @dataclass(frozen=True)
@@ -220,6 +202,7 @@ class Job:
     family: str = ""
     parent: str | None = None
     verdict: str | None = None
+    delay: Delay | None = None
 
     @classmethod
     def from_row(cls, row: JobRow) -> Job:
@@ -238,7 +221,8 @@ class Job:
     def as_json(self) -> dict[str, Any]:
         """Return the job as JSON values, the same keys for every state."""
         shown = {item.name: getattr(self, item.name) for item in fields(Job) if item.name != "id"}
-        return {"job": self.id, **shown, "error": asdict(self.error) if self.error else None}
+        failed, rests = (None if one is None else asdict(one) for one in (self.error, self.delay))
+        return {"job": self.id, **shown, "error": failed, "delay": rests}
 
 
 @dataclass(frozen=True)
@@ -310,7 +294,7 @@ class JobReport(Job):
             body=found["body"],
             settings=dict(found["settings"]),
             version=str(found["version"]),
-            metrics={str(name): _optional(value) for name, value in found["metrics"].items()},
+            metrics={str(name): read_optional(value) for name, value in found["metrics"].items()},
             children=[Child.from_json(child) for child in found["children"]],
             inputs={str(name): check_id(job) for name, job in found["inputs"].items()},
             waits=[check_id(job) for job in found["waits"]],
@@ -329,9 +313,12 @@ class JobReport(Job):
 
 def _read_row(row: JobRow) -> dict[str, Any]:
     """Return the fields of a `Job` from its row."""
-    kept = {item.name: getattr(row, item.name) for item in fields(Job) if item.name not in ("error", "progress")}
+    own = ("error", "progress", "delay")
+    kept = {item.name: getattr(row, item.name) for item in fields(Job) if item.name not in own}
     error = Failure(row.error_code, row.error_message or "") if row.error_code else None
-    return {**kept, "error": error, "progress": round(row.progress, 4), "family": row.family or row.id}
+    rests = row.state == State.QUEUED and row.delay_code is not None and row.not_before is not None
+    delay = Delay(row.delay_code or "", row.not_before or 0.0) if rests else None
+    return {**kept, "error": error, "delay": delay, "progress": round(row.progress, 4), "family": row.family or row.id}
 
 
 def _read_job(found: Json) -> dict[str, Any]:
@@ -348,13 +335,14 @@ def _read_job(found: Json) -> dict[str, Any]:
         "progress": float(found["progress"]),
         "attempts": int(found["attempts"]),
         "created": float(found["created"]),
-        "started": _optional(found["started"]),
-        "finished": _optional(found["finished"]),
+        "started": read_optional(found["started"]),
+        "finished": read_optional(found["finished"]),
         "error": Failure(str(error["code"]), str(error["message"])) if error else None,
         "bad_input": bool(found["bad_input"]),
         "queue": str(found["queue"]),
         "priority": int(found["priority"]),
         "verdict": str(found["verdict"]) if found["verdict"] else None,
+        "delay": Delay(str(delay["code"]), float(delay["until"])) if (delay := found.get("delay")) else None,
     }
 
 
@@ -380,5 +368,6 @@ def check_id(job: str) -> str:
     return job
 
 
-def _optional(value: float | None) -> float | None:
+def read_optional(value: float | None) -> float | None:
+    """Return a number that may be missing."""
     return None if value is None else float(value)

@@ -35,18 +35,8 @@ from .kinds import FileRef, RequestBad
 from .materials import is_shipped, refuse_shipped
 from .ordering import check_typed
 from .query import JobQuery
-from .records import (
-    Artifact,
-    Event,
-    Job,
-    JobReport,
-    Json,
-    Key,
-    News,
-    Queue,
-    Worker,
-    check_id,
-)
+from .queue_records import Queue
+from .records import Artifact, Event, Job, JobReport, Json, Key, News, check_id
 from .results import choose_files
 from .states import State
 from .store import ArtifactDamaged
@@ -205,14 +195,17 @@ class RemoteBackend:
         return known + [job for job in found.values() if job.id not in asked]
 
     def list_jobs(self, limit: int = 50) -> list[JobReport]:
-        """Return the newest jobs, newest first; at most a thousand."""
-        found = self._ask("GET", "/v1/jobs", params={"limit": min(limit, MOST_JOBS)})
-        return _read_all(JobReport.from_json, found, "jobs")
+        """Return the jobs that run, then the newest others, each newest first; at most a thousand."""
+        given: list[dict[str, Any]] = [{"state": State.RUNNING.value}, {}]
+        asked = [self._ask("GET", "/v1/jobs", params=one | {"limit": min(limit, MOST_JOBS)}) for one in given]
+        found = {job.id: job for one in asked for job in _read_all(JobReport.from_json, one, "jobs")}
+        return list(found.values())[:limit]
 
     def find_jobs(self, wanted: JobQuery) -> list[JobReport]:
         """Return the jobs that meet every condition of a query, which is read here before it is sent."""
         _ = wanted.conditions
         params = {**wanted.given, "where": list(wanted.wheres), "sort": wanted.sort, "limit": wanted.limit}
+        params |= {"offset": wanted.offset} if wanted.offset else {}
         return _read_all(JobReport.from_json, self._ask("GET", "/v1/query", params=params), "jobs")
 
     def poll_events(self, job: str, after: int = 0) -> News:
@@ -223,8 +216,7 @@ class RemoteBackend:
     def read_queue(self) -> Queue:
         """Count the jobs by state, and list the living workers."""
         found = self._ask("GET", "/v1/queue")
-        states = _read(lambda: {State(name): int(count) for name, count in found["states"].items()})
-        return Queue(states, _read_all(Worker.from_json, found, "workers"))
+        return _read(lambda: Queue.from_json(found))
 
     def follow(self, job: str, after: int = 0) -> Iterator[Event]:
         """Yield a job's events as they happen until it has ended; a broken connection is taken up where it broke."""
@@ -309,9 +301,12 @@ class RemoteBackend:
         """Delete an imported fabric."""
         self._ask("DELETE", f"/v1/materials/{quote(name, safe='')}")
 
-    def create_key(self, name: str, scopes: Sequence[str], quota: int) -> tuple[Key, str]:
+    def create_key(
+        self, name: str, scopes: Sequence[str], quota: int, priority: int = 0, days: float | None = None
+    ) -> tuple[Key, str]:
         """Make an API key; its token is returned here and never again."""
-        found = self._ask("POST", "/v1/keys", tries=1, json={"name": name, "scopes": list(scopes), "quota": quota})
+        wanted = {"name": name, "scopes": list(scopes), "quota": quota, "priority": priority, "days": days}
+        found = self._ask("POST", "/v1/keys", tries=1, json=wanted)
         return _read(lambda: (Key.from_json(found), str(found["token"])))
 
     def list_keys(self) -> list[Key]:
@@ -323,7 +318,7 @@ class RemoteBackend:
         found = self._ask("DELETE", f"/v1/keys/{quote(key, safe='')}")
         return _read(lambda: Key.from_json(found))
 
-    def read_health(self) -> dict[str, str]:
+    def read_health(self) -> dict[str, Any]:
         """Return the service's version, and `ok` or what is wrong of its database and store."""
         version = str(self._ask("GET", "/healthz")["version"])
         return {"version": version, **self._ask("GET", "/readyz")}

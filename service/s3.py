@@ -63,6 +63,13 @@ class S3Store(Store):
             with _reachable(""):
                 self._client.create_bucket(Bucket=self.bucket, **place)
 
+    def check(self, free_bytes: int = 0) -> None:
+        """Look whether the bucket answers, and whether the cache has room; a bucket has no end."""
+        self.root.mkdir(parents=True, exist_ok=True, mode=0o700)
+        super().check(free_bytes)
+        with _reachable(""):
+            self._client.head_bucket(Bucket=self.bucket)
+
     def path(self, sha256: str) -> Path:
         """Return a checked copy of a stored file in the cache.
 

@@ -9,7 +9,6 @@ from dataclasses import dataclass, fields, replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlsplit, urlunsplit
 
 from ..core.errors import BadInput
 
@@ -56,6 +55,11 @@ class ServiceSettings:
         grace_seconds: How long a job that was told to stop may take to do so [s]; then its process ends under it. A
             stage asks several times a second, and containers are killed after 10 to 30 s.
         idle_seconds: The embedded worker and broker stop after so long without a job [s]; 0: never.
+        pause_seconds: How long a job rests first that met a store without an answer or room [s]; each time twice as
+            long, up to `outage.LONGEST_SECONDS`.
+        free_bytes: Room that the store's disk must have for a job to begin or an upload to be taken [bytes]; a job
+            keeps about 20 MB, an upload is at most 512 MiB.
+        share_jobs: 1: equal orders of different API keys are one job, which each of them sees; 0: a job for each.
         log_json: 1: the worker writes its log as one JSON object a line.
         threads: Threads of each pool child; one, since two children with two threads each took 8 times as long.
         pipeline: Dotted path of the function that runs a job.
@@ -78,6 +82,9 @@ class ServiceSettings:
     republish_seconds: float = 20.0
     grace_seconds: float = 10.0
     idle_seconds: float = 900.0
+    pause_seconds: float = 2.0
+    free_bytes: int = 512 * 1024**2
+    share_jobs: int = 0
     log_json: int = 0
     threads: int = 1
     pipeline: str = PIPELINE
@@ -138,6 +145,9 @@ def read_settings(environment: Mapping[str, str] | None = None, home: Path | str
     return replace(settings, home=chosen.expanduser().absolute())
 
 
+MAY_BE_ZERO = ("idle_seconds", "log_json", "share_jobs", "free_bytes")
+
+
 def _find_text(environment: Mapping[str, str], name: str) -> str:
     text, file = environment.get(name, ""), environment.get(f"{name}_FILE", "")
     if text or not file:
@@ -160,7 +170,7 @@ def _parse(name: str, text: str, default: object) -> Any:
         value = kind(text)
     except ValueError:
         raise ServiceSettingBad(f"GARMENTQ_{name.upper()} is '{text}', which is no number.") from None
-    if not 0 <= value < float("inf") or (value == 0 and name not in ("idle_seconds", "log_json")):
+    if not 0 <= value < float("inf") or (value == 0 and name not in MAY_BE_ZERO):
         raise ServiceSettingBad(f"GARMENTQ_{name.upper()} is '{text}'; it must be a positive number.")
     return value
 
@@ -170,12 +180,12 @@ SECRET_WORDS = ("password", "passwd", "pwd", "secret", "token", "key")
 
 
 def hide_password(url: str) -> str:
-    """Return an address that may be shown: with stars for its password, and for parameters that sound like one."""
-    parts = urlsplit(url)
-    if parts.password is not None:
-        host = parts.netloc.rsplit("@", 1)[1]
-        parts = parts._replace(netloc=f"{parts.username or ''}:***@{host}")
-        url = urlunsplit(parts)
+    """Return an address that may be shown: with stars for its password, and for parameters that sound like one.
+
+    A password may hold what an address may not, such as `/`, `#`, `?` or `@`, and whoever reads the address may take
+    it all the same. So all from the first colon of the host's part to the last `@` is hidden.
+    """
+    url = re.sub(r"^([a-z0-9+]+://[^:/@]*):.*@", r"\1:***@", url, flags=re.IGNORECASE | re.DOTALL)
     words = "|".join(SECRET_WORDS)
     return re.sub(rf"([?&][^=&]*(?:{words})[^=&]*=)[^&#]+", r"\1***", url, flags=re.IGNORECASE)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import io
 import os
+import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import suppress
@@ -12,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
-from ..core.errors import GarmentqError
+from ..core.errors import GarmentqError, Unavailable
 
 BLOCK = 1 << 20
 """Bytes read at a time."""
@@ -30,13 +31,13 @@ class ArtifactMissing(GarmentqError):
     code = "store.missing"
 
 
-class StorageFull(GarmentqError):
-    """There is no room left in the store; free some disk space and retry the job."""
+class StorageFull(Unavailable):
+    """There is no room left in the store; free some disk space, and the jobs go on."""
 
     code = "store.full"
 
 
-class StoreUnreachable(GarmentqError):
+class StoreUnreachable(Unavailable):
     """The store does not answer; check GARMENTQ_STORE, GARMENTQ_S3_ENDPOINT and the bucket's credentials."""
 
     code = "store.unreachable"
@@ -84,9 +85,15 @@ def check_key(sha256: str) -> str:
 class Store:
     """Put and get files by content. The same bytes are kept once; a half-written file is never seen."""
 
-    def __init__(self, root: Path) -> None:
-        """Use a folder; it is made when first written to."""
+    def __init__(self, root: Path, must_exist: bool = False) -> None:
+        """Use a folder; it is made when first written to.
+
+        Args:
+            root: The folder.
+            must_exist: It has files already: where it is not there its disk is away, and it is never made anew.
+        """
         self.root = root
+        self.must_exist = must_exist
 
     def prepare(self) -> None:
         """Make the folder, or the bucket, if it is not there.
@@ -99,6 +106,27 @@ class Store:
         except OSError as error:
             raise StorageFull(f"the store {self.root} cannot be made: {error.strerror}.") from error
 
+    def check(self, free_bytes: int = 0) -> None:
+        """Look whether the store can be used now, without a write to it.
+
+        Args:
+            free_bytes: Room that must be left [bytes].
+
+        Raises:
+            StorageFull, StoreUnreachable: where it cannot.
+        """
+        try:
+            free = shutil.disk_usage(self.root).free
+        except OSError as error:
+            raise StoreUnreachable(f"the store {self.root} is away: {error.strerror}; mount it again.") from error
+        if not os.access(self.root, os.W_OK | os.X_OK):
+            raise StoreUnreachable(f"the store {self.root} may not be written to; check its rights.")
+        if free < free_bytes:
+            raise StorageFull(
+                f"the store {self.root} has {free >> 20} MiB of room, less than the {free_bytes >> 20} MiB of "
+                "GARMENTQ_FREE_BYTES; free some disk space, and the jobs go on."
+            )
+
     def path(self, sha256: str) -> Path:
         """Return the place of a stored file.
 
@@ -108,6 +136,8 @@ class Store:
         check_key(sha256)
         path = self.root / sha256[:2] / sha256[2:]
         if not path.is_file():
+            if not self.root.is_dir():
+                raise StoreUnreachable(f"the store {self.root} is away; mount it again, and the jobs go on.")
             raise ArtifactMissing(f"the stored file {sha256[:12]} is gone; restore the store, or run with --force.")
         return path
 
@@ -205,6 +235,8 @@ class Store:
     def put_stream(self, stream: BinaryIO) -> Stored:
         """Write to a temporary file, flush it to the disk, then rename it to its hash."""
         incoming = self.root / "incoming"
+        if self.must_exist:
+            self.check()
         temporary = ""
         try:
             incoming.mkdir(parents=True, exist_ok=True, mode=0o700)

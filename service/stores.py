@@ -7,12 +7,12 @@ from .settings import ServiceSettings
 from .store import Store
 
 
-def open_store(settings: ServiceSettings) -> Store:
-    """Open the store that GARMENTQ_STORE names: `s3://bucket/prefix`, or a folder.
+def open_store(settings: ServiceSettings, must_exist: bool = False) -> Store:
+    """Open the store that GARMENTQ_STORE names: `s3://bucket/prefix`, or a folder, which may have to be there already.
 
     Raises:
         DriverMissing: where an S3 store is named and boto3 is missing.
     """
     if settings.is_store_remote:
         return S3Store(settings.store, settings.s3_endpoint, settings.home / "cache")
-    return Store(settings.store_path)
+    return Store(settings.store_path, must_exist)

@@ -78,6 +78,7 @@ class JobRequest:
         nonce: Makes it another job than an equal one without it.
         key: Id of the API key that asks, or empty.
         quota: Jobs that the key may have open at a time.
+        realm: Whose equal orders are one job: a key's id; empty: everybody's.
     """
 
     kind: str
@@ -91,6 +92,7 @@ class JobRequest:
     nonce: str = ""
     key: str = ""
     quota: int = 0
+    realm: str = ""
 
 
 @dataclass(frozen=True)
@@ -141,6 +143,7 @@ def submit(database: Database, store: Store, order: Order) -> Submitted:
             nonce=nonce,
             key=order.key,
             quota=order.quota,
+            realm=order.realm,
         )
         return add_job(session, wanted)
 
@@ -270,6 +273,8 @@ def _hash(wanted: JobRequest) -> str:
     value: dict[str, Any] = {"request": wanted.request, "version": __version__, "nonce": wanted.nonce}
     if wanted.kind != Recover.name:
         value["kind"] = wanted.kind
+    if wanted.realm:
+        value["realm"] = wanted.realm
     if wanted.inputs:
         value["inputs"] = dict(wanted.inputs)
     return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()

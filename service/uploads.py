@@ -43,19 +43,30 @@ class IdempotencyMismatch(BadInput):
 
 
 def keep_upload(
-    database: Database, store: Store, key: str, path: Path, name: str, day_bytes: int | None = None
+    database: Database, store: Store, key: str, path: Path, given: tuple[str, str], day_bytes: int | None = None
 ) -> Stored:
-    """Keep an uploaded file, and that this key may use it; the newest name counts.
+    """Keep an uploaded file, and that this key may use it as what it was uploaded; the newest name counts.
+
+    Args:
+        database: Where that is noted.
+        store: Where the file is kept.
+        key: Id of the API key, or empty.
+        path: The file.
+        given: Its name, and what it was uploaded as: `scans`, say.
+        day_bytes: Most bytes that the key may upload a day; None: any number.
 
     Raises:
         DayFull: where the files of the key's last 24 hours would be more than `day_bytes`; None: any number.
     """
     kept = store.put(path)
-    row = UploadRow(key=key, sha256=kept.sha256, name=_printable(name), size=kept.size, created=clock())
     with database.write() as session:
         if day_bytes is not None:
             lock_key(session, key)
             _check_day(session, key, kept.size, day_bytes, kept.sha256)
+        known = session.get(UploadRow, (key, kept.sha256))
+        kinds = sorted({given[1], *(known.kinds if known is not None else ())})
+        row = UploadRow(key=key, sha256=kept.sha256, name=_printable(given[0]), size=kept.size, kinds=kinds)
+        row.created = clock()
         session.merge(row)
     return kept
 
@@ -86,16 +97,19 @@ def _check_day(session: Session, key: str, size: int, day_bytes: int, sha256: st
         raise DayFull(f"the key uploaded {used} of {day_bytes} bytes a day; wait until the first are a day old.", left)
 
 
-def find_upload(database: Database, key: str, sha256: str) -> UploadRow:
-    """Return an upload of a key.
+def find_upload(database: Database, key: str, sha256: str, kind: str | None = None) -> UploadRow:
+    """Return an upload of a key; with `kind` one that was uploaded as that.
 
     Raises:
-        UploadUnknown: where this key did not upload it.
+        UploadUnknown: where this key did not upload it, or as something else.
     """
     with database.read() as session:
         row = session.get(UploadRow, (key, sha256))
     if row is None:
         raise UploadUnknown(f"no file {sha256[:12]} was uploaded with this key; upload it first.")
+    if kind is not None and row.kinds and kind not in row.kinds:  # uploads of earlier versions have no kind
+        was = ", ".join(row.kinds)
+        raise UploadUnknown(f"file {sha256[:12]} was uploaded to /v1/{was}; upload it to /v1/{kind} to use it so.")
     return row
 
 

@@ -16,7 +16,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..core.errors import GarmentqError
+from ..core.errors import Unavailable
 from ..service.lock import hold_lock
 from ..service.settings import ServiceSettings
 from .detached import has_ended, kill_group, launch
@@ -31,7 +31,7 @@ START_SECONDS = 10.0
 """How long a start may take [s]; it takes 0.1 s on an idle machine."""
 
 
-class BrokerUnreachable(GarmentqError):
+class BrokerUnreachable(Unavailable):
     """The broker does not answer; see broker.log in the home folder, or check GARMENTQ_BROKER_URL."""
 
     code = "service.broker_unreachable"

@@ -16,17 +16,18 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
-from ..core.errors import BadInput, GarmentqError, keep_printable
+from ..core.errors import BadInput, GarmentqError, Unavailable, keep_printable
 from ..core.hooks import Arrays, Hooks
 from ..core.limited import LONGEST_MESSAGE
 from ..service.checking import STAGE, check_files
 from ..service.database import Database, DatabaseUnreachable
-from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, release, report
+from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, put_off, release, report
 from ..service.kinds import Kind, Turned, Work, find_files, find_kind, read_request
+from ..service.outage import find_outage, note_outage
 from ..service.results import CHECKPOINT, PREVIOUS, export_files, load_checkpoint, save_checkpoint, store_result
 from ..service.services import Services
 from ..service.settings import ServiceSettings
@@ -34,19 +35,14 @@ from ..service.states import State
 from ..service.store import ArtifactDamaged, ArtifactMissing, Store
 from ..service.stores import open_store
 from ..service.understanding import note_checked, turn
+from .patience import going_on, persist, wait_for_store
 from .threads import limit_threads
 from .watch import JobTooLong, Watch
 
 log = logging.getLogger(__name__)
 
-T = TypeVar("T")
-
 REPORT_SECONDS = 0.5
 """Shortest time between two progress events of one stage [s]; more often is not seen, and each is a row."""
-
-
-AWAY_SECONDS = 0.2
-"""Pause between two tries to reach a database that is away [s]."""
 
 FORCED = 75
 """Exit status of a child that ended under its job; the conventional one for `try again later`."""
@@ -65,12 +61,18 @@ def run_job(
         mark: Ends the owner's name, so that the parent finds what a dead child held.
 
     Returns:
-        What became of it: `unclaimed`, `succeeded`, `failed`, `cancelled`, `released` or `lost`.
+        What became of it: `unclaimed`, `succeeded`, `failed`, `cancelled`, `released`, `put_off` or `lost`.
     """
     if is_draining():
         return "unclaimed"  # the job stays queued, and another worker's reaper publishes it again
     owner = f"{socket.gethostname()}:{os.getpid()}:{mark or uuid.uuid4().hex}"
-    held = claim_next(database, wakeup, owner, settings.lease_seconds)
+    store = open_store(settings, must_exist=True)
+    try:
+        ready = wait_for_store(settings, database, store, is_draining)
+        held = claim_next(database, wakeup, owner, settings.lease_seconds) if ready else None
+    except DatabaseUnreachable as error:
+        log.warning("no job is begun: %s", error)
+        held = None
     if held is None:
         return "unclaimed"
     note = make_note(held)
@@ -90,7 +92,7 @@ def run_job(
     watch = Watch(database, held, *times, is_draining, settings.grace_seconds, force)
     try:
         with watch:
-            outcome = _work(Services(settings, database, open_store(settings)), held, watch)
+            outcome = _work(Services(settings, database, store), held, watch)
     except FenceLost:
         outcome = "lost"
     except DatabaseUnreachable as error:
@@ -103,22 +105,6 @@ def run_job(
 def make_note(held: Claim, stage: str = "") -> dict[str, Any]:
     """Return the fields of a structured log line."""
     return {"job": held.job, "attempt": held.attempt, "stage": stage}
-
-
-def persist(write: Callable[[], T], watch: Watch) -> T:
-    """Repeat a write while the database is away, for as long as the lease holds, and return what it does.
-
-    Raises:
-        DatabaseUnreachable: where it stayed away for longer.
-        FenceLost: where another worker has taken the job over.
-    """
-    while True:
-        try:
-            return write()
-        except DatabaseUnreachable:
-            if watch.reason == "lost":
-                raise
-            time.sleep(AWAY_SECONDS)
 
 
 def _work(services: Services, held: Claim, watch: Watch) -> str:
@@ -141,6 +127,8 @@ def _work(services: Services, held: Claim, watch: Watch) -> str:
             return _stop(database, held, watch.reason, settings.max_seconds)
         if not isinstance(error, Exception) or isinstance(error, DatabaseUnreachable):
             raise
+        if (outage := find_outage(error)) is not None:
+            return _put_off(settings, database, held, outage, watch)
         persist(partial(_fail, database, held, error), watch)
         return State.FAILED
 
@@ -172,13 +160,21 @@ def _stop(database: Database, held: Claim, reason: str, seconds: float) -> str:
     return reason
 
 
+def _put_off(settings: ServiceSettings, database: Database, held: Claim, outage: Unavailable, watch: Watch) -> str:
+    """Give a job back that met an outage, and say so where the workers are shown."""
+    log.warning("job %s is put off: %s", held.job, outage, extra=make_note(held))
+    persist(partial(note_outage, database, socket.gethostname(), outage.code), watch)
+    persist(partial(put_off, database, held, outage, settings.pause_seconds), watch)
+    return "put_off"
+
+
 def _fail(database: Database, held: Claim, error: BaseException) -> None:
     if isinstance(error, GarmentqError):
         code, message = error.code, error.message
     else:
         code, message = (
             "job.crashed",
-            f"{type(error).__name__}: {error}; this is a fault of garmentq, please report it.",
+            f"{type(error).__name__}: a fault of garmentq; please report it with the worker's log.",
         )
     if not isinstance(error, BadInput):
         log.error("job %s failed:\n%s", held.job, "".join(traceback.format_exception(error)), extra=make_note(held))
@@ -213,15 +209,6 @@ def unpack(services: Services, held: Claim, folder: Path, kind: Kind, request: A
     return replace(work, inputs=inputs)
 
 
-@contextmanager
-def _outage(held: Claim, stage: str) -> Iterator[None]:
-    """Go on without a report or checkpoint while the database is away; the watch tells when that lasts too long."""
-    try:
-        yield
-    except DatabaseUnreachable as error:
-        log.warning("job %s goes on: %s", held.job, error, extra=make_note(held, stage))
-
-
 def make_hooks(database: Database, store: Store, held: Claim, watch: Watch) -> Hooks:
     """Connect a pipeline's four calls to the job's row."""
     last: dict[str, Any] = {"stage": "", "at": 0.0}
@@ -232,13 +219,13 @@ def make_hooks(database: Database, store: Store, held: Claim, watch: Watch) -> H
             return
         last.update(stage=stage, at=now)
         log.debug("job %s: %s %.2f", held.job, stage, fraction, extra=make_note(held, stage))
-        with _outage(held, stage):
+        with going_on(held.job, make_note(held, stage)):
             report(database, held, stage, fraction, message)
 
     def save(name: str, arrays: Arrays) -> None:
         buffer = io.BytesIO()
         np.savez(buffer, **{key: np.asarray(value) for key, value in arrays.items()})  # type: ignore[arg-type]
-        with _outage(held, last["stage"]):
+        with going_on(held.job, make_note(held, last["stage"])):
             save_checkpoint(database, store, held, name, buffer.getvalue())
 
     def load(name: str) -> Arrays | None:

@@ -30,6 +30,7 @@ class Watch:
 
     Attributes:
         reason: Empty while the job may go on; else `lost`, `cancelled`, `released` or `too_long`.
+        database: Where the job is.
     """
 
     def __init__(
@@ -48,7 +49,7 @@ class Watch:
         `force` is called with the reason where the job has not stopped `grace_seconds` after it was told to.
         """
         self.reason = ""
-        self._database = database
+        self.database = database
         self._claim = claim
         self._lease = lease_seconds
         self._poll = min(poll_seconds, lease_seconds / BEATS_PER_LEASE)
@@ -79,13 +80,11 @@ class Watch:
             now = time.monotonic()
             is_due = now - renewed >= self._lease / BEATS_PER_LEASE
             try:
-                pulse = renew(self._database, self._claim, self._lease) if is_due else look(self._database, self._claim)
-            except GarmentqError:
-                if now - renewed >= self._lease:  # the database is away: by now another worker may have the job
-                    self.reason = "lost"
-                    return
-                continue
-            renewed = now if is_due else renewed
+                pulse = renew(self.database, self._claim, self._lease) if is_due else look(self.database, self._claim)
+            except GarmentqError:  # the database is away; once it is back the fence tells whose the job is
+                pulse = Pulse(is_owner=True, is_cancelled=False)
+            else:
+                renewed = now if is_due else renewed
             self.reason = self._judge(pulse, now - started)
             if self.reason:
                 self._keep_alive(renewed)
@@ -108,5 +107,5 @@ class Watch:
                 return
             if self.reason != "lost":
                 with suppress(GarmentqError):
-                    renew(self._database, self._claim, self._lease)
+                    renew(self.database, self._claim, self._lease)
         self._force(self.reason)

@@ -21,10 +21,25 @@ from celery import Celery, bootsteps, signals
 from celery.platforms import SecurityWarning
 
 from ..core.errors import GarmentqError
-from ..service.database import Database, open_database
+from ..service.clocks import Leaps, read_clock, set_right
+from ..service.database import Database, DatabaseUnreachable, open_database
 from ..service.families import advance
+from ..service.home import use_home
 from ..service.logs import set_up_logs
-from ..service.reaper import dispatch, drop_duty, end_life, hold_duty, is_idle, reap, remind, report_loss, show_life
+from ..service.reaper import (
+    DUTY,
+    DUTY_SECONDS,
+    FORGET_SECONDS,
+    dispatch,
+    drop_duty,
+    end_life,
+    hold_duty,
+    is_idle,
+    reap,
+    remind,
+    report_loss,
+    show_life,
+)
 from ..service.settings import ServiceSettings
 from ..service.states import QUEUES
 from .app import CHANNELS, TASK, count_messages, make_app, publish
@@ -33,15 +48,8 @@ from .threads import limit_threads
 
 log = logging.getLogger(__name__)
 
-DUTY = "dispatcher"
-DUTY_SECONDS = 5.0
-"""How long the duty outlives its holder [s]: what a dead dispatcher delays the queue at most."""
-
 LIFE_SECONDS = 5.0
 """How often a worker says that it lives [s]."""
-
-FORGET_SECONDS = 30.0
-"""A worker that has not said so for so long is off the list [s]: six times in a row."""
 
 IDLE_CHECK_SECONDS = 5.0
 """Longest period of the look whether an embedded worker may go home [s]."""
@@ -60,6 +68,7 @@ class Duties(bootsteps.StartStopStep):
         self.app = parent.app
         self.rounds = parent.timer.call_repeatedly(self.settings.poll_seconds, self._round)
         self.showed = 0.0
+        self.leaps = Leaps(self.settings.lease_seconds)
         self.began = time.monotonic()
         if parent.app.garmentq_goes_home and self.settings.idle_seconds:
             period = min(IDLE_CHECK_SECONDS, self.settings.idle_seconds)
@@ -81,10 +90,16 @@ class Duties(bootsteps.StartStopStep):
                 show_life(self.database, self.name, queues, concurrency, FORGET_SECONDS)
                 self.showed = time.monotonic()
             if hold_duty(self.database, DUTY, self.name, DUTY_SECONDS):
-                reap(self.database, self.settings.max_attempts)
+                set_right(self.database)
+                self.leaps.note(read_clock(self.database))
+                if self.leaps.is_steady:
+                    reap(self.database, self.settings.max_attempts)
                 advance(self.database)
                 remind(self.database, self.settings.republish_seconds, lambda: count_messages(self.app) == 0)
                 dispatch(self.database, lambda job, queue: publish(self.app, job, queue))
+        except DatabaseUnreachable as error:
+            self.leaps.note_outage()
+            log.warning("a round of the dispatcher failed: %s", error)
         except Exception as error:  # the next round tries again; the loop must never end
             log.warning("a round of the dispatcher failed: %s: %s", type(error).__name__, error)
 
@@ -115,6 +130,7 @@ def run_worker(
     Returns:
         Exit status.
     """
+    in_use = use_home(settings)
     set_up_logs(bool(settings.log_json))
     # Root is safe here: nothing but JSON is accepted, so a message can start nothing but a job.
     warnings.simplefilter("ignore", SecurityWarning)
@@ -137,7 +153,10 @@ def run_worker(
         without_gossip=True,
         without_mingle=True,
     )
-    worker.start()
+    try:
+        worker.start()
+    finally:
+        os.close(in_use)
     return int(worker.exitcode or 0)
 
 

@@ -11,9 +11,10 @@ from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 from sqlalchemy import select
 
 from ..jobs import JobUnknown, find_job
-from ..keys import Caller, admit
+from ..keys import Caller
 from ..models import JobRow, OwnerRow
 from ..services import Services
+from .guard import CALLER
 from .limits import ApiLimits
 from .meter import Meter
 from .problems import RequestBad
@@ -25,12 +26,12 @@ class Rooms(Services):
 
     Attributes:
         limits: What a request may cost.
-        is_open: True where a caller without a key may be the local user.
+        local_token: Makes its bearer the local user while there are no keys; empty: nobody is.
         meter: Counts what each key asks for.
     """
 
     limits: ApiLimits
-    is_open: bool
+    local_token: str
     meter: Meter
 
 
@@ -44,17 +45,10 @@ def get_rooms(request: Request) -> Rooms:
 
 
 def get_caller(
-    rooms: Annotated[Rooms, Depends(get_rooms)],
-    credentials: Annotated[HTTPAuthorizationCredentials | None, Security(bearer)],
+    request: Request, described: Annotated[HTTPAuthorizationCredentials | None, Security(bearer)]
 ) -> Caller:
-    """Find who asks.
-
-    Raises:
-        KeyMissing, KeyBad: where nobody may.
-        TooManyRequests: where the key asks too often.
-    """
-    caller = admit(rooms.database, credentials.credentials if credentials else None, rooms.is_open)
-    rooms.meter.take(caller.key)
+    """Return who asks, whom the guard has let in; `described` only tells the OpenAPI page that a key is needed."""
+    caller: Caller = request.scope[CALLER]
     return caller
 
 
@@ -94,8 +88,15 @@ def _find_parameters(route: Dependant) -> set[str]:
     return own.union(*(_find_parameters(one) for one in route.dependencies))
 
 
+def get_watcher(caller: Annotated[Caller, Depends(get_caller)]) -> Caller:
+    """Ask for the scope `metrics`."""
+    caller.must("metrics")
+    return caller
+
+
 RoomsOf = Annotated[Rooms, Depends(get_rooms)]
 Reader = Annotated[Caller, Depends(get_reader)]
+Watcher = Annotated[Caller, Depends(get_watcher)]
 Submitter = Annotated[Caller, Depends(get_submitter)]
 Admin = Annotated[Caller, Depends(get_admin)]
 

@@ -145,7 +145,11 @@ class Health(_Answer):
 
 
 class Readiness(_Answer):
-    """Report `ok` of database and store; otherwise the answer is a problem."""
+    """Report `ok` of database and store; otherwise the answer is a problem.
+
+    `troubles` says in words what keeps accepted jobs from running: no worker, a silent dispatcher, an outage.
+    """
 
     database: str
     store: str
+    troubles: list[str]

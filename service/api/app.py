@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import os
+import re
+from contextlib import suppress
 from typing import Any
 
 from fastapi import Depends, FastAPI
+from fastapi.middleware.cors import CORSMiddleware
+from fastapi.responses import HTMLResponse
 
 from ... import __version__
+from ...core.errors import Unavailable
 from ..database import open_database
-from ..settings import ServiceSettings
+from ..local_token import make_local_token
+from ..settings import ServiceSettingBad, ServiceSettings
 from ..stores import open_store
 from . import batches, events, health, jobs, keys, materials, questions, results, templates, uploads
 from .access import Rooms, refuse_unknown
@@ -16,6 +23,7 @@ from .answers import Problem
 from .guard import Guard
 from .limits import ApiLimits
 from .meter import Meter
+from .page import POLICY, draw_page
 from .problems import add_handlers
 
 DESCRIPTION = """From the 3D scan of a garment to a sewing pattern, a simulation mesh and a detailed mesh.
@@ -30,22 +38,52 @@ def make_app(settings: ServiceSettings, limits: ApiLimits | None = None, is_open
     Args:
         settings: Which home.
         limits: What a request may cost.
-        is_open: Let the local user in without a key while there are no keys; only for a loopback address.
+        is_open: Let the local user in by the home's token while there are no keys; only for a loopback address.
 
     Raises:
         DatabaseUnreachable: where the database cannot be opened.
     """
     limits = limits or ApiLimits()
-    app = FastAPI(title="garmentq", version=__version__, description=DESCRIPTION, redoc_url=None)
-    meter = Meter(limits)
-    app.state.rooms = Rooms(settings, open_database(settings), open_store(settings), limits, is_open, meter)
+    app = FastAPI(title="garmentq", version=__version__, description=DESCRIPTION, docs_url=None, redoc_url=None)
+    meter, store = Meter(limits), open_store(settings)
+    with suppress(Unavailable):  # `/readyz` tells of a store that is away
+        store.prepare()
+    token = make_local_token(settings.home) if is_open else ""
+    app.state.rooms = Rooms(settings, open_database(settings), store, limits, token, meter)
     for module in (uploads, batches, jobs, events, results, questions, templates, materials, keys):
         app.include_router(module.router, prefix="/v1", dependencies=[Depends(refuse_unknown)])
     app.include_router(health.router)
     add_handlers(app)
     app.add_middleware(Guard, limits=limits, is_open=is_open)
+    app.add_route("/docs", lambda request: show_page(app), include_in_schema=False)
+    if origins := read_origins():
+        app.add_middleware(
+            CORSMiddleware,
+            allow_origins=origins,
+            allow_methods=["GET", "POST", "PUT", "DELETE"],
+            allow_headers=["authorization", "content-type", "idempotency-key", "x-content-sha256", "last-event-id"],
+            expose_headers=["etag", "location", "retry-after", "x-request-id"],
+        )
     app.openapi = lambda: describe(app)  # type: ignore[method-assign]
     return app
+
+
+def read_origins() -> list[str]:
+    """Return the pages' origins that may use the service: GARMENTQ_API_ORIGINS, with commas between; none by default.
+
+    Raises:
+        ServiceSettingBad: where one is no origin; `*` is none.
+    """
+    chosen = [one.strip() for one in os.environ.get("GARMENTQ_API_ORIGINS", "").split(",") if one.strip()]
+    for one in chosen:
+        if not re.fullmatch(r"https?://[A-Za-z0-9.-]+(:\d{1,5})?", one):
+            raise ServiceSettingBad(f"GARMENTQ_API_ORIGINS names '{one[:80]}'; write https://HOST or https://HOST:PORT.")
+    return chosen
+
+
+def show_page(app: FastAPI) -> HTMLResponse:
+    """Answer with the description of every route."""
+    return HTMLResponse(draw_page(app.openapi()), headers={"content-security-policy": POLICY})
 
 
 def describe(app: FastAPI) -> dict[str, Any]:

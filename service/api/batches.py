@@ -9,11 +9,11 @@ from fastapi import APIRouter
 from sqlalchemy import func, select
 
 from ..families import find_below
+from ..health import hide_places, read_queue
 from ..jobs import find_jobs_by_id
 from ..models import JobRow, OwnerRow
-from ..query import count_states
-from ..reaper import list_workers
-from ..records import Job, Queue, Worker
+from ..queue_records import Queue
+from ..records import Job
 from ..states import State
 from .access import Reader, Rooms, RoomsOf
 from .answers import Briefs
@@ -26,9 +26,10 @@ BRIEF = {
     "job": "3685ecfd4f81", "name": "skirt", "state": "running", "stage": "drape", "progress": 0.4, "attempts": 1,
     "created": 1795250000.1, "started": 1795250000.4, "finished": None, "error": None, "bad_input": False,
     "queue": "cpu", "priority": 0, "verdict": None, "kind": "recover", "parent": None, "family": "3685ecfd4f81",
+    "delay": None,
 }  # fmt: skip
 WORKER = {"name": "worker 1", "queues": "cpu", "concurrency": 2, "started": 1795240000.0, "seen": 1795250000.0}
-QUEUE = {"states": {"queued": 3, "running": 2}, "workers": [WORKER]}
+QUEUE = {"states": {"queued": 3, "running": 2}, "workers": [WORKER], "outages": [], "silence": 0.4}
 
 
 @router.post(
@@ -53,11 +54,10 @@ def tell_states(wanted: JobsIn, rooms: RoomsOf, caller: Reader) -> Any:
 @router.get("/queue", summary="Count the jobs and list the workers.", responses=show_answer(QUEUE, 200, Queue))
 def tell_queue(rooms: RoomsOf, caller: Reader) -> Any:
     """Count the caller's jobs by state, and give the living workers; their names to the scope `admin` only."""
-    workers = [Worker.from_row(row) for row in list_workers(rooms.database)]
-    if not caller.sees_all:
-        workers = [replace(worker, name=f"worker {number}") for number, worker in enumerate(workers, 1)]
-    states = count_states(rooms.database) if caller.sees_all else _count_own(rooms, caller.key)
-    return Queue(states, workers)
+    queue = read_queue(rooms.database)
+    if caller.sees_all:
+        return queue
+    return replace(hide_places(queue), states=_count_own(rooms, caller.key))
 
 
 def _count_own(rooms: Rooms, key: str) -> dict[State, int]:

@@ -1,22 +1,47 @@
-"""What stands before every route: time limits, body limits, and who may talk to a service without keys."""
+"""What stands before every route: who asks, what that may cost in time and bytes, and what is said of it afterwards."""
 
 from __future__ import annotations
 
 import asyncio
 import ipaddress
+import logging
+import uuid
 from collections.abc import Awaitable, Callable, MutableMapping
 from typing import Any
 from urllib.parse import urlsplit
 
+from starlette.concurrency import run_in_threadpool
+
+from ...core.errors import GarmentqError
+from ..audit import is_recorded, record_access
+from ..keys import Caller, admit
+from ..logs import REQUEST
 from .limits import ApiLimits
-from .problems import make_problem, refuse
+from .problems import answer_error, make_problem, refuse
+
+log = logging.getLogger(__name__)
 
 Message = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[Message]]
 Send = Callable[[Message], Awaitable[None]]
 
-UPLOADS = ("/v1/scans", "/v1/bodies", "/v1/labels", "/v1/patterns")
+UPLOADS = ("/v1/scans", "/v1/bodies", "/v1/labels", "/v1/patterns", "/v1/motions")
 TEMPLATES = "/v1/templates/"
+GUARDED = ("/v1/", "/metrics")
+"""Beginnings of the paths that ask for a key, before any byte of a body is read."""
+
+HEAD_BYTES = 32 * 1024
+"""Largest head of a request [bytes]; a browser's with all its cookies is below 8 KiB."""
+
+CALLER = "garmentq.caller"
+"""Where a request's caller stands, for the routes."""
+
+HEADERS = (
+    (b"x-content-type-options", b"nosniff"),
+    (b"content-security-policy", b"default-src 'none'; frame-ancestors 'none'"),
+    (b"referrer-policy", b"no-referrer"),
+)
+"""What every answer says to a browser; a route may say something else."""
 
 
 class Guard:
@@ -40,11 +65,59 @@ class Guard:
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
-        if self.is_open and not _is_near(scope):
-            answer = make_problem(403, "request.foreign_origin", "call this service by 127.0.0.1, from no other page.")
-            await answer(scope, receive, send)
+        request = uuid.uuid4().hex[:16]
+        token = REQUEST.set(request)
+        status = 500
+
+        async def tell(message: Message) -> None:
+            nonlocal status
+            if message["type"] == "http.response.start":
+                status = message["status"]
+                own = message.setdefault("headers", [])
+                known = {name.lower() for name, _ in own}
+                own += [one for one in (*HEADERS, (b"cache-control", b"no-store")) if one[0] not in known]
+                own.append((b"x-request-id", request.encode()))
+            await send(message)
+
+        try:
+            answer = _refuse_form(scope, self.is_open) or await self._admit(scope)
+            if answer is not None:
+                await answer(scope, receive, tell)
+                return
+            await self._bounded(_as_get(scope), receive, tell)
+        finally:
+            await self._record(scope, status, request)
+            REQUEST.reset(token)
+
+    async def _admit(self, scope: Message) -> Any:
+        """Find who asks and count it; give the refusal, or None where the request may go on."""
+        if not scope["path"].startswith(GUARDED):
+            return None
+        rooms, address = scope["app"].state.rooms, _address(scope)
+        try:
+            token = _find_token(scope)
+            rooms.meter.check_address(address, token)
+            scope[CALLER] = await run_in_threadpool(admit, rooms.database, token, rooms.local_token)
+            rooms.meter.note_key(token)
+            rooms.meter.take(scope[CALLER].key)
+        except GarmentqError as error:
+            if error.code == "key.bad":
+                rooms.meter.note_wrong(address)
+            return answer_error(error)
+        return None
+
+    async def _record(self, scope: Message, status: int, request: str) -> None:
+        caller: Caller | None = scope.get(CALLER)
+        if caller is None or not is_recorded(scope["method"], scope["path"], status):
             return
-        await self._bounded(scope, receive, send)
+        done = f"{scope['method']} {status}"
+        try:
+            database = scope["app"].state.rooms.database
+            await run_in_threadpool(
+                record_access, database, caller.key, done, scope["path"], (_address(scope), request)
+            )
+        except GarmentqError as error:
+            log.error("not in the audit log: %s %s by key '%s': %s", done, scope["path"], caller.key, error)
 
     async def _bounded(self, scope: Message, receive: Receive, send: Send) -> None:
         is_upload = scope["path"] in UPLOADS and scope["method"] == "POST"
@@ -52,10 +125,6 @@ class Guard:
 
         async def note(message: Message) -> None:
             begun.set()
-            if message["type"] == "http.response.start":
-                message.setdefault("headers", []).extend(
-                    [(b"x-content-type-options", b"nosniff"), (b"cache-control", b"no-store")]
-                )
             await send(message)
 
         most = self.limits.upload_bytes if is_upload else self._body_bytes(scope)
@@ -109,8 +178,40 @@ def is_loopback(host: str) -> bool:
         return False
 
 
+def _refuse_form(scope: Message, is_open: bool) -> Any:
+    """Refuse a request by its head alone, or give None."""
+    names = [name for name, _ in scope["headers"]]
+    if sum(len(name) + len(value) for name, value in scope["headers"]) > HEAD_BYTES:
+        return make_problem(431, "request.head_too_large", f"the request's head is larger than {HEAD_BYTES} bytes.")
+    if b"content-length" in names and b"transfer-encoding" in names:  # two proxies may read two requests out of it
+        return make_problem(400, "request.bad", "give Content-Length or Transfer-Encoding, not both.")
+    if is_open and not _is_near(scope):
+        return make_problem(403, "request.foreign_origin", "call this service by 127.0.0.1, from no other page.")
+    return None
+
+
+def _as_get(scope: Message) -> Message:
+    """Return a HEAD as the GET that it stands for; the server drops the body, for its own scope stays as it is."""
+    return {**scope, "method": "GET"} if scope["method"] == "HEAD" else scope
+
+
+def _address(scope: Message) -> str:
+    return str((scope.get("client") or ("",))[0])
+
+
+def _find_token(scope: Message) -> str | None:
+    """Return the token of `Authorization: Bearer TOKEN`, or None."""
+    for name, value in scope["headers"]:
+        if name == b"authorization":
+            kind, _, token = value.decode("latin-1").partition(" ")
+            return token.strip() if kind.lower() == "bearer" and token.strip() else None
+    return None
+
+
 def _is_near(scope: Message) -> bool:
     headers = {name: value.decode("latin-1") for name, value in scope["headers"]}
+    if headers.get(b"sec-fetch-site", "same-origin") not in ("same-origin", "none"):
+        return False
     for url in ("//" + headers.get(b"host", ""), headers.get(b"origin", "//localhost")):
         try:
             host = urlsplit(url).hostname

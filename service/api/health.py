@@ -11,8 +11,8 @@ from fastapi.responses import JSONResponse, PlainTextResponse, Response
 
 from ... import __version__
 from ...core.errors import GarmentqError
-from ..query import count_states
-from .access import Reader, RoomsOf
+from ..health import find_troubles, hide_places, read_queue
+from .access import RoomsOf, Watcher
 from .answers import Health, Readiness
 from .problems import ALWAYS, make_problem, show_answer, show_refusals
 
@@ -25,12 +25,9 @@ METRICS = "garmentq.service.metrics"
 
 READY: dict[str, Any] = {
     "model": Readiness, "description": "Answer.",
-    "content": {"application/json": {"example": {"database": "ok", "store": "ok"}}},
+    "content": {"application/json": {"example": {"database": "ok", "store": "ok", "troubles": []}}},
 }  # fmt: skip
 HEALTHY: dict[int | str, dict[str, Any]] = {200: show_answer({"status": "ok", "version": "0.1.0"}, 200, Health)[200]}
-
-PROBE = b"garmentq is ready\n"
-
 
 @router.get("/healthz", summary="Tell that the process lives.", responses={**HEALTHY, **show_refusals(403)})
 async def tell_health() -> Any:
@@ -43,20 +40,24 @@ async def tell_health() -> Any:
     responses={200: READY, **show_refusals(403, 503)},
 )  # fmt: skip
 def tell_readiness(rooms: RoomsOf) -> Response:
-    """Answer 503 where database or store is away. Submitting needs no broker, so that is not asked."""
+    """Answer 503 where database or store is away: then nothing can be taken. Nothing is written for the answer.
+
+    What keeps jobs from running is told beside it; jobs can be handed in all the same.
+    """
     found: dict[str, str] = {}
+    troubles: list[str] = []
     for name, check in {
-        "database": lambda: count_states(rooms.database),
-        "store": lambda: rooms.store.put_bytes(PROBE),
+        "database": lambda: find_troubles(hide_places(read_queue(rooms.database))),
+        "store": lambda: rooms.store.check(rooms.settings.free_bytes),
     }.items():
         try:
-            check()
+            troubles += check() or []
             found[name] = "ok"
         except GarmentqError as error:
             log.warning("not ready: %s", error.code)
             found[name] = error.code
     if set(found.values()) == {"ok"}:
-        return JSONResponse(found)
+        return JSONResponse(found | {"troubles": troubles})
     told = ", ".join(f"{name} {state}" for name, state in found.items())
     return make_problem(503, "service.not_ready", f"{told}; ask again later, or tell the operator.")
 
@@ -68,8 +69,8 @@ def tell_readiness(rooms: RoomsOf) -> Response:
         **show_refusals(*ALWAYS),
     },
 )  # fmt: skip
-def give_metrics(rooms: RoomsOf, caller: Reader) -> Response:
-    """Return numbers from the database."""
+def give_metrics(rooms: RoomsOf, caller: Watcher) -> Response:
+    """Return numbers of all keys' jobs; for the scope `metrics`."""
     try:
         text = importlib.import_module(METRICS).prometheus_text(rooms.database)
     except ModuleNotFoundError:

@@ -14,6 +14,7 @@ from starlette.concurrency import run_in_threadpool
 
 from ...core.body import is_builtin
 from ...core.settings import RecoverySettings
+from ..deletion import Deleted, delete_jobs
 from ..derived import DerivedOrder, submit_derived
 from ..families import cancel, retry
 from ..jobs import find_job
@@ -22,7 +23,7 @@ from ..kinds import FileRef
 from ..models import JobRow
 from ..order import Order, PartOrder
 from ..ordering import check_order
-from ..query import JobQuery, find_jobs
+from ..query import MOST_SKIPPED, JobQuery, find_jobs
 from ..results import report_jobs
 from ..submission import Submitted, clean_name, own_name, submit
 from ..uploads import begin_once, end_once, find_upload
@@ -41,8 +42,12 @@ EXAMPLE = {
     "settings": {"method": "deform", "fabric": "cotton_poplin"}, "version": "0.1.0",
     "metrics": {"surface_rms_mm.t2s": 0.41}, "gates": [], "warnings": [], "stage_seconds": {"drape": 12.3},
     "cpu_seconds": 71.2, "peak_mb": 900.0, "kind": "recover", "family": "3685ecfd4f81", "parent": None, "children": [],
-    "inputs": {}, "waits": [], "tags": ["spring"], "details": {},
+    "inputs": {}, "waits": [], "tags": ["spring"], "details": {}, "delay": None,
 }  # fmt: skip
+UPLOADED_AS = {"body": "bodies", "motion": "motions"}
+"""What the files of a derived job are uploaded as, by the request's field; other fields take any upload."""
+
+DELETED = {"jobs": ["3685ecfd4f81"], "uploads": 0, "files": 7, "size": 2048000, "young": 0}
 OF_PERSONS = ("given_as", "wearing", "marks", "parts")
 """Fields of a request that say something of a whole person."""
 
@@ -68,6 +73,7 @@ async def create_job(
     ends the job as `failed` with `bad_input`, and a code that says why. With a `kind` the job works on the result of
     another one that has succeeded.
     """
+    caller.may_hurry(wanted.priority)
     done = await run_in_threadpool(_create, rooms, caller, wanted, idempotency_key)
     response.headers["location"] = f"/v1/jobs/{done.job}"
     response.status_code = 202 if done.is_new else 200
@@ -97,9 +103,10 @@ def list_jobs(
     caller: Reader,
     given: Annotated[Given, Depends()],
     limit: Annotated[int, Query(ge=1, le=1000)] = 50,
+    offset: Annotated[int, Query(ge=0, le=MOST_SKIPPED)] = 0,
 ) -> Any:
-    """Return the caller's jobs whose fields are as given, newest first."""
-    return answer_query(rooms, caller, JobQuery(given.chosen, limit=limit))
+    """Return the caller's jobs whose fields are as given, newest first, from the one at `offset` on."""
+    return answer_query(rooms, caller, JobQuery(given.chosen, limit=limit, offset=offset))
 
 
 @router.get("/{job}", summary="Show a job and what it found.", responses=show_answer(EXAMPLE, model=Job))
@@ -113,9 +120,21 @@ def show_one(job: str, rooms: RoomsOf, caller: Reader) -> Any:
     responses=show_answer({"job": "3685ecfd4f81", "state": "running"}, model=Changed),
 )  # fmt: skip
 def cancel_job(job: str, rooms: RoomsOf, caller: Submitter) -> Any:
-    """Stop a queued job at once, a running one within a second or two; one that has ended stays as it is."""
+    """Stop a queued job at once, a running one within a second or two; one that has ended stays as it is.
+
+    Where keys share jobs, one that another key asked for too goes on for that one.
+    """
     row = find_own(rooms, caller, job)
-    return {"job": row.id, "state": cancel(rooms.database, row.id)}
+    return {"job": row.id, "state": cancel(rooms.database, row.id, "" if caller.sees_all else caller.key)}
+
+
+@router.delete(
+    "/{job}", summary="Delete an ended job.", responses=show_answer(DELETED, model=Deleted, refusals=(409,))
+)  # fmt: skip
+def delete_job(job: str, rooms: RoomsOf, caller: Submitter) -> Any:
+    """Delete an ended job with all below it, all that reads its results, and the files that nobody else names."""
+    row = find_own(rooms, caller, job)
+    return delete_jobs(rooms.database, rooms.store, [row.id], "" if caller.sees_all else caller.key)
 
 
 @router.post(
@@ -136,7 +155,7 @@ def show_job(rooms: Rooms, row: JobRow) -> dict[str, Any]:
 def answer_query(rooms: Rooms, caller: Caller, wanted: JobQuery) -> dict[str, Any]:
     """Return the answer that lists those of the caller's jobs that a query asks for."""
     owner = None if caller.sees_all else caller.key
-    rows = find_jobs(rooms.database, wanted.conditions, wanted.sort, wanted.limit, owner)
+    rows = find_jobs(rooms.database, wanted.conditions, wanted.sort, (wanted.limit, wanted.offset), owner)
     return {"jobs": [job.as_json() for job in report_jobs(rooms.database, rows, rooms.settings)]}
 
 
@@ -170,7 +189,10 @@ def _incoming(rooms: Rooms) -> Path:
 
 def _derive(rooms: Rooms, caller: Caller, wanted: DerivedIn, nonce: str) -> DerivedOrder:
     """Return the order of a derived job; its files are uploads of the caller's."""
-    names = {field: find_upload(rooms.database, caller.key, sha256).name for field, sha256 in wanted.files.items()}
+    names = {
+        field: find_upload(rooms.database, caller.key, sha256, UPLOADED_AS.get(field)).name
+        for field, sha256 in wanted.files.items()
+    }
     asked = wanted.model_dump(exclude={"files", "tags"})
     return DerivedOrder(
         **asked,
@@ -179,7 +201,13 @@ def _derive(rooms: Rooms, caller: Caller, wanted: DerivedIn, nonce: str) -> Deri
         nonce=nonce,
         key=caller.key,
         quota=caller.quota,
+        realm=_find_realm(rooms, caller),
     )
+
+
+def _find_realm(rooms: Rooms, caller: Caller) -> str:
+    """Return whose equal orders are the caller's job: its own, unless the operator lets keys share."""
+    return "" if rooms.settings.share_jobs else caller.key
 
 
 def _unpack(rooms: Rooms, caller: Caller, wanted: JobIn, folder: Path) -> Order:
@@ -188,27 +216,27 @@ def _unpack(rooms: Rooms, caller: Caller, wanted: JobIn, folder: Path) -> Order:
     if any(one.pattern is not None and one.template is not None for one in choices):
         raise RequestBad("give a pattern or a template's name, not both.")
 
-    def unpack(part: str, sha256: str) -> Path:
-        row = find_upload(rooms.database, caller.key, sha256)
+    def unpack(part: str, sha256: str, kind: str) -> Path:
+        row = find_upload(rooms.database, caller.key, sha256, kind)
         return rooms.store.copy(sha256, folder / part / clean_name(row.name))
 
     def choose(word: str, one: PartIn) -> PartOrder:
-        file = unpack(f"pattern-{word}", one.pattern) if one.pattern else None
+        file = unpack(f"pattern-{word}", one.pattern, "patterns") if one.pattern else None
         return PartOrder(file, one.template, one.garment, one.fabric, one.lock)
 
     body: Path | str | None = wanted.body
     if wanted.body is not None and not is_builtin(wanted.body):
-        body = unpack("body", wanted.body)
+        body = unpack("body", wanted.body, "bodies")
     return Order(
-        scan=unpack("scan", wanted.scan),
+        scan=unpack("scan", wanted.scan, "scans"),
         name=wanted.name or own_name(find_upload(rooms.database, caller.key, wanted.scan).name),
         tags=tuple(wanted.tags),
         body=body,
-        template=unpack("pattern", wanted.pattern) if wanted.pattern else None,
+        template=unpack("pattern", wanted.pattern, "patterns") if wanted.pattern else None,
         settings=RecoverySettings(**wanted.settings.model_dump()),
         priority=wanted.priority,
         force=wanted.force,
-        labels=unpack("labels", wanted.labels) if wanted.labels else None,
+        labels=unpack("labels", wanted.labels, "labels") if wanted.labels else None,
         queue=wanted.queue,
         key=caller.key,
         quota=caller.quota,
@@ -216,4 +244,5 @@ def _unpack(rooms: Rooms, caller: Caller, wanted: JobIn, folder: Path) -> Order:
         wearing=wanted.wearing,
         marks=tuple(wanted.marks),
         choices={word: choose(word, one) for word, one in wanted.parts.items()},
+        realm=_find_realm(rooms, caller),
     )

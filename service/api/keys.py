@@ -17,7 +17,7 @@ router = APIRouter(prefix="/keys", tags=["keys"])
 
 EXAMPLE = {
     "key": "5f1d0c9b7a3e", "name": "atelier", "scopes": ["read", "submit"], "quota": 100, "created": 1795250000.1,
-    "revoked": None,
+    "revoked": None, "priority": 0, "expires": None, "used": 1795250800.5,
 }  # fmt: skip
 
 KeyId = Annotated[str, Path(pattern="^[0-9A-Za-z]{1,16}$")]
@@ -28,7 +28,9 @@ KeyId = Annotated[str, Path(pattern="^[0-9A-Za-z]{1,16}$")]
 )
 def create(wanted: KeyIn, rooms: RoomsOf, caller: Admin) -> Any:
     """Make a key; the token is in this answer and never again."""
-    row, token = create_key(rooms.database, wanted.name, tuple(wanted.scopes), wanted.quota)
+    row, token = create_key(
+        rooms.database, wanted.name, tuple(wanted.scopes), wanted.quota, wanted.priority, wanted.days
+    )
     return KeyRecord.from_row(row).as_json() | {"token": token}
 
 

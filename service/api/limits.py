@@ -31,6 +31,10 @@ class ApiLimits:
             times a second, and a core answers about 200.
         burst: Requests of one key at once, after a silence; a page that shows a result and its files asks for 20.
         uploads: Uploads of one key at a time; fifty were measured within 300 MB of memory.
+        head_seconds: Longest time until a request's head is whole [s]; a phone network takes less than one.
+        connections_per_address: Connections that one address may hold open. A proxy is one address: it needs as many as
+            it has clients, up to `server.CONNECTIONS`.
+        wrong_keys: Wrong keys that one address may try at once; one more each 10 s.
         day_bytes: Bytes of the files that one key uploads in 24 hours; a studio's 1000 scans of 20 MB are 20 GB.
     """
 
@@ -44,6 +48,9 @@ class ApiLimits:
     requests_per_second: float = 50.0
     burst: int = 200
     uploads: int = 50
+    head_seconds: float = 10.0
+    connections_per_address: int = 200
+    wrong_keys: int = 20
     day_bytes: int = 64 * 1024**3
 
 

@@ -10,6 +10,12 @@ from contextlib import contextmanager
 from ...core.errors import GarmentqError
 from .limits import ApiLimits
 
+FORGIVEN_SECONDS = 10.0
+"""After so long one wrong key is forgiven [s]."""
+
+MOST_ADDRESSES = 10_000
+"""Addresses and keys that are remembered, so that nobody fills the memory."""
+
 
 class TooManyRequests(GarmentqError):
     """The key asks more often than it may; wait as long as Retry-After says."""
@@ -49,6 +55,8 @@ class Meter:
         self._lock = threading.Lock()
         self._left: dict[str, tuple[float, float]] = {}
         self._open: dict[tuple[str, str], int] = {}
+        self._wrong: dict[str, tuple[float, float]] = {}
+        self._known: set[int] = set()
 
     def take(self, key: str) -> None:
         """Count one request: a bucket of `burst` that fills by `requests_per_second`.
@@ -68,6 +76,37 @@ class Meter:
                 f"the key asks more than {rate:g} times a second; wait as long as Retry-After says.",
                 (1.0 - left) / rate,
             )
+
+    def check_address(self, address: str, token: str | None) -> None:
+        """Refuse an address that tried many wrong keys, but for a key that was right a while ago.
+
+        So nobody looks for a key by trying, and nobody shuts others out who come by the same proxy.
+
+        Raises:
+            TooManyRequests: where it must wait.
+        """
+        with self._lock:
+            count, then = self._wrong.get(address, (0.0, 0.0))
+            left = count - (self._now() - then) / FORGIVEN_SECONDS
+            known = hash(token) in self._known
+        if left >= self._limits.wrong_keys and not known:
+            raise TooManyRequests("too many wrong keys from this address; wait as long as Retry-After says.", 10.0)
+
+    def note_wrong(self, address: str) -> None:
+        """Count a wrong key."""
+        with self._lock:
+            now = self._now()
+            count, then = self._wrong.get(address, (0.0, now))
+            if len(self._wrong) >= MOST_ADDRESSES:
+                self._wrong.clear()
+            self._wrong[address] = (max(0.0, count - (now - then) / FORGIVEN_SECONDS) + 1.0, now)
+
+    def note_key(self, token: str | None) -> None:
+        """Note a right key; its hash only."""
+        with self._lock:
+            if len(self._known) >= MOST_ADDRESSES:
+                self._known.clear()
+            self._known.add(hash(token))
 
     @contextmanager
     def uploading(self, key: str) -> Iterator[None]:

@@ -22,6 +22,9 @@ STATUSES = {
     "key.missing": 401,
     "key.bad": 401,
     "key.scope_missing": 403,
+    "key.priority": 403,
+    "job.in_use": 409,
+    "job.shared": 409,
     "key.queue_full": 429,
     "key.too_many_requests": 429,
     "key.uploads_open": 429,
@@ -33,6 +36,10 @@ STATUSES = {
     "store.full": 507,
 }
 """Statuses of codes whose class does not tell."""
+
+OURS = ("service.", "store.")
+"""Codes of what is wrong with the service itself: a caller is told the class's fixed text, the log has the details, for
+those name hosts, folders and users."""
 
 RETRY_SECONDS = 10.0
 """When to ask again after 429 or 503 where the error does not tell [s]: a restart takes some seconds."""
@@ -54,7 +61,7 @@ def error_status(error: GarmentqError) -> int:
         return 404
     if isinstance(error, BadInput):
         return 422
-    return 503 if error.code.startswith(("service.", "store.")) else 500
+    return 503 if error.code.startswith(OURS) else 500
 
 
 def make_problem(status: int, code: str, detail: str, retry_seconds: float = RETRY_SECONDS) -> JSONResponse:
@@ -67,13 +74,21 @@ def make_problem(status: int, code: str, detail: str, retry_seconds: float = RET
     return JSONResponse(body, status, headers, media_type=MEDIA)
 
 
+def answer_error(error: GarmentqError) -> JSONResponse:
+    """Answer with one of our errors."""
+    seconds, message = getattr(error, "retry_seconds", RETRY_SECONDS), error.message
+    if error.code.startswith(OURS):
+        log.warning("answered %s: %s", error.code, error.message)
+        message = type(error)().message
+    return make_problem(error_status(error), error.code, message, seconds)
+
+
 def add_handlers(app: FastAPI) -> None:
     """Turn every exception into a problem."""
 
     def on_ours(request: Request, error: Exception) -> JSONResponse:
         assert isinstance(error, GarmentqError)
-        seconds = getattr(error, "retry_seconds", RETRY_SECONDS)
-        return make_problem(error_status(error), error.code, error.message, seconds)
+        return answer_error(error)
 
     def on_invalid(request: Request, error: Exception) -> JSONResponse:
         assert isinstance(error, RequestValidationError)

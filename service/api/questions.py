@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Query
 
-from ..query import MOST, JobQuery
+from ..query import MOST, MOST_SKIPPED, JobQuery
 from .access import Reader, RoomsOf
 from .answers import Jobs
 from .jobs import EXAMPLE, Given, Words, answer_query
 from .problems import show_answer
 
 router = APIRouter(tags=["results"])
+
+
+@dataclass(frozen=True)
+class Page:
+    """Choose which of the jobs that are found are returned."""
+
+    limit: Annotated[int, Query(ge=1, le=MOST)] = 50
+    offset: Annotated[int, Query(ge=0, le=MOST_SKIPPED)] = 0
 
 
 @router.get("/query", summary="Find jobs by what they found.", responses=show_answer({"jobs": [EXAMPLE]}, model=Jobs))
@@ -24,9 +33,9 @@ def query(
     fabric: Words = None,
     where: Annotated[list[str], Query(max_length=20, examples=[["surface_rms_mm.t2s < 4"]])] = [],  # noqa: B006
     sort: Annotated[str, Query(max_length=200)] = "-created",
-    limit: Annotated[int, Query(ge=1, le=MOST)] = 50,
+    page: Annotated[Page, Depends()] = Page(),
 ) -> Any:
     """Return the caller's jobs that meet every condition; names and operators come from lists, values are bound."""
     named = {"garment": garment, "fabric": fabric}
     chosen = given.chosen | {name: value for name, value in named.items() if value is not None}
-    return answer_query(rooms, caller, JobQuery(chosen, [text[:1000] for text in where], sort, limit))
+    return answer_query(rooms, caller, JobQuery(chosen, [text[:1000] for text in where], sort, page.limit, page.offset))

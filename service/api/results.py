@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from fastapi import APIRouter, Request, Response
-from fastapi.responses import FileResponse
+from fastapi.responses import FileResponse, StreamingResponse
 from starlette.types import Message, Receive, Scope, Send
 
 from ..models import BodyRow
@@ -17,6 +17,7 @@ from ..results import ResultMissing, list_files
 from ..states import ENDED
 from .access import Reader, Rooms, RoomsOf, find_own
 from .answers import Files, Result, Wearer
+from .archive import pack_files
 from .jobs import EXAMPLE as JOB
 from .jobs import show_job
 from .problems import ALWAYS, make_problem, show_answer, show_refusals
@@ -73,6 +74,25 @@ def download(job: str, name: str, request: Request, rooms: RoomsOf, caller: Read
     if not found:
         raise ResultMissing(f"job {row.id} has no file '{name[:80]}'; /v1/jobs/{row.id}/artifacts lists them.")
     return _send(rooms, found[0], request)
+
+
+@router.get(
+    "/jobs/{job}/result.zip",
+    summary="Download all files of a job.",
+    response_class=StreamingResponse,
+    responses={
+        200: {"description": "The files.", "content": {"application/zip": {"example": "(bytes)"}}},
+        **show_refusals(*ALWAYS),
+    },
+)
+def download_all(job: str, rooms: RoomsOf, caller: Reader) -> Response:
+    """Return all files of a job as one .zip; each has its hash in the job's list."""
+    row = find_own(rooms, caller, job)
+    files = _find_files(rooms, row.id)
+    if not files:
+        raise ResultMissing(f"job {row.id} has no files; `garmentq status {row.id}` tells why.")
+    headers = {"content-disposition": f'attachment; filename="{row.id}.zip"'}
+    return StreamingResponse(pack_files(rooms.store, files), media_type="application/zip", headers=headers)
 
 
 @router.get(

@@ -157,7 +157,9 @@ class KeyIn(BaseModel):
         extra="forbid", json_schema_extra={"example": {"name": "atelier", "scopes": ["read", "submit"], "quota": 100}}
     )
     name: Annotated[str, StringConstraints(min_length=1, max_length=255, pattern=r"^[^\x00-\x1f\x7f]+$")]
-    scopes: list[Annotated[str, StringConstraints(pattern="^(read|submit|admin)$")]] = Field(
-        default=["read", "submit"], min_length=1, max_length=3
+    scopes: list[Annotated[str, StringConstraints(pattern="^(read|submit|metrics|admin)$")]] = Field(
+        default=["read", "submit"], min_length=1, max_length=4
     )
     quota: int = Field(100, ge=1, le=1_000_000)
+    priority: int = Field(0, ge=0, le=100, description="Highest priority that its jobs may have.")
+    days: float | None = Field(None, gt=0, le=36500, description="After so long it expires [d]; null: never.")

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import os
+
 from ...core.errors import BadInput
 from ..database import open_database
+from ..home import use_home
 from ..keys import list_keys
 from ..settings import ServiceSettings
-from .guard import is_loopback
+from .connections import make_protocol
+from .guard import HEAD_BYTES, is_loopback
 from .limits import ApiLimits, read_limits
 
 IDLE_SECONDS = 30
@@ -31,6 +35,7 @@ def serve(settings: ServiceSettings, host: str, port: int, limits: ApiLimits | N
     """
     import uvicorn
 
+    in_use = use_home(settings)
     database = open_database(settings)
     is_near = is_loopback(host)
     if not is_near and not any(row.revoked is None for row in list_keys(database)):
@@ -38,8 +43,9 @@ def serve(settings: ServiceSettings, host: str, port: int, limits: ApiLimits | N
     database.dispose()
     from .app import make_app
 
+    limits = limits or read_limits()
     uvicorn.run(
-        make_app(settings, limits or read_limits(), is_open=is_near),
+        make_app(settings, limits, is_open=is_near),
         host=host,
         port=port,
         log_level="warning",
@@ -47,5 +53,8 @@ def serve(settings: ServiceSettings, host: str, port: int, limits: ApiLimits | N
         server_header=False,
         timeout_keep_alive=IDLE_SECONDS,
         limit_concurrency=CONNECTIONS,
+        http=make_protocol(limits),
+        h11_max_incomplete_event_size=HEAD_BYTES,
         timeout_graceful_shutdown=10,
     )
+    os.close(in_use)

@@ -15,6 +15,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.requests import ClientDisconnect
 
 from ...core.errors import BadInput
+from ..deletion import Deleted, delete_upload
 from ..store import StorageFull
 from ..submission import clean_name
 from ..uploads import check_day, find_upload, keep_upload
@@ -36,6 +37,8 @@ EXTENSIONS = {"labels": (".npz", ".npy", ".json", ".txt"), "patterns": (".json",
 DIGEST = "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"
 EXAMPLE = {"sha256": DIGEST, "name": "skirt.ply", "size": 512034}
 
+DELETED = {"jobs": ["3685ecfd4f81"], "uploads": 1, "files": 7, "size": 2048000, "young": 0}
+
 Name = Annotated[str, Query(max_length=255, description="The file's name; only its extension means something.")]
 
 
@@ -53,18 +56,23 @@ def _add(kind: str) -> None:
         length = _refuse_length(request, rooms)
         most = rooms.limits.day_bytes if caller.key else None
         with rooms.meter.uploading(caller.key):
+            await run_in_threadpool(rooms.store.check, rooms.settings.free_bytes + length)
             await run_in_threadpool(check_day, rooms.database, caller.key, length, most)
             async with _received(request, rooms, Path(cleaned).suffix.lower()) as path:
                 await run_in_threadpool(_check, kind, path, cleaned)
-                keep = (rooms.database, rooms.store, caller.key, path, name, most)
+                keep = (rooms.database, rooms.store, caller.key, path, (name, kind), most)
                 kept = await run_in_threadpool(keep_upload, *keep)
         response.headers["location"] = f"/v1/{kind}/{kept.sha256}"
         response.headers["etag"] = f'"{kept.sha256}"'
         return {"sha256": kept.sha256, "name": cleaned, "size": kept.size}
 
     def show(sha256: Sha256, rooms: RoomsOf, caller: Reader) -> Any:
-        row = find_upload(rooms.database, caller.key, sha256)
+        row = find_upload(rooms.database, caller.key, sha256, kind)
         return {"sha256": row.sha256, "name": clean_name(row.name), "size": row.size}
+
+    def forget(sha256: Sha256, rooms: RoomsOf, caller: Submitter) -> Any:
+        row = find_upload(rooms.database, caller.key, sha256, kind)
+        return delete_upload(rooms.database, rooms.store, row.sha256, caller.key)
 
     what = KINDS[kind]
     body = {"content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}}}
@@ -78,6 +86,8 @@ def _add(kind: str) -> None:
     )(upload)
     router.get(f"/{kind}/{{sha256}}", summary=f"Tell of {what} that this key uploaded.", name=f"show_{kind}",
                responses=show_answer(EXAMPLE, model=Upload))(show)  # fmt: skip
+    router.delete(f"/{kind}/{{sha256}}", summary=f"Forget {what}; jobs keep what they name.", name=f"forget_{kind}",
+                  responses=show_answer(DELETED, model=Deleted))(forget)  # fmt: skip
 
 
 for _kind in KINDS:

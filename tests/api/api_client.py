@@ -11,6 +11,7 @@ import pytest
 import uvicorn
 from garmentq.service.api.app import make_app
 from garmentq.service.api.limits import ApiLimits
+from garmentq.service.local_token import make_local_token
 from garmentq_home import wait_for
 
 LIMITS = ApiLimits(upload_bytes=1 << 20, chunk_seconds=1.0, streams=2)
@@ -34,6 +35,11 @@ def serving(settings, limits: ApiLimits = LIMITS, is_open: bool = True) -> Itera
         app.state.rooms.database.dispose()
 
 
+def local_user(settings) -> dict[str, str]:
+    """Give the header of the local user of a service without keys."""
+    return {"authorization": f"Bearer {make_local_token(settings.home)}"}
+
+
 @pytest.fixture
 def address(settings) -> Iterator[str]:
     """Serve the home."""
@@ -42,7 +48,7 @@ def address(settings) -> Iterator[str]:
 
 
 @pytest.fixture
-def client(address) -> Iterator[httpx.Client]:
+def client(address, settings) -> Iterator[httpx.Client]:
     """Give a client of the served home, as the local user."""
-    with httpx.Client(base_url=address, timeout=30.0) as opened:
+    with httpx.Client(base_url=address, timeout=30.0, headers=local_user(settings)) as opened:
         yield opened

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import httpx
 import pytest
-from api_client import LIMITS, serving
+from api_client import LIMITS, local_user, serving
 from api_work import ask, code_of, finish, make_key, make_ply, upload
 from bad_files import FILES, PICKLES
 from garmentq.service.api.server import AddressPublic, serve
@@ -65,7 +65,9 @@ from garmentq.service.api.app import make_app
 from garmentq_home import make_settings
 home = Path(sys.argv[1])
 save_pattern(load_template("skirt"), home / "t.json")
-with TestClient(make_app(make_settings(home)), base_url="http://127.0.0.1") as client:
+app = make_app(make_settings(home))
+token = {"authorization": f"Bearer {app.state.rooms.local_token}"}
+with TestClient(app, base_url="http://127.0.0.1", headers=token) as client:
     assert ask(client, template="skirt").status_code == 202
     labels = client.post("/v1/labels?name=l.npz", content=b"no labels").json()["sha256"]
     wanted = {"scan": upload(client), "labels": labels, "settings": {"keep": "1", "garment": "skirt"}}
@@ -102,7 +104,7 @@ def test_no_name_is_a_path(client, settings, database, store, tmp_path):
             f"/v1/scans/{name}",
         ):
             connection = http.client.HTTPConnection(client.base_url.host, client.base_url.port, timeout=10)
-            connection.request("GET", path)  # as it is: httpx would tidy the dots
+            connection.request("GET", path, headers=local_user(settings))  # as it is: httpx would tidy the dots
             answer = connection.getresponse()
             text = answer.read()
             connection.close()
@@ -144,7 +146,9 @@ def test_uploads_are_capped_while_they_stream(client, settings):
 
 def test_slow_and_vanished_clients(client, settings):
     """Broken where a client that falls silent holds a request, or one that leaves leaves its file."""
-    head = b"POST /v1/scans?name=a.ply HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 1000\r\n\r\nply\n"
+    key = local_user(settings)["authorization"].encode()
+    head = b"POST /v1/scans?name=a.ply HTTP/1.1\r\nHost: 127.0.0.1\r\nAuthorization: " + key
+    head += b"\r\nContent-Length: 1000\r\n\r\nply\n"
     place = (client.base_url.host, client.base_url.port)
     with socket.create_connection(place, timeout=10) as slow:
         slow.sendall(head)

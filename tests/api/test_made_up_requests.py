@@ -58,7 +58,7 @@ def service(tmp_path_factory, blank_database):
 
     admin = next(row.id for row in list_keys(database) if row.name == "admin")
     other = next(row.id for row in list_keys(database) if row.name == "other")
-    digest = keep_upload(database, store, admin, scan, scan.name).sha256
+    digest = keep_upload(database, store, admin, scan, (scan.name, "scans")).sha256
     bodies = ["builtin:female,height=1.7", *(f"builtin:male,height=1.{tenth}" for tenth in range(5, 9))]
     jobs = [submit(database, store, Order(scan, body)).job for body in bodies]
     finish(chosen, database, store, jobs[0], folder / "made")
@@ -86,7 +86,7 @@ def test_no_request_is_a_fault(service, each, least):
 
     def ask(case, pick):
         for name, values in known.items():
-            if pick and name in (case.path_parameters or {}):
+            if pick and case.method != "DELETE" and name in (case.path_parameters or {}):
                 case.path_parameters[name] = values[pick % len(values)]
         if pick and isinstance(case.body, dict) and "scan" in case.body:
             case.body |= {"scan": known["sha256"][0], "body": "builtin:female", "labels": None, "pattern": None}

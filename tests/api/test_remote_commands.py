@@ -14,6 +14,7 @@ from garmentq.core.pattern import list_templates
 from garmentq.service.connection import Connection
 from garmentq.service.jobs import claim, fail
 from garmentq.service.keys import create_key
+from garmentq.service.local_token import make_local_token
 from garmentq.service.remote import RemoteBackend
 from garmentq.service.submission import Order
 from garmentq_standin import make_recovery  # noqa: F401
@@ -153,13 +154,13 @@ def test_a_batch_is_one_question(remote, files, settings, database, store, addre
         return ask_really(self, method, url, *rest, **options)
 
     monkeypatch.setattr(Connection, "ask", ask)
-    with RemoteBackend(address) as client:
+    with RemoteBackend(address, make_local_token(settings.home)) as client:
         rows = follow_batch(client, jobs, 60.0)
     assert [row.id for row in rows] == jobs and {row.state for row in rows[:11]} == {"succeeded"}
     assert (rows[11].state, rows[11].error.code, rows[11].bad_input) == ("failed", "scan.x", True)
     assert {(method, url) for method, url, _ in sent} == {("POST", "/v1/jobs/states")}
     assert [count for _, _, count in sent][:3] == [12, 12, 1] and len(sent) <= 5
-    with RemoteBackend(address) as client, pytest.raises(NotFound):
+    with RemoteBackend(address, make_local_token(settings.home)) as client, pytest.raises(NotFound):
         client.find_jobs_by_id([jobs[0], "0" * 12])
 
 
@@ -187,7 +188,7 @@ def test_an_unreachable_service_is_status_9(cli):
 
 def test_the_client_follows_a_job(address, settings, database, store, files):
     """Broken where the typed client loses events, or a forced job is doubled by a repeated request."""
-    with RemoteBackend(address) as client:
+    with RemoteBackend(address, make_local_token(settings.home)) as client:
         order = Order(files / "skirt.ply", files / "body.ply")
         job = client.submit(order).job
         finish(settings, database, store, job, files / "made")

@@ -106,7 +106,7 @@ def test_bad_input_ends_in_one_line(cli, tmp_path):
 def test_an_unreachable_service_is_status_9(cli, tmp_path):
     """Broken where a script cannot tell a missing server from a bad file."""
     (tmp_path / "file").write_text("")
-    done = cli("status", "--home", tmp_path / "file" / "home")
+    done = cli("submit", tmp_path / "file", "--home", tmp_path / "file" / "home")
     assert done.returncode == 9 and done.stderr.startswith("error service.")
     done = cli("up", GARMENTQ_BROKER_URL="redis://:pssst@127.0.0.1:1/0")
     assert done.returncode == 9 and "pssst" not in done.stderr

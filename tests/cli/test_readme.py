@@ -8,8 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from garmentq.service.jobs import list_jobs
 from garmentq.service.models import JobRow
+from garmentq.service.query import list_jobs
 from garmentq_family_home import work_off
 from garmentq_home import put_file
 

@@ -22,6 +22,7 @@ from garmentq.service.kinds.kind import ChildRequest
 from garmentq.service.kinds.person_request import PersonRequest
 from garmentq.service.kinds.recover_request import RecoverRequest
 from garmentq.service.local import LocalBackend
+from garmentq.service.local_token import make_local_token
 from garmentq.service.order import Order, PartOrder
 from garmentq.service.query import JobQuery
 from garmentq.service.records import Job, JobReport
@@ -52,7 +53,7 @@ def local(settings):
 @pytest.fixture
 def remote(settings):
     """Return the backend of a service that serves the same home."""
-    with serving(settings) as url, RemoteBackend(url) as opened:
+    with serving(settings) as url, RemoteBackend(url, make_local_token(settings.home)) as opened:
         yield opened
 
 

@@ -9,8 +9,9 @@ import threading
 import pytest
 from garmentq.service.backup import BackupDamaged, BackupRefused, make_backup, restore_backup
 from garmentq.service.database import open_database
-from garmentq.service.jobs import claim, find_job, list_jobs
+from garmentq.service.jobs import claim, find_job
 from garmentq.service.kinds.recover import Recover
+from garmentq.service.query import list_jobs
 from garmentq.service.results import export_files, load_checkpoint, save_checkpoint, store_result
 from garmentq.service.stores import open_store
 from garmentq_home import make_settings

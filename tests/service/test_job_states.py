@@ -17,7 +17,6 @@ from garmentq.service.jobs import (
     end_cancelled,
     fail,
     find_job,
-    list_jobs,
     look,
     read_events,
     release,
@@ -26,6 +25,7 @@ from garmentq.service.jobs import (
 )
 from garmentq.service.kinds.recover import Recover
 from garmentq.service.models import ArtifactRow, EventRow, JobRow, MetricRow, OutboxRow
+from garmentq.service.query import list_jobs
 from garmentq.service.reaper import dispatch, drop_duty, hold_duty, is_idle, reap, remind
 from garmentq.service.results import load_checkpoint, save_checkpoint, store_result
 from garmentq_home import make_environment

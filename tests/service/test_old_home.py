@@ -47,7 +47,7 @@ def old(settings, database_url, store):
     before.dispose()
     for key, content in json.loads((DATA / "old_home_files.json").read_text()).items():
         assert store.put_bytes(base64.b64decode(content)).sha256 == key
-    opened = open_database(settings)
+    opened = open_database(settings, is_upgraded=True)
     yield opened
     opened.dispose()
 

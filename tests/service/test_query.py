@@ -10,9 +10,9 @@ from garmentq.core.measure import measure_knowledge
 from garmentq.core.settings import RecoverySettings
 from garmentq.core.simulate import FabricEstimate
 from garmentq.service.database import open_database
-from garmentq.service.jobs import claim, list_jobs
+from garmentq.service.jobs import claim
 from garmentq.service.kinds.recover import Recover
-from garmentq.service.query import Condition, QueryBad, find_jobs, parse_conditions
+from garmentq.service.query import Condition, QueryBad, find_jobs, list_jobs, parse_conditions
 from garmentq.service.results import (
     ResultMissing,
     export_files,

@@ -9,8 +9,9 @@ import pytest
 from garmentq.core.errors import BadInput
 from garmentq.core.settings import RecoverySettings
 from garmentq.service.families import cancel, retry
-from garmentq.service.jobs import claim, fail, find_job, list_jobs
+from garmentq.service.jobs import claim, fail, find_job
 from garmentq.service.keys import QueueFull, create_key
+from garmentq.service.query import list_jobs
 from garmentq.service.submission import BodyUnreadable, Order, clean_name, submit
 from garmentq_home import put_file
 

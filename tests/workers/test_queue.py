@@ -9,7 +9,8 @@ from dataclasses import replace
 
 import pytest
 from garmentq.service.families import cancel
-from garmentq.service.jobs import list_jobs, read_events
+from garmentq.service.jobs import read_events
+from garmentq.service.query import list_jobs
 from garmentq.workers.broker import is_broker_up, run_folder, start_broker, stop_broker
 from garmentq.workers.embedded import ensure_services, is_worker_up, stop_services
 from garmentq_home import make_environment, read_job, wait_ended, wait_for

@@ -1,0 +1,50 @@
+"""`garmentq verify`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from . import exits
+from .options import json_option, known_home_option
+
+
+@click.command("verify")
+@click.option("--read-data", is_flag=True, help="Read every file and compare its hash; otherwise look only for it.")
+@known_home_option
+@json_option
+@click.pass_context
+def command(context: click.Context, read_data: bool, home: Path | None, as_json: bool) -> None:
+    """Look whether every stored file is there and sound.
+
+    Names each file that is missing or damaged, with the jobs, templates and uploads that it belongs to. Exit status 11
+    where there is one. Nothing is changed.
+
+    \b
+    Example:
+      garmentq verify
+      garmentq verify --read-data
+    """
+    from dataclasses import asdict
+
+    from ..service.database import check_integrity
+    from ..service.services import open_services
+    from ..service.settings import read_settings
+    from ..service.verify import verify_store
+    from .terminal import note, print_json, print_table
+
+    services = open_services(read_settings(home=home))
+    check_integrity(services.database)
+    found = verify_store(services.database, services.store, read_data)
+    services.database.dispose()
+    if as_json:
+        for fault in found.faults:
+            print_json(asdict(fault))
+    elif found.faults:
+        rows = [[one.owner, one.name, fault.fault, fault.sha256[:12]] for fault in found.faults for one in fault.named]
+        print_table(["belongs to", "file", "", "hash"], rows)
+    what = f"{found.files} files of {found.size / 1e6:.1f} MB {'were read' if read_data else 'are named'}"
+    wrong = f"{len(found.faults)} missing or damaged; restore them from a backup, or run their jobs with --force"
+    note(f"{what}: {wrong if found.faults else 'all there' + (' and sound' if read_data else '')}")
+    context.exit(exits.INCOMPLETE if found.faults else exits.OK)

@@ -1,0 +1,81 @@
+"""`/docs`: the description of every route as one page without a script, so that no other server is asked for one."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+from html import escape
+from typing import Any
+
+STYLE = """
+body{font:16px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#1a1a1a;background:#fff}
+h2{margin-top:2.5rem;border-bottom:1px solid #ccc}summary{cursor:pointer;padding:.4rem 0}
+code,pre{font:14px/1.4 ui-monospace,monospace}pre{background:#f4f4f4;padding:.7rem;overflow:auto}
+table{border-collapse:collapse;width:100%}td,th{border-top:1px solid #ddd;padding:.3rem .6rem;text-align:left;
+vertical-align:top}b{display:inline-block;min-width:4.5rem}
+"""
+DIGEST = base64.b64encode(hashlib.sha256(STYLE.encode()).digest()).decode()
+POLICY = f"default-src 'none'; style-src 'sha256-{DIGEST}'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
+"""The page's Content-Security-Policy: its own style and nothing else; no script runs in it, whatever a text holds."""
+
+METHODS = ("get", "post", "put", "delete")
+
+
+def draw_page(described: dict[str, Any]) -> str:
+    """Return the page of an OpenAPI document."""
+    info = described["info"]
+    groups: dict[str, list[str]] = {}
+    for path, routes in described["paths"].items():
+        for method in METHODS:
+            if method in routes:
+                group = (routes[method].get("tags") or ["other"])[0]
+                groups.setdefault(group, []).append(_draw_route(method, path, routes[method]))
+    schemas = described.get("components", {}).get("schemas", {})
+    parts = [
+        '<!doctype html><html lang="en"><head><meta charset="utf-8">',
+        '<meta name="viewport" content="width=device-width">',
+        f"<title>{escape(info['title'])}</title><style>{STYLE}</style></head><body>",
+        f"<h1>{escape(info['title'])} {escape(info['version'])}</h1>",
+        *(f"<p>{escape(text)}</p>" for text in info.get("description", "").split("\n\n")),
+        "<p>A request carries <code>Authorization: Bearer TOKEN</code>: an API key, or on a service of this machine ",
+        "without keys what stands in <code>api.token</code> of its home. For programs: ",
+        '<a href="/openapi.json">openapi.json</a>.</p>',
+    ]
+    for group, routes in groups.items():
+        parts += [f"<h2>{escape(group)}</h2>", *routes]
+    parts.append("<h2>Schemas</h2>")
+    parts += [
+        f'<details id="{escape(name)}"><summary>{escape(name)}</summary>{_draw_json(schema)}</details>'
+        for name, schema in sorted(schemas.items())
+    ]
+    return "\n".join([*parts, "</body></html>"])
+
+
+def _draw_route(method: str, path: str, route: dict[str, Any]) -> str:
+    parts = [
+        f"<details><summary><b>{method.upper()}</b><code>{escape(path)}</code> {escape(route.get('summary', ''))}",
+        f"</summary><p>{escape(route.get('description', ''))}</p>",
+    ]
+    if route.get("parameters"):
+        rows = [_draw_parameter(one) for one in route["parameters"]]
+        parts.append(f"<table><tr><th>parameter</th><th>in</th><th></th></tr>{''.join(rows)}</table>")
+    for media, body in route.get("requestBody", {}).get("content", {}).items():
+        parts.append(f"<p>Body, <code>{escape(media)}</code>:</p>{_draw_json(body.get('schema', {}))}")
+    for status, answer in sorted(route.get("responses", {}).items()):
+        parts.append(f"<p>{escape(status)}: {escape(answer.get('description', ''))}</p>")
+        for media, body in answer.get("content", {}).items() if status < "300" else ():
+            parts.append(f"<p><code>{escape(media)}</code></p>")
+            parts += [_draw_json(body["example"])] if "example" in body else []
+    return "".join([*parts, "</details>"])
+
+
+def _draw_parameter(one: dict[str, Any]) -> str:
+    told = one.get("description") or json.dumps(one.get("schema", {}))
+    needed = " (required)" if one.get("required") else ""
+    cells = f"<code>{escape(one['name'])}</code>{needed}", escape(one["in"]), escape(told)
+    return f"<tr>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
+
+
+def _draw_json(value: object) -> str:
+    return f"<pre>{escape(json.dumps(value, indent=1, ensure_ascii=False))}</pre>"

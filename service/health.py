@@ -1,0 +1,55 @@
+"""What stands still, in words: no worker, a silent dispatcher, an outage; each with the next step."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+from ..core.errors import GarmentqError, Unavailable
+from .clocks import find_silence
+from .database import Database
+from .outage import list_outages
+from .query import count_states
+from .queue_records import Queue, Worker
+from .reaper import DUTY, DUTY_SECONDS, list_workers
+from .states import State
+
+SILENT_SECONDS = 30.0
+"""A dispatcher that has done nothing for so long stands still [s]; it acts twice a second."""
+
+
+def read_queue(database: Database) -> Queue:
+    """Return counts, living workers, and what stands in their way."""
+    workers = [Worker.from_row(row) for row in list_workers(database)]
+    silence = find_silence(database, DUTY, DUTY_SECONDS)
+    return Queue(count_states(database), workers, list_outages(database), silence)
+
+
+def hide_places(queue: Queue) -> Queue:
+    """Return the queue as those may see it who run none of its machines: without their names."""
+    workers = [replace(worker, name=f"worker {number}") for number, worker in enumerate(queue.workers, 1)]
+    return replace(queue, workers=workers, outages=[replace(outage, place="") for outage in queue.outages])
+
+
+def find_troubles(queue: Queue) -> list[str]:
+    """Return what keeps jobs from running, one sentence each; nothing where all is well or nothing waits."""
+    troubles = []
+    if not queue.workers and any(queue.states.get(state) for state in (State.QUEUED, State.RUNNING, State.WAITING)):
+        troubles.append("no worker is up, so the jobs wait; `garmentq up` starts one, `garmentq worker` on a server.")
+    if queue.workers and (queue.silence is None or queue.silence > SILENT_SECONDS):
+        since = "yet" if queue.silence is None else f"for {queue.silence:.0f} s"
+        troubles.append(f"no dispatcher has acted {since}, so nothing new begins; see the workers' log, restart them.")
+    for outage in queue.outages:
+        begun = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(outage.since))
+        host = f" ({outage.place})" if outage.place else ""
+        troubles.append(f"jobs wait since {begun}{host}: {outage.code}: {explain(outage.code)}")
+    return troubles
+
+
+def explain(code: str) -> str:
+    """Return what an outage's code means and what to do, with nothing of this installation in it."""
+    return next((kind().message for kind in _find_kinds(Unavailable) if kind.code == code), Unavailable().message)
+
+
+def _find_kinds(kind: type[GarmentqError]) -> list[type[GarmentqError]]:
+    return [one for each in kind.__subclasses__() for one in (each, *_find_kinds(each))]

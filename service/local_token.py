@@ -1,0 +1,38 @@
+"""The token of a service without keys: whoever may read the home is its user, and nobody else of the machine."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from pathlib import Path
+from urllib.parse import urlsplit
+
+NAME = "api.token"
+
+
+def read_local_token(home: Path) -> str:
+    """Return the home's token, or an empty text where it has none that this user can read."""
+    try:
+        return (home / NAME).read_text(encoding="ascii").strip()
+    except (OSError, UnicodeDecodeError):
+        return ""
+
+
+def find_local_token(url: str, home: Path) -> str:
+    """Return the home's token for a service on this machine, and none for any other."""
+    host = urlsplit(url).hostname or ""
+    return read_local_token(home) if host in ("localhost", "127.0.0.1", "::1") else ""
+
+
+def make_local_token(home: Path) -> str:
+    """Return the home's token; it is made where there is none, in a file that only its owner can read."""
+    if known := read_local_token(home):
+        return known
+    home.mkdir(parents=True, exist_ok=True, mode=0o700)
+    try:
+        descriptor = os.open(home / NAME, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    except FileExistsError:
+        return read_local_token(home)  # another process was quicker
+    with os.fdopen(descriptor, "w", encoding="ascii") as out:
+        out.write(token := "gq_local_" + secrets.token_hex(32))
+    return token

@@ -1,0 +1,101 @@
+"""Look whether every stored file that a row names is there, and is what it was when it was put there."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from .database import Database
+from .garbage import find_hashes
+from .models import ArtifactRow, JobRow, ScanRow, TemplateRow, UploadRow
+from .store import ArtifactMissing, Store
+
+
+@dataclass(frozen=True)
+class Named:
+    """Name a stored file as people know it: `owner` is a job, a template or an upload, `name` the file's own."""
+
+    sha256: str
+    owner: str
+    name: str
+
+
+@dataclass(frozen=True)
+class Fault:
+    """State that a file is `missing` or `damaged`, with everybody who names it."""
+
+    sha256: str
+    fault: str
+    named: tuple[Named, ...]
+
+
+@dataclass(frozen=True)
+class Verified:
+    """Tell what was looked at, and what is wrong with it."""
+
+    files: int
+    size: int
+    faults: tuple[Fault, ...]
+
+
+def verify_store(database: Database, store: Store, is_data_read: bool) -> Verified:
+    """Look for every file that a row names.
+
+    Args:
+        database: Whose rows name the files.
+        store: Where the files are.
+        is_data_read: Read every byte and compare its hash with the name; otherwise look only whether it is there.
+
+    Raises:
+        StoreUnreachable: where the store is away.
+    """
+    with database.read() as session:
+        owners: dict[str, list[Named]] = {}
+        for one in find_named(session):
+            owners.setdefault(one.sha256, []).append(one)
+    store.check()
+    size, faults = 0, list[Fault]()
+    for key, named in sorted(owners.items()):
+        try:
+            size += store.size(key)
+            fault = "" if not is_data_read or is_sound(store, key) else "damaged"
+        except ArtifactMissing:
+            fault = "missing"
+        if fault:
+            faults.append(Fault(key, fault, tuple(named)))
+    return Verified(len(owners), size, tuple(faults))
+
+
+def is_sound(store: Store, sha256: str) -> bool:
+    """Return whether a stored file's bytes are those that it was put there with.
+
+    Raises:
+        ArtifactMissing: where it is gone.
+    """
+    digest = hashlib.sha256()
+    try:
+        for block in store.read(sha256):
+            digest.update(block)
+    except OSError:
+        return False  # a sector that cannot be read
+    return digest.hexdigest() == sha256
+
+
+def find_named(session: Session) -> Iterator[Named]:
+    """Return every stored file that a row names, once for each that does."""
+    artifacts = select(ArtifactRow.sha256, ArtifactRow.job, ArtifactRow.kind, ArtifactRow.name)
+    for sha256, job, kind, name in session.execute(artifacts.execution_options(yield_per=1000)):
+        yield Named(sha256, f"job {job}", name if kind == "result" else f"{kind} {name}")
+    for job, scan, request in session.execute(select(JobRow.id, JobRow.scan, JobRow.request)):
+        for sha256 in sorted({scan, *find_hashes(request)}):
+            yield Named(sha256, f"job {job}", "input")
+    for sha256, name in session.execute(select(ScanRow.sha256, ScanRow.name)):
+        yield Named(sha256, "scan", name)
+    for sha256, name in session.execute(select(TemplateRow.sha256, TemplateRow.name)):
+        yield Named(sha256, "template", name)
+    for sha256, name in session.execute(select(UploadRow.sha256, UploadRow.name)):
+        yield Named(sha256, "upload", name)

@@ -1,0 +1,104 @@
+"""How a worker meets an outage: it claims nothing without a store, and keeps a result until it can be written."""
+
+from __future__ import annotations
+
+import logging
+import socket
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from typing import Any, TypeVar
+
+from ..core.errors import GarmentqError, Unavailable
+from ..service.database import Database, DatabaseUnreachable
+from ..service.outage import LONGEST_SECONDS, end_outages, find_outage, find_pause, note_outage
+from ..service.settings import ServiceSettings
+from ..service.store import Store
+from .watch import Watch
+
+log = logging.getLogger(__name__)
+
+T = TypeVar("T")
+
+AWAY_SECONDS = 0.2
+"""Pause between two tries to reach a database or store that is away, and between two looks whether to stop [s]."""
+
+LONGEST_LOOK = 30.0
+"""Longest pause between two looks at the store [s]: what the queue stands still after it is back."""
+
+
+def wait_for_store(
+    settings: ServiceSettings, database: Database, store: Store, is_draining: Callable[[], bool]
+) -> bool:
+    """Wait until the store answers and has room: a worker without one would only take jobs that others could do.
+
+    Returns:
+        False where it stays away for long, or the worker is to stop; the wake-up is published again then.
+    """
+    deadline, tries = time.monotonic() + LONGEST_SECONDS, 0
+    while not is_draining() and time.monotonic() < deadline:
+        try:
+            store.check(settings.free_bytes)
+            end_outages(database, socket.gethostname())
+            return True
+        except Unavailable as error:
+            log.warning("no job is begun: %s", error)
+            _tell(database, error)
+        pause, tries = min(LONGEST_LOOK, find_pause(settings.pause_seconds, tries)), tries + 1
+        until = time.monotonic() + pause
+        while time.monotonic() < until and not is_draining():
+            time.sleep(AWAY_SECONDS)
+    return False
+
+
+def persist(write: Callable[[], T], watch: Watch) -> T:
+    """Repeat a write while database or store is away, and return what it does.
+
+    A database is waited for as long as the job may take: the fence tells afterwards whether it still is this worker's.
+    A store is waited for some minutes; then the job rests in the queue, and goes on from its last checkpoint.
+
+    Raises:
+        Unavailable: where it stayed away for longer, or the job must stop.
+        FenceLost: where another worker has taken the job over.
+    """
+    deadline, told = time.monotonic() + LONGEST_SECONDS, ""
+    while True:
+        try:
+            done = write()
+        except Exception as error:
+            outage = find_outage(error)
+            is_patient = isinstance(outage, DatabaseUnreachable) or time.monotonic() < deadline
+            if outage is None or watch.reason or not is_patient:
+                raise
+            if outage.code != told:
+                log.warning("a write waits: %s", outage)
+                told = _tell(watch.database, outage)
+        else:
+            if told:
+                end_outages(watch.database, socket.gethostname())
+            return done
+        time.sleep(AWAY_SECONDS)
+
+
+def _tell(database: Database, outage: Unavailable) -> str:
+    """Note what this host waits for where others see it, if they can; return its code."""
+    if not isinstance(outage, DatabaseUnreachable):
+        with suppress(GarmentqError):
+            note_outage(database, socket.gethostname(), outage.code)
+    return outage.code
+
+
+@contextmanager
+def going_on(job: str, note: dict[str, Any]) -> Iterator[None]:
+    """Go on without a report or checkpoint while database or store is away; the watch tells when that lasts too long.
+
+    Args:
+        job: The job's id.
+        note: Fields of the log line.
+    """
+    try:
+        yield
+    except Exception as error:
+        if find_outage(error) is None:
+            raise
+        log.warning("job %s goes on: %s", job, error, extra=note)
