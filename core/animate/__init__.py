@@ -2,10 +2,10 @@
 
 from .animation import STAGE, Animation, Verdict, animate, list_times
 from .measured import judge_animation, measure_animation
-from .moved import STAGES, Moved, move_worn
+from .moved import Moved, move_worn
 from .settings import AnimateBad, AnimateSettings
 
 __all__ = [
-    "STAGE", "STAGES", "AnimateBad", "AnimateSettings", "Animation", "Moved", "Verdict", "animate", "judge_animation",
+    "STAGE", "AnimateBad", "AnimateSettings", "Animation", "Moved", "Verdict", "animate", "judge_animation",
     "list_times", "measure_animation", "move_worn",
 ]  # fmt: skip

@@ -175,13 +175,14 @@ def _run(
     """Yield index, cloth, delivered nodes and verdict of each frame that is not `done`.
 
     Each group of frames begins with a matrix laid out anew: which pairs touched before decides how a matrix is factored
-    and so the last digits, and a run that goes on after a group does not know it.
+    and so the last digits, and a run that goes on after a group does not know it. The lead-in is one group with the
+    first.
     """
     settings = stage.settings
     lead = int(np.ceil(settings.lead * settings.fps - 1e-9)) if done == 0 else 0
     path = [*(times[0] - np.arange(lead, 0, -1) / settings.fps), *times[max(done - 1, 0) :]]
     now, begun = stage.at(float(path[0])), time.process_time()
-    cloth = Cloth(state, stage.lay_out())
+    cloth = Cloth(state, stage.layout)
     if done == 0 and lead == 0:
         yield 0, state, *_judge(stage, state, now, _Tally(), begun)
     for before, after in pairwise(path):
@@ -189,8 +190,8 @@ def _run(
         name = "into the motion" if after < times[0] - 1e-9 else f"frame {index + 1} of {len(times)}"
         hooks.progress(STAGE, index / len(times), name)
         begun = time.process_time()
-        if index % CHUNK == 0:
-            cloth = Cloth(cloth.state, stage.lay_out())
+        if index % CHUNK == 0 and index > 0:
+            cloth = Cloth(cloth.state, stage.layout)
         cloth, now, tally = _advance(stage, cloth, now, (float(before), float(after)))
         if after >= times[0] - 1e-9:
             yield index, cloth.state, *_judge(stage, cloth.state, now, tally, begun)

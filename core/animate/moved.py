@@ -14,9 +14,6 @@ from .animation import STAGE, Animation, animate
 from .measured import judge_animation, measure_animation
 from .settings import AnimateSettings
 
-STAGES = (STAGE, "measure")
-"""Stages of an animation, after those that read its input."""
-
 
 @dataclass(frozen=True)
 class Moved:

@@ -25,8 +25,9 @@ class AnimateSettings:
         end: Time of the motion at which the frames end [s], that of the last one, or of one that loops the first left
             out; None: where it ends, or four seconds of one that loops.
         lead: Time in which the wearer goes from the own pose into the motion, before the first frame [s].
-        travel: Furthest that skin near the cloth moves in a step [m]: as far as two edges of the coarsest cloth, so
-            that what rides on it is still stretched by less than it can bear.
+        travel: Furthest that skin near the cloth moves in a step [m]: limbs of a brisk walk go as far in a frame. A
+            step of twice the way takes as many legs, and moves the cloth of a walk by 1 mm (RMS) against two of half
+            of it.
         longest: Longest step [s].
         halvings: Times that a step which does not converge is halved.
         step: The steps.
@@ -38,7 +39,7 @@ class AnimateSettings:
     begin: float = 0.0
     end: float | None = None
     lead: float = 1.0
-    travel: float = 0.03
+    travel: float = 0.06
     longest: float = 1.0 / 30.0
     halvings: int = 3
     step: StepSettings = field(default_factory=StepSettings)

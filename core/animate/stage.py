@@ -14,6 +14,7 @@ from ..motion import LeadIn, MovingBody
 from ..simulate import BendingFriction, Pins, Scene, SelfContact, State, Topology, soften
 from ..simulate.motion_step import Layout, Step, step_in_motion
 from ..wear import Worn
+from .moving_skin import MovingSkin
 from .ride import carry_anchors
 from .settings import AnimateSettings
 
@@ -80,7 +81,8 @@ class Stage:
             self_contact=SelfContact.of(topology) if self.settings.apart else None,
         )
 
-    def lay_out(self) -> Layout:
+    @cached_property
+    def layout(self) -> Layout:
         """Return the matrix laid out for the scene alone: what a group of frames begins with."""
         return Layout.of(self.scene)
 
@@ -133,4 +135,4 @@ class Stage:
             contact = contact.wait(self_intersections(state.nodes, self.scene.topology.faces))
         layout = cloth.layout.at(pins, contact)
         start = State(carried, state.velocities, anchors)
-        return step_in_motion(layout, state, start, then.surface, dt, self.settings.step)
+        return step_in_motion(layout, state, start, MovingSkin(then.surface), dt, self.settings.step)

@@ -23,7 +23,7 @@ class Recording:
             shape [24, 3].
         root: Place of the pelvis, in legs' lengths, shape [pose_count, 3]; None: the lower foot stays on the floor.
         loops: Whether the first pose follows the last one, which is like it.
-        notes: What of the file was not used, one sentence each.
+        notes: How the file was understood, and what of it was not used, one sentence each.
     """
 
     rate: float

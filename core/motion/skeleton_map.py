@@ -20,6 +20,12 @@ SNAP = 0.94
 """Cosine to one of the file's axes above which a skeleton's up and side are that axis: 20 degrees, which a rest pose
 may lean."""
 
+UNITS = {"metres": 1.0, "decimetres": 10.0, "inches": 100.0 / 2.54, "centimetres": 100.0, "millimetres": 1000.0}
+"""Units of files, and how many of each make a metre."""
+
+LEGS = (0.62, 1.1)
+"""Length from hip to ankle of grown persons of 1.4 to 2.2 m [m]; the units that are in use lie further apart."""
+
 LISTED = 8
 """Unknown joints that are named; the others are counted."""
 
@@ -87,7 +93,8 @@ def map_skeleton(posed: Posed, rate: float) -> Recording:
     if not leg > 0:
         raise MotionForeign(f"the legs have no length. {MotionForeign().message}")
     unused = [name for index, name in enumerate(posed.names) if index not in found.values()]
-    return Recording(rate, turns, known, _bones(places, axes), posed.root @ axes.T / leg, notes=_note(unused))
+    notes = (*_tell_names(found, posed.names), _tell_unit(leg), *_tell_unused(unused))
+    return Recording(rate, turns, known, _bones(places, axes), posed.root @ axes.T / leg, notes=notes)
 
 
 def _stands(places: dict[str, np.ndarray]) -> bool:
@@ -143,7 +150,22 @@ def _bones(places: dict[str, np.ndarray], axes: np.ndarray) -> np.ndarray:
     return bones
 
 
-def _note(unused: list[str]) -> tuple[str, ...]:
+def _tell_names(found: dict[str, int], names: tuple[str, ...]) -> tuple[str, ...]:
+    """Say which joints were taken for ours, where any is called otherwise."""
+    foreign = [f"{name} is {names[index]}" for name, index in found.items() if names[index].lower() != name]
+    return (f"Joints by other names: {', '.join(foreign)}.",) if foreign else ()
+
+
+def _tell_unit(leg: float) -> str:
+    """Say what the file's unit seems to be from a leg's length in it, by which the motion is scaled either way."""
+    likely = [unit for unit, many in UNITS.items() if LEGS[0] <= leg / many <= LEGS[1]]
+    taken = f"{likely[0]} by that" if likely else "a unit that is not known"
+    return (
+        f"A leg of the motion's skeleton is {leg:.3g} long, {taken}; the way of the pelvis is scaled to the wearer's."
+    )
+
+
+def _tell_unused(unused: list[str]) -> tuple[str, ...]:
     if not unused:
         return ()
     more = f" and {len(unused) - LISTED} more" if len(unused) > LISTED else ""

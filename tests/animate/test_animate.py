@@ -7,10 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from garmentq.core.animate import AnimateBad, AnimateSettings, animate, judge_animation, list_times, measure_animation
-from garmentq.core.body import JOINTS
+from garmentq.core.animate.moving_skin import MovingSkin
+from garmentq.core.animate.stage import Cloth, Stage
+from garmentq.core.body import JOINTS, ExposedSurface, builtin_body
 from garmentq.core.errors import Cancelled
 from garmentq.core.hooks import Hooks
 from garmentq.core.motion import LeadIn, Pose, Track
+from garmentq.core.simulate import State
+from garmentq.core.simulate.energy import Energy
 from garmentq.core.simulate.motion_step import StepSettings
 from scipy.spatial.transform import Rotation
 
@@ -53,6 +57,38 @@ def test_cloth_on_a_still_body_stays(worn):
 def test_cloth_on_a_still_body_stays_for_a_hundred_frames(worn):
     """Broken where it creeps slowly."""
     assert drift(rest(worn, 100)) < 1e-3
+
+
+def test_the_moving_skin_measures_as_the_skin_does():
+    """Broken where a point inside the body passes for one outside, or the other way round."""
+    skin = ExposedSurface.of(builtin_body("builtin:female,height=1.70,pose=A"), splits=0)
+    generator = np.random.default_rng(4)
+    points = skin.vertices[generator.integers(len(skin.vertices), size=4000)] + generator.normal(0, 0.02, (4000, 3))
+    (found, way), (wanted, gradient) = MovingSkin(skin).measure(points), skin.measure(points)
+    assert 1000 < (wanted < 0).sum() < 3000
+    np.testing.assert_array_equal(found, wanted)
+    np.testing.assert_array_equal(way, gradient)
+
+
+def test_forces_that_are_no_numbers_end_a_step_where_they_were(worn, monkeypatch):
+    """Broken where positions that are none go on into the next step, or pass for converged."""
+    settings = AnimateSettings(end=1 / 30.0, lead=0.0, halvings=0)
+    stage = Stage(worn, step_aside(worn), settings)
+    now, then = stage.at(0.0), stage.at(1 / 30.0)
+    nodes = np.array(worn.garment.nodes)
+    real, turn = Energy.hessian, []
+
+    def spoiled(self, nodes, exact=True, stress=None):
+        turn.append(nodes)
+        energy, gradient, blocks = real(self, nodes, exact, stress)
+        return energy, gradient * (np.nan if len(turn) == 3 else 1.0), blocks
+
+    monkeypatch.setattr(Energy, "hessian", spoiled)
+    step = stage.step(Cloth(State(nodes, np.zeros_like(nodes), nodes), stage.layout), now, then, 1 / 30.0)
+    assert len(turn) == 3
+    assert not step.converged
+    np.testing.assert_array_equal(step.state.nodes, turn[1])
+    assert np.isfinite(step.state.anchors).all()
 
 
 def test_even_flight_is_rest(worn):

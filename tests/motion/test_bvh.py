@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import numpy as np
 import pytest
 from garmentq.core.body import JOINTS, builtin_body
@@ -84,6 +86,32 @@ def test_the_way_is_scaled_by_the_legs(tmp_path):
             (("hip", "knee"), ("knee", "ankle"))]  # fmt: skip
     assert np.ptp(track.pelvis[:, 2]) == pytest.approx(0.5 * sum(legs), rel=0.02)
     assert MovingBody(body).vertices(track.at(0.0))[:, 1].min() == pytest.approx(0.0, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("scale", "unit"), [(1.0, "centimetres"), (0.01, "metres"), (1 / 2.54, "inches"), (0.3, "not")]
+)
+def test_the_unit_and_foreign_names_are_told(scale, unit, tmp_path):
+    """Broken where a user cannot see how a foreign file was understood, or another unit makes another motion."""
+    rows = np.zeros((2, 18))
+    rows[1, 2] = 40.0
+    plain = load_motion(write(tmp_path, make_bvh(rows)))
+    rows[1, 2] *= scale
+    text = make_bvh(rows, sides=("mixamorig:Left", "mixamorig:Right"))
+    text = text.replace("-40", str(-40 * scale)).replace("OFFSET 10", f"OFFSET {10 * scale}")
+    recording = load_motion(write(tmp_path, text.replace("OFFSET -10", f"OFFSET {-10 * scale}")))
+    np.testing.assert_allclose(recording.root, plain.root, atol=1e-6)
+    assert any(unit in note and "long" in note for note in recording.notes)
+    assert any("left_hip is mixamorig:LeftUpLeg" in note for note in recording.notes)
+
+
+def test_feet_are_looked_at_in_blocks(tmp_path, monkeypatch):
+    """Broken where a block of a long motion is left out, or ends a pose early."""
+    rows = np.random.default_rng(2).uniform(-40, 40, (10, 18))
+    body, recording = builtin_body("builtin:female,height=1.70"), load_motion(write(tmp_path, make_bvh(rows)))
+    whole = retarget(recording, body)
+    monkeypatch.setattr(sys.modules["garmentq.core.motion.retarget"], "BLOCK", 4)
+    np.testing.assert_allclose(retarget(recording, body).pelvis, whole.pelvis, atol=1e-12)
 
 
 def test_the_own_pose_comes_back(tmp_path):
