@@ -15,6 +15,7 @@ from .meshes import uv_layout
 MOST_BYTES = 200_000_000
 """Size of a file at most: beyond, the caches are for it; viewers keep all targets in memory."""
 
+
 def morph_bytes(garment: Garment, frames: np.ndarray) -> int:
     """Return about how large the file of some frames, shape [frame_count, node_count, 3], is [bytes]."""
     return 12 * len(frames) * len(garment.uv_node) + 4 * len(frames) ** 2

@@ -186,6 +186,10 @@ LONG_SEAM = 0.12
 """A seam longer than this [m] gets a notch at half its length where the draft sets none: what a hand holds at once."""
 
 
+GATHERED = 0.03
+"""Seams whose sides differ by more than this share are gathered, as in a file that is read."""
+
+
 def sew_by_label(name: str, category: str, panels: list[Panel]) -> Pattern:
     """Sew every two edges that share a label, and notch both sides of long seams at half their length."""
     sides: dict[str, list[EdgeRef]] = {}
@@ -193,7 +197,12 @@ def sew_by_label(name: str, category: str, panels: list[Panel]) -> Pattern:
         for i, edge in enumerate(panel.edges):
             if edge.label:
                 sides.setdefault(edge.label, []).append(EdgeRef(panel.name, i))
-    seams = tuple(Seam(a, b) for a, b in sides.values())
+    edges = {panel.name: panel for panel in panels}
+    lengths = [[edge_length(edges[ref.panel], ref.edge) for ref in pair] for pair in sides.values()]
+    seams = tuple(
+        Seam(a, b, gathered=abs(one / other - 1.0) > GATHERED)
+        for (a, b), (one, other) in zip(sides.values(), lengths, strict=True)
+    )
     return Pattern(name, tuple(_notched(panel) for panel in panels), seams, category)
 
 

@@ -179,6 +179,7 @@ def test_curves_become_cubics(edge: Edge) -> None:
 
 def test_seams_that_the_program_cannot_sew_are_refused(tmp_path: Path) -> None:
     """Fails if a sliver, an edge sewn to itself or sides of two lengths reach a file that drops every seam."""
+
     def sew(a: Panel, b: Panel, seam: Seam) -> Pattern:
         return Pattern("hostile", (a, b), (seam,))
 

@@ -59,6 +59,7 @@ class Skirt(StrEnum):
     A_LINE = "a-line"
     HALF_CIRCLE = "half-circle"
     FULL_CIRCLE = "full-circle"
+    GATHERED = "gathered"
 
 
 class Legs(StrEnum):
@@ -70,6 +71,13 @@ class Legs(StrEnum):
     FLARED = "flared"
     WIDE = "wide"
     SHORT = "short"
+
+
+class Waist(StrEnum):
+    """How a bodice and what is below it meet at the natural waist."""
+
+    NONE = "none"
+    SEAM = "seam"
 
 
 class Waistband(StrEnum):
@@ -87,10 +95,11 @@ class Cut:
         bodice: The trunk above the waist.
         neckline, back_neckline: Of the front and of the back.
         sleeve: Of each arm.
-        skirt: Below the waist, cut in one piece with a bodice where there is one.
+        skirt: Below the waist.
         panels: Panels of a skirt all around, 2 or 4.
         legs: Below the waist instead of a skirt, in one piece with a bodice where there is one.
-        waistband: Of a skirt.
+        waistband: Of a skirt without a bodice.
+        waist: Whether a bodice and its skirt are cut in one piece or sewn to each other.
         neck_depth, back_depth: Of a neckline below the side neck point [m]; None: as the neckline is usually cut.
         neck_bow: How far a V's side bows out of its chord, as a share of it; negative: towards the middle.
     """
@@ -106,6 +115,7 @@ class Cut:
     neck_depth: float | None = None
     back_depth: float | None = None
     neck_bow: float = 0.0
+    waist: Waist = Waist.NONE
 
     @property
     def category(self) -> str:
@@ -152,6 +162,8 @@ class Cut:
         """Check whether a garment of the cut's kind can have another choice of a part: trousers have no neckline."""
         if part in ("neckline", "back_neckline", "sleeve"):
             return self.bodice is not Bodice.NONE
+        if part == "waist":
+            return self.bodice is not Bodice.NONE and self.skirt is not Skirt.NONE
         if part == "waistband":
             return self.skirt is not Skirt.NONE and self.bodice is Bodice.NONE
         return part not in PARTS or str(getattr(self, part)) != "none"
@@ -165,6 +177,7 @@ PARTS: dict[str, type[StrEnum]] = {
     "skirt": Skirt,
     "legs": Legs,
     "waistband": Waistband,
+    "waist": Waist,
 }
 """The parts of a cut by name, each with its choices."""
 

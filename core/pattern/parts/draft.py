@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..division import divide_edges
 from ..measures import BodyMeasures
 from ..outline import sew_by_label
-from ..pattern import Pattern
-from .cut import Bodice, Cut, Legs, PartsConflict, Waistband
+from ..pattern import Panel, Pattern
+from .cut import Bodice, Cut, Legs, PartsConflict, Skirt, Waist, Waistband
 from .legs import draw_legs, draw_suit
 from .skirts import SWEEP, draw_skirt
 from .tops import draw_shoulder, draw_top
@@ -26,12 +28,25 @@ def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None =
     m, category = measures or BodyMeasures(), cut.category
     if cut.waistband is Waistband.BAND and (cut.bodice is not Bodice.NONE or cut.legs is not Legs.NONE):
         raise PartsConflict("a band finishes the waist of a skirt; choose waistband=none.")
+    if cut.waist is Waist.SEAM and (cut.bodice is Bodice.NONE or cut.skirt is Skirt.NONE):
+        raise PartsConflict("a waist seam joins a bodice and a skirt; choose both, or waist=none.")
     if cut.bodice is Bodice.NONE:
         panels = draw_skirt(cut, m) if cut.legs is Legs.NONE else draw_legs(cut, m)
     else:
         panels = draw_top(cut, m) if cut.legs is Legs.NONE else draw_suit(cut, m)
+    if cut.waist is Waist.SEAM:
+        panels += [_below(panel) for panel in draw_skirt(cut, m)]
     pattern = sew_by_label(name or category, category, panels)
     return _divide(pattern, cut) if category == "skirt" else pattern
+
+
+def _below(panel: Panel) -> Panel:
+    """Name a skirt's panel and seams apart from the bodice's that it is sewn to."""
+    edges = tuple(
+        replace(edge, label=f"skirt.{edge.label}") if edge.label and not edge.label.startswith("waist.") else edge
+        for edge in panel.edges
+    )
+    return replace(panel, name=f"skirt_{panel.name}", label="skirt", edges=edges)
 
 
 def half_neck(cut: Cut, measures: BodyMeasures | None = None) -> float:

@@ -11,9 +11,20 @@ import math
 from itertools import pairwise
 
 from ..measures import BodyMeasures
-from ..outline import Outline, Point, Stroke, arc_handles, mirror, place_panel, smooth, unfold, unfold_closed
+from ..outline import (
+    Outline,
+    Point,
+    Stroke,
+    arc_handles,
+    length,
+    mirror,
+    place_panel,
+    smooth,
+    unfold,
+    unfold_closed,
+)
 from ..pattern import Panel
-from .cut import Cut, PartsConflict, Skirt, Waistband
+from .cut import Bodice, Cut, PartsConflict, Skirt, Waistband
 
 BAND = 0.04
 """Width of a waistband [m]: as stiff as two layers of cloth, and it still follows the waist."""
@@ -25,15 +36,21 @@ CIRCLE_LENGTH = 0.50
 """Length of a circle skirt from waist to hem [m]: to above the knee."""
 
 
+GATHERS = 1.5
+"""Width of a gathered skirt's upper edge by that of what it is gathered into: a medium fullness."""
+
+
 def draw_skirt(cut: Cut, m: BodyMeasures) -> list[Panel]:
-    """Draw the panels of a skirt and of its waistband.
+    """Draw the panels of a skirt and of its waistband; below a bodice, of a skirt to be sewn to it.
 
     Raises:
-        PartsConflict: where the skirt has not so many panels.
+        PartsConflict: where the skirt has not so many panels, or a gathered one nothing to be gathered into.
     """
     if cut.panels not in (2, 4):
         raise PartsConflict(f"a skirt of {cut.panels} panels is not drafted; choose 2 or 4.")
-    waist = (m.waist + 0.02) / 4
+    waist = half_waist(cut, m) / 2
+    if cut.skirt is Skirt.GATHERED and not _is_sewn(cut):
+        raise PartsConflict("a gathered skirt needs something to be gathered into; add waistband=band or waist=seam.")
     if cut.skirt in SWEEP:
         panels = _circle(SWEEP[cut.skirt], waist, cut, m.waist_height)
     elif cut.panels == 4:
@@ -45,14 +62,26 @@ def draw_skirt(cut: Cut, m: BodyMeasures) -> list[Panel]:
     return panels
 
 
+def half_waist(cut: Cut, m: BodyMeasures) -> float:
+    """Return half of the waist's girth [m]: body + 2 cm where the skirt is held there, + 10 cm below a bodice."""
+    return (m.waist + (0.02 if cut.bodice is Bodice.NONE else 0.10)) / 2
+
+
+def _is_sewn(cut: Cut) -> bool:
+    """Check whether a skirt's upper edge is sewn to a band or a bodice."""
+    return cut.waistband is Waistband.BAND or cut.bodice is not Bodice.NONE
+
+
 def _silhouette(cut: Cut, waist: float, m: BodyMeasures) -> list[Point]:
     """Return the points of a side seam from the hem to the waist [m].
 
     Allowances: waist + 2 cm (held there). A-line: hip + 5 cm, hem 1.30 m wide, 54 cm long; of four panels hip + 6 cm,
     hem 1.72 m, 58 cm. Pencil: hip + 4 cm, 50 cm long, the hem 6 cm narrower than the hip line. Straight: the same with
-    a hem as wide as the hip line.
+    a hem as wide as the hip line. Gathered: a rectangle of one and a half waists, and at least of a hip + 4 cm.
     """
     hip_line = m.hip_height - m.waist_height
+    if cut.skirt is Skirt.GATHERED:
+        return [(GATHERS * waist, -0.54), (GATHERS * waist, hip_line), (GATHERS * waist, 0.0)]
     if cut.skirt is Skirt.A_LINE and cut.panels == 4:
         return [(0.37, -0.58), ((m.hip + 0.06) / 4, hip_line), (waist, 0.0)]
     if cut.skirt is Skirt.A_LINE:
@@ -62,10 +91,15 @@ def _silhouette(cut: Cut, waist: float, m: BodyMeasures) -> list[Point]:
     return [(hip - narrower, -0.50), (hip, hip_line), (waist, 0.0)]
 
 
+def _upper(cut: Cut) -> str:
+    """Return what the seam of a skirt's upper edge is called by."""
+    return "band" if cut.waistband is Waistband.BAND else "waist"
+
+
 def _waist_line(cut: Cut, waist: float, dip: float, rise: float, face: str) -> Stroke:
     """Draw half a waist from the side to the middle: open and dipping there, or straight and sewn to a band."""
-    if cut.waistband is Waistband.BAND:
-        return Stroke((0.0, 0.0), label=f"band.{face}.left")
+    if _is_sewn(cut):
+        return Stroke((0.0, 0.0), label=f"{_upper(cut)}.{face}.left")
     return Stroke((0.0, -dip), ((waist * 0.6, rise - dip), (waist * 0.3, -dip)), contour="waist")
 
 
@@ -112,11 +146,12 @@ def _circle(sweep: float, waist: float, cut: Cut, height: float) -> list[Panel]:
     """Draw front and back of a circle skirt, each half of the sector; waist and hem are concentric, so it hangs level.
 
     Raises:
-        PartsConflict: where it is to have other panels than two, or a band.
+        PartsConflict: where it is to have other panels than two.
     """
-    if cut.panels != 2 or cut.waistband is Waistband.BAND:
-        raise PartsConflict("a circle skirt is drafted of 2 panels without a band.")
-    radius, half = 4 * waist / sweep, sweep / 4
+    if cut.panels != 2:
+        raise PartsConflict("a circle skirt is drafted of 2 panels.")
+    half = sweep / 4
+    radius = waist / _cubic_arc(half)
     outer = radius + CIRCLE_LENGTH
 
     def at(distance: float, angle: float) -> Point:
@@ -128,12 +163,19 @@ def _circle(sweep: float, waist: float, cut: Cut, height: float) -> list[Panel]:
         Stroke(at(outer, b), arc_handles(at(outer, a), at(outer, b), b - a), contour="hem") for a, b in pairwise(cuts)
     ]
     strokes.append(Stroke(at(radius, half), label="side.left"))
-    strokes += [
-        Stroke(at(radius, b), arc_handles(at(radius, a), at(radius, b), b - a), contour="waist")
-        for a, b in pairwise(cuts[::-1])
-    ]
-    outline = unfold_closed(Outline(at(outer, 0.0), tuple(strokes)))
-    return [place_panel(face, outline, height) for face in ("front", "back")]
+    top, handles = at(radius, 0.0), arc_handles(at(radius, half), at(radius, 0.0), -half)
+    panels = []
+    for face in ("front", "back"):
+        name = {"label": f"{_upper(cut)}.{face}.left"} if _is_sewn(cut) else {"contour": "waist"}
+        outline = unfold_closed(Outline(at(outer, 0.0), (*strokes, Stroke(top, handles, **name))))
+        panels.append(place_panel(face, outline, height))
+    return panels
+
+
+def _cubic_arc(angle: float) -> float:
+    """Return the length of the cubic that stands for an arc of radius 1; what is sewn to it has just this length."""
+    start, end = (0.0, 0.0), (math.sin(angle), 1.0 - math.cos(angle))
+    return length(Outline(start, (Stroke(end, arc_handles(start, end, angle), label="arc"),)), "arc")
 
 
 def _band(face: str, waist: float, height: float) -> Panel:

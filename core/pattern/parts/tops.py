@@ -9,10 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..measures import BodyMeasures
-from ..outline import Outline, Point, Stroke, place_panel, smooth, unfold
+from ..outline import Outline, Point, Stroke, place_panel, smooth, unfold, unfold_closed
 from ..pattern import Panel
-from .cut import Bodice, Cut, Legs, PartsConflict, Skirt, Sleeve
+from .cut import Bodice, Cut, Legs, PartsConflict, Skirt, Sleeve, Waist
 from .necklines import Throat, draw_neckline, side_neck
+from .skirts import half_waist
 from .sleeves import SLEEVES, half_sleeves
 
 FACES = ("front", "back")
@@ -93,8 +94,14 @@ def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
     side = _side_seam(cut, m, shoulder.under)
     panels = []
     for face, name in enumerate(FACES):
-        outline = Outline(side[0].end, (*side[1:], *shoulder.strokes(face)))
-        panels.append(place_panel(name, unfold(outline, "hem"), m.nape_height))
+        strokes = (*side[1:], *shoulder.strokes(face))
+        if cut.waist is Waist.SEAM:
+            middle = (0.0, side[0].end[1])
+            waist = Stroke(side[0].end, label=f"waist.{name}.left")
+            outline = unfold_closed(Outline(middle, (waist, *strokes)))
+        else:
+            outline = unfold(Outline(side[0].end, strokes), "hem")
+        panels.append(place_panel(name, outline, m.nape_height))
     sleeves = shoulder.sleeves(cut.sleeve, m.nape_height)
     if not sleeves:
         return panels
@@ -106,9 +113,12 @@ def _side_seam(cut: Cut, m: BodyMeasures, under: Point) -> list[Stroke]:
 
     A boxy top falls straight to 2 cm below the hip line. A skimming one ends 5 cm above it (waist + 12 cm, hip + 2 cm,
     no darts). A dress that goes on without a zip has waist + 10 cm and hip + 8 cm, 2 cm more of each with sleeves, and
-    goes to the knee; an A-line one is flared to 1.36 m for a free step.
+    goes to the knee; an A-line one is flared to 1.36 m for a free step. With a waist seam it ends at the natural waist.
     """
     sleeved = cut.sleeve is not Sleeve.NONE
+    if cut.waist is Waist.SEAM:
+        corner = (half_waist(cut, m) / 2, m.waist_height - m.nape_height)
+        return [Stroke(corner), Stroke(under, label="side.left", notch=0.5)]
     if cut.bodice is Bodice.BOXY and cut.skirt is Skirt.NONE:
         hem = (under[0], m.hip_height - 0.02 - m.nape_height)
         return [Stroke(hem), Stroke(under, label="side.left", notch=0.5)]
@@ -125,6 +135,6 @@ def _side_seam(cut: Cut, m: BodyMeasures, under: Point) -> list[Stroke]:
     elif cut.skirt in widths:
         sides = [(widths[cut.skirt], knee), (hip, m.hip_height), (waist, m.waist_height)]
     else:
-        raise PartsConflict(f"a {cut.skirt} skirt is not cut in one with a bodice; choose {', '.join(widths)}.")
+        raise PartsConflict(f"a {cut.skirt} skirt is not cut in one with a bodice; add waist=seam.")
     points = [*((x, y - m.nape_height) for x, y in sides), under]
     return [Stroke(points[0]), *smooth(points, [f"side.{i}.left" for i in range(len(points) - 1)])]

@@ -1,0 +1,97 @@
+"""Cuts from parts hang on the built-in bodies as the shipped templates do."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from garmentq.core.body import Body, DistanceGrid, ExposedSurface, builtin_body, project_outside
+from garmentq.core.drape import Way, dress, lay_threads, size_template, take_pose, waist_loop
+from garmentq.core.mesh import self_intersections
+from garmentq.core.pattern import find_cut, load_template, mesh_pattern, name_cut
+from garmentq.core.pattern.parts import CUTS, PARTS, PartsConflict
+
+NODES = 350
+"""Edges of 5 cm: the coarsest at which a sleeve still is a tube."""
+
+STATURES = {"female": "builtin:female,height=1.70", "male": "builtin:male"}
+
+POSES = ("A", "stride", "arms-down", "seated")
+
+DRAWN = 60
+"""Cuts that are drawn at random, with a fixed seed."""
+
+CALM = 0.15
+"""Speed below which cloth hangs and no longer falls [m/s]; a full circle's folds still swing by a few cm/s."""
+
+
+@cache
+def wearer(gender: str, pose: str) -> tuple[Body, DistanceGrid, ExposedSurface]:
+    """Return the built-in body in a pose with its distance fields."""
+    body = builtin_body(f"{STATURES[gender]},pose={pose}")
+    return body, DistanceGrid.from_mesh(body.vertices, body.faces), ExposedSurface.of(body)
+
+
+@cache
+def way(gender: str, pose: str) -> Way:
+    """Return a body's frames into a pose."""
+    body, _, skin = wearer(gender, pose)
+    return Way.of(body, skin)
+
+
+@cache
+def draw_cuts() -> tuple[str, ...]:
+    """Draw the names of cuts: a template with other choices for some of its parts, where these can be sewn."""
+    rng = np.random.default_rng(20)
+    names: dict[str, None] = {}
+    while len(names) < DRAWN:
+        stem = str(rng.choice(list(CUTS)))
+        open_parts = [part for part in PARTS if part != "bodice" and CUTS[stem].has_place_for(part)]
+        changed = rng.permutation(open_parts)[: rng.integers(1, 4)]
+        choices = {str(part): str(rng.choice([str(choice) for choice in PARTS[part]])) for part in changed}
+        name = name_cut(stem, CUTS[stem].choose(choices))
+        try:
+            same_kind = find_cut(name).category and bool(load_template(name).panels)
+        except PartsConflict:
+            continue
+        if same_kind and name not in CUTS:
+            names[name] = None
+    return tuple(names)
+
+
+def hang(name: str, gender: str, poses: tuple[str, ...]) -> None:
+    """Dress a body in a cut in the T-pose, take it into poses, and check that it is whole, outside and calm there."""
+    body, grid, skin = wearer(gender, "T")
+    garment = mesh_pattern(load_template(name) if gender == "female" else size_template(name, body), NODES)
+    threads, waist = lay_threads(garment), waist_loop(garment)
+    nodes = dress(garment, body, grid, threads=threads)
+    assert len(self_intersections(nodes, garment.faces)) == 0, f"{name} in T"
+    assert skin.measure(project_outside(nodes, skin, garment.faces))[0].min() >= -1e-3
+    for pose in poses:
+        _, posed, outside = wearer(gender, pose)
+        there, velocity = take_pose(threads, nodes, way(gender, pose), posed, held=waist)
+        assert len(self_intersections(there, garment.faces)) == 0, f"{name} in {pose}"
+        assert outside.measure(there)[0].min() >= -1e-3, f"{name} in {pose}"
+        assert np.quantile(np.linalg.norm(velocity, axis=1), 0.9) < CALM, f"{name} in {pose}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name",
+    [
+        "tshirt+neckline=boat,sleeve=cap",
+        "dress+neckline=v,skirt=half-circle,waist=seam",
+    ],
+)
+def test_a_cut_hangs(name: str) -> None:
+    """Breaks where a part is placed through its neighbour or the body, or a seam is sewn the wrong way round."""
+    hang(name, "female", ("A",))
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("gender", sorted(STATURES))
+@pytest.mark.parametrize("number", range(DRAWN))
+def test_a_drawn_cut_hangs_in_every_pose(number: int, gender: str) -> None:
+    """Breaks where two parts that draft and sew cannot be worn together."""
+    hang(draw_cuts()[number], gender, POSES)
