@@ -145,7 +145,8 @@ def _with_necklines(cut: Cut, fits: NecklineFits | None, fixed: Mapping[str, str
     """Yield a cut with the necklines that fit a contour, the best pair first, each with the pair's misfit.
 
     What the user fixed stays. A crew neck and a scoop are one line in two depths, and the cut's own stays for both. The
-    pattern has another size than the scan, so a neckline keeps the scan's proportion of depth to half width.
+    pattern has another size than the scan, so a neckline keeps the scan's proportion of depth to half width. A V is cut
+    straight: the bow that its line seems to have is that of the shoulder, which no cylinder unrolls.
     """
     if fits is None or cut.bodice is Bodice.NONE:
         yield cut, 0.0
@@ -175,9 +176,7 @@ def _with_throat(cut: Cut, fit: NecklineFit, part: str) -> Cut:
         return cut
     changed = cut.choose({part: str(kind)})
     depth = half_neck(changed) * fit.throat.depth / fit.half_width
-    if part == "neckline":
-        return replace(changed, neck_depth=depth, neck_bow=fit.throat.bow)
-    return replace(changed, back_depth=depth)
+    return replace(changed, **{"neck_depth" if part == "neckline" else "back_depth": depth})
 
 
 def _is_one(one: Neckline, other: Neckline) -> bool:

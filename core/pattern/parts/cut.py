@@ -101,7 +101,6 @@ class Cut:
         waistband: Of a skirt without a bodice.
         waist: Whether a bodice and its skirt are cut in one piece or sewn to each other.
         neck_depth, back_depth: Of a neckline below the side neck point [m]; None: as the neckline is usually cut.
-        neck_bow: How far a V's side bows out of its chord, as a share of it; negative: towards the middle.
     """
 
     bodice: Bodice = Bodice.NONE
@@ -114,7 +113,6 @@ class Cut:
     waistband: Waistband = Waistband.NONE
     neck_depth: float | None = None
     back_depth: float | None = None
-    neck_bow: float = 0.0
     waist: Waist = Waist.NONE
 
     @property
@@ -182,7 +180,7 @@ PARTS: dict[str, type[StrEnum]] = {
 """The parts of a cut by name, each with its choices."""
 
 _DROPPED: dict[str, dict[str, Any]] = {
-    "neckline": {"neck_depth": None, "neck_bow": 0.0},
+    "neckline": {"neck_depth": None},
     "back_neckline": {"back_depth": None},
 }
 """Measures that belong to a part's former choice."""

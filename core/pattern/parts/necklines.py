@@ -56,9 +56,9 @@ class Throat:
     bow: float = 0.0
 
     @classmethod
-    def at_front(cls, kind: Neckline, depth: float | None = None, bow: float = 0.0) -> Throat:
+    def at_front(cls, kind: Neckline, depth: float | None = None) -> Throat:
         """Return a front neckline, of its usual depth where none is given."""
-        return cls(kind, FRONT_DEPTH[kind] if depth is None else depth, bow)
+        return cls(kind, FRONT_DEPTH[kind] if depth is None else depth)
 
     @classmethod
     def at_back(cls, kind: Neckline, depth: float | None = None) -> Throat:

@@ -74,7 +74,7 @@ def draw_shoulder(cut: Cut, m: BodyMeasures) -> Shoulder:
         hollows, rise = (0.058, 0.050), (0.016, 0.09)
     under = ((m.bust + ease) / 4, m.armpit_height - drop - m.nape_height)
     throats = (
-        Throat.at_front(cut.neckline, cut.neck_depth, cut.neck_bow),
+        Throat.at_front(cut.neckline, cut.neck_depth),
         Throat.at_back(cut.back_neckline, cut.back_depth),
     )
     neck = side_neck((cut.neckline, cut.back_neckline), neck, tip)
