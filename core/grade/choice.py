@@ -176,7 +176,7 @@ def _with_throat(cut: Cut, fit: NecklineFit, part: str) -> Cut:
         return cut
     changed = cut.choose({part: str(kind)})
     depth = half_neck(changed) * fit.throat.depth / fit.half_width
-    return replace(changed, **{"neck_depth" if part == "neckline" else "back_depth": depth})
+    return replace(changed, neck_depth=depth) if part == "neckline" else replace(changed, back_depth=depth)
 
 
 def _is_one(one: Neckline, other: Neckline) -> bool:

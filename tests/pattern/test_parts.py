@@ -29,6 +29,7 @@ from garmentq.core.pattern.parts import (
     Skirt,
     Sleeve,
     Throat,
+    Waist,
     Waistband,
     corner_turn,
     draft_cut,
@@ -57,6 +58,8 @@ def many_cuts() -> dict[str, Cut]:
     found |= {f"back {kind}": Cut(Bodice.BOXY, back_neckline=kind) for kind in Neckline}
     for skirt, panels, band in product(Skirt, (2, 4), Waistband):
         found[f"{skirt} {panels} {band}"] = Cut(skirt=skirt, panels=panels, waistband=band)
+    for skirt, panels, bodice in product(Skirt, (2, 4), (Bodice.BOXY, Bodice.SHIFT)):
+        found[f"{bodice} seam {skirt} {panels}"] = Cut(bodice, skirt=skirt, panels=panels, waist=Waist.SEAM)
     found |= {f"{legs} legs": Cut(legs=legs) for legs in Legs}
     return found
 
@@ -73,7 +76,10 @@ def test_every_combination_drafts_or_says_why_not():
             continue
         drafted += 1
         lengths = seam_lengths(pattern)
-        assert np.abs(lengths[:, 0] - lengths[:, 1]).max() < 1e-6, name
+        even = ~pattern.gathered
+        assert np.abs(lengths[even, 0] - lengths[even, 1]).max() < 1e-6, name
+        assert np.abs(np.log(lengths[~even, 0] / lengths[~even, 1])) == pytest.approx(np.log(1.5)), name
+        assert even.all() == (cut.skirt is not Skirt.GATHERED), name
         assert lengths.min() > 0.015, name
         sewn = [ref for seam in pattern.seams for ref in (seam.a, seam.b)]
         assert len(sewn) == len(set(sewn)), name

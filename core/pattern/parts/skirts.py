@@ -166,8 +166,9 @@ def _circle(sweep: float, waist: float, cut: Cut, height: float) -> list[Panel]:
     top, handles = at(radius, 0.0), arc_handles(at(radius, half), at(radius, 0.0), -half)
     panels = []
     for face in ("front", "back"):
-        name = {"label": f"{_upper(cut)}.{face}.left"} if _is_sewn(cut) else {"contour": "waist"}
-        outline = unfold_closed(Outline(at(outer, 0.0), (*strokes, Stroke(top, handles, **name))))
+        sewn = _is_sewn(cut)
+        label, contour = (f"{_upper(cut)}.{face}.left", "") if sewn else ("", "waist")
+        outline = unfold_closed(Outline(at(outer, 0.0), (*strokes, Stroke(top, handles, label, contour))))
         panels.append(place_panel(face, outline, height))
     return panels
 
