@@ -16,6 +16,7 @@ from ..meshes import Meshes
 from ..pattern import resample
 from ..simulate import Fabric, FabricEstimate
 from .body_offset import estimate_body_offset, is_estimated
+from .fairness import fair_garment
 from .isometry import fit_isometry
 from .locks import find_held, keep_held
 from .material import fit_bending, nearest_fabrics, posterior, refine_bending, state_density
@@ -103,9 +104,10 @@ def fit_pattern(
         fabric, estimate = refine_bending(fabric, shape.fabric.k, bending_std, estimate, material)
         bending = (estimate,)
     estimates = (*bending, *membrane, state_density(fabric))
-    recovered = move_pattern(refitted, shape.pattern)
+    unfair = move_pattern(refitted, shape.pattern)
+    recovered = fair_garment(unfair, like, held)
     rest = shape.drape
-    if problem.garment is not refitted or not rest.converged:
+    if problem.garment is not refitted or recovered is not unfair or not rest.converged:
         hooks.progress("fit", 0.9, "draping the recovered pattern")
         topology = Topology.from_garment(recovered)
         folds = BendingFriction.at(topology, registered)

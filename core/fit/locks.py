@@ -6,7 +6,7 @@ import numpy as np
 
 from ..errors import BadInput
 from ..mesh import fit_rigid
-from ..pattern import Pattern, Symmetry, equalise_seams, find_symmetry
+from ..pattern import Pattern, equalise_seams, find_symmetry
 
 _ROUNDS = 40
 """Most turns between equal seams and held points; each halves what is left, so 40 take a decimetre below 1e-12 m."""
@@ -65,7 +65,7 @@ def keep_held(pattern: Pattern, start: Pattern, like: Pattern, held: np.ndarray)
     """
     symmetry = find_symmetry(like)
     fixed = symmetry.reduce(start.points).ravel()[held]
-    pattern = _lay_on_held(pattern, start, symmetry, held)
+    pattern = _lay_on_held(pattern, start, like, held)
     for _ in range(_ROUNDS):
         effective = symmetry.reduce(pattern.points).ravel()
         away = float(np.abs(effective[held] - fixed).max())
@@ -77,10 +77,16 @@ def keep_held(pattern: Pattern, start: Pattern, like: Pattern, held: np.ndarray)
     return held_pattern
 
 
-def _lay_on_held(pattern: Pattern, start: Pattern, symmetry: Symmetry, held: np.ndarray) -> Pattern:
+def held_points(like: Pattern, held: np.ndarray) -> np.ndarray:
+    """Find the control points that held effective coordinates leave no freedom, bool, shape [point_count]."""
+    follows = abs(find_symmetry(like).matrix) @ (~held).astype(float)
+    found: np.ndarray = (follows.reshape(-1, 2) == 0.0).all(axis=1)
+    return found
+
+
+def _lay_on_held(pattern: Pattern, start: Pattern, like: Pattern, held: np.ndarray) -> Pattern:
     """Move each panel rigidly so that its held points come to lie where `start` has them, by least squares."""
-    follows = abs(symmetry.matrix) @ (~held).astype(float)
-    still = (follows.reshape(-1, 2) == 0.0).all(axis=1)
+    still = held_points(like, held)
     points, goal = pattern.points.copy(), start.points
     for first, end in zip(pattern.point_starts[:-1], pattern.point_starts[1:], strict=True):
         own = np.arange(first, end)[still[first:end]]

@@ -19,8 +19,10 @@ from ..errors import Cancelled, GarmentqError
 from ..meshes import Meshes
 from ..pattern import Garment
 from .descent import InverseSettings
+from .fairness import fair_garment
 from .hybrid import fit_pattern
 from .inverse import fit_inverse
+from .locks import find_held
 from .material import nearest_fabrics
 from .result import Fit
 from .settings import ShapeSettings
@@ -45,7 +47,7 @@ class Graded:
         """Return the graded pattern with its detail mesh, without a simulation mesh."""
         detail = _deform(case, drape.garment, clock)
         meshes = Meshes(drape.garment.nodes, detail.nodes)
-        return Fit(drape.garment.at(detail.nodes), case.fabric, meshes, warnings=detail.warnings)
+        return Fit(_fair(case, drape, drape.garment).at(detail.nodes), case.fabric, meshes, warnings=detail.warnings)
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,7 @@ class Inverse:
             found = fit_inverse(case, drape, self.settings, hooks)
         detail = _deform(case, found.garment, clock)
         return Fit(
-            garment=found.garment.at(detail.nodes),
+            garment=_fair(case, drape, found.garment).at(detail.nodes),
             fabric=found.fabric,
             meshes=Meshes(found.graded, detail.nodes, found.garment.nodes),
             estimates=found.estimates,
@@ -99,6 +101,11 @@ class Inverse:
 
 METHODS: Mapping[str, Method] = {"deform": Graded(), "inverse": Inverse(), "hybrid": Hybrid()}
 """Every method by the name that `RecoverySettings.method` has."""
+
+
+def _fair(case: Case, drape: GradedDrape, garment: Garment) -> Garment:
+    """Return a garment with fair curves; locked points stay."""
+    return fair_garment(garment, case.base, find_held(garment.pattern, case.base, drape.locks(case.settings)))
 
 
 def _deform(case: Case, garment: Garment, clock: Clock) -> Deformation:

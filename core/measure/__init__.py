@@ -3,6 +3,7 @@
 from .chamfer import VertexCloud, chamfer_and_normals
 from .contours import carry_contours
 from .damage import DAMAGES, Damage
+from .fairness import measure_fairness
 from .fit import Reference, measure_distance, measure_fit
 from .gates import Product, judge, product_of
 from .knowledge import measure_knowledge
@@ -74,6 +75,7 @@ __all__ = [
     "measure_calibration",
     "measure_distance",
     "measure_fabric",
+    "measure_fairness",
     "measure_fit",
     "measure_knowledge",
     "measure_labels",

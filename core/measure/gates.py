@@ -103,6 +103,13 @@ RULES = (
         Product.PATTERN,
     ),
     Rule(
+        "fairness", _read("pattern.corner_deg"), 5.0, 30.0,
+        "The pattern has a corner of {value:.0f} degrees where its base pattern is smooth",
+        "smooth the curve before you cut; where the garment has such a corner, give a closer pattern with --template.",
+        "A knife does not show 5 degrees; 30 degrees across a seam is a notch in the hem.",
+        Product.PATTERN,
+    ),
+    Rule(
         "penetration", _read("body_penetration_mm"), 1.0, 5.0,
         "The garment lies up to {value:.1f} mm inside the body",
         "check that body and scan belong together and share units and place; garmentq inspect shows both.",

@@ -1,8 +1,9 @@
 """Sewing patterns: panels, seams, control points, meshing and sewing."""
 
-from .control import ControlMap, map_controls, mean_value_coordinates
+from .control import ControlMap, map_controls, mean_value_coordinates, redraw
 from .curves import edge_length, edge_points, panel_area, panel_outline, reverse_edge, split_edge
 from .division import divide_edges
+from .fairness import fair_curves, unplanned_corners
 from .garment import Garment
 from .garmentcode import load_pattern, read_pattern, save_pattern, write_pattern
 from .measures import BodyMeasures
@@ -48,6 +49,7 @@ __all__ = [
     "edge_length",
     "edge_points",
     "equalise_seams",
+    "fair_curves",
     "find_cut",
     "find_symmetry",
     "list_templates",
@@ -64,6 +66,7 @@ __all__ = [
     "polygon_area",
     "polygon_width",
     "read_pattern",
+    "redraw",
     "resample",
     "reverse_edge",
     "save_pattern",
@@ -73,5 +76,6 @@ __all__ = [
     "seam_ratios",
     "seam_sides",
     "split_edge",
+    "unplanned_corners",
     "write_pattern",
 ]

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import block_diag, csr_matrix
 
-from .curves import relative_to_chord
+from .curves import edge_points, relative_to_chord
 from .garment import Garment
 from .memo import once
-from .pattern import EdgeRef
+from .pattern import EdgeRef, Pattern
 
 CHUNK = 1000
 """Points for which mean value coordinates are held at once: some 10 MB on the finest panels."""
@@ -68,6 +68,29 @@ def map_controls(garment: Garment) -> ControlMap:
             weights[part] = mean_value_coordinates(uv[rim], uv[part]) @ weights[rim]
         blocks.append(_as_real(weights))
     return ControlMap(csr_matrix(block_diag(blocks, format="csr")), garment.pattern.points)
+
+
+def redraw(garment: Garment, pattern: Pattern) -> Garment:
+    """Return a garment whose flat mesh follows the curves of another drawing of its panels; faces and nodes stay.
+
+    Outline vertices lie on the new curves, uniform in arc length as the mesh was made; an inner vertex moves by the
+    average of its panel's outline by mean value coordinates.
+
+    Args:
+        garment: The garment.
+        pattern: The same panels, seams and kinds of corners; points and edges' shapes may differ a little.
+    """
+    uv = garment.uv.copy()
+    for index, panel in enumerate(pattern.panels):
+        own = np.flatnonzero(garment.panel_of_uv == index)
+        along = [garment.edge_uv[EdgeRef(panel.name, i)] for i in range(len(panel.edges))]
+        rim = np.concatenate([line[:-1] for line in along])
+        new = np.concatenate([edge_points(panel, i, len(line) - 1)[:-1] for i, line in enumerate(along)])
+        inner = np.setdiff1d(own, rim)
+        uv[rim] = new
+        for part in np.array_split(inner, len(inner) // CHUNK + 1):
+            uv[part] += mean_value_coordinates(garment.uv[rim], garment.uv[part]) @ (new - garment.uv[rim])
+    return replace(garment, pattern=pattern, uv=uv)
 
 
 def mean_value_coordinates(polygon: np.ndarray, points: np.ndarray) -> np.ndarray:

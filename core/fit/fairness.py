@@ -1,0 +1,34 @@
+"""Make a recovered pattern's curves fair, and its flat mesh with them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..pattern import Garment, Pattern, fair_curves, redraw
+from ..pattern.errors import PanelCrossing, PanelDegenerate
+from ..pattern.validity import check_outline
+from .locks import held_points
+
+
+def fair_garment(garment: Garment, base: Pattern, held: np.ndarray) -> Garment:
+    """Return a garment whose boundary has no corner where its base pattern has none; nodes stay.
+
+    It comes back as it is where nothing has to bend, or a panel would cross itself.
+
+    Args:
+        garment: The recovered pattern, meshed.
+        base: The base pattern.
+        held: Effective coordinates that locks hold, bool, shape [p]; see `find_held`.
+    """
+    pattern = garment.pattern
+    corners = [(panel.name, i) for panel in pattern.panels for i in range(len(panel.points))]
+    still = {corner for corner, is_held in zip(corners, held_points(base, held), strict=True) if is_held}
+    fair = fair_curves(pattern, base, still)
+    if fair is pattern:
+        return garment
+    try:
+        for panel in fair.panels:
+            check_outline(panel)
+    except (PanelCrossing, PanelDegenerate):
+        return garment
+    return redraw(garment, fair)

@@ -1,0 +1,129 @@
+"""Corners where a cut is smooth: how large they are, and that fair curves take them away and nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from garmentq.core.measure import measure_fairness
+from garmentq.core.measure.fairness import count_waves
+from garmentq.core.pattern import (
+    Edge,
+    EdgeRef,
+    Panel,
+    Pattern,
+    Seam,
+    edge_length,
+    fair_curves,
+    load_template,
+    mesh_pattern,
+    panel_area,
+    redraw,
+    seam_mismatch,
+    unplanned_corners,
+)
+
+WIDTH, HEIGHT = 0.5, 0.6
+
+
+def make_skirt(dip: float = 0.0, slant: float = 0.0) -> Pattern:
+    """Return a skirt of two equal panels with a control point in the middle of each hem, `dip` [m] below its line.
+
+    With `slant` [m] each hem's ends lie so much higher than its straight line.
+    """
+    points = np.array(
+        [(0.0, slant), (WIDTH / 2, -dip), (WIDTH, slant), (WIDTH, HEIGHT), (0.0, HEIGHT)]
+    )  # counter-clockwise from the hem's left end
+    edges = tuple(Edge() for _ in points)
+    panels = tuple(Panel(name, points, edges) for name in ("front", "back"))
+    seams = (
+        Seam(EdgeRef("front", 2), EdgeRef("back", 4)),
+        Seam(EdgeRef("front", 4), EdgeRef("back", 2)),
+    )
+    return Pattern("skirt", panels, seams)
+
+
+def test_corners_are_what_trigonometry_says() -> None:
+    """Fails if an angle were halved, measured at a corner of the cut, or not across a seam."""
+    found = np.degrees(unplanned_corners(make_skirt(dip=0.02), make_skirt()))
+    slope = np.degrees(np.arctan2(0.02, WIDTH / 2))
+    # in the middle of each hem, and across each side seam's lower end; the waist stays smooth across its upper ends
+    assert sorted(found) == pytest.approx([-2 * slope] * 2 + [0.0] * 2 + [2 * slope] * 2, abs=1e-9)
+
+
+def test_fair_curves_have_no_corner() -> None:
+    """Fails if a corner were left, the points moved, an area changed by more than the blend, or seams came apart."""
+    bent, base = make_skirt(dip=0.02, slant=0.01), make_skirt()
+    fair = fair_curves(bent, base)
+    assert np.degrees(np.abs(unplanned_corners(bent, base)).max()) > 10.0
+    assert np.degrees(np.abs(unplanned_corners(fair, base)).max()) < 0.5
+    assert np.abs(fair.points - bent.points).max() < 1e-4
+    assert seam_mismatch(fair) < 1e-6
+    for before, after in zip(bent.panels, fair.panels, strict=True):
+        assert panel_area(after) == pytest.approx(panel_area(before), rel=0.005)
+        assert [edge.kind for edge in after.edges] == ["cubic", "cubic", "line", "line", "line"]
+
+
+def test_smooth_patterns_stay_as_they_are() -> None:
+    """Fails if lines became curves, or a hem's planned corner were smoothed, where nothing is wrong."""
+    base, dipped = make_skirt(), make_skirt(dip=0.05)
+    assert fair_curves(base, base) is base
+    assert fair_curves(dipped, dipped) is dipped
+    template = load_template("tshirt")
+    assert fair_curves(template, template) is template
+
+
+def test_what_is_held_does_not_bend() -> None:
+    """Fails if a locked panel were drawn anew: its neighbour has to bend by the whole corner across the seam."""
+    bent, base = make_skirt(slant=0.02), make_skirt()
+    still = {("front", i) for i in range(5)}
+    fair = fair_curves(bent, base, still)
+    assert np.array_equal(fair.panel("front").points, bent.panel("front").points)
+    assert {edge.kind for edge in fair.panel("front").edges} == {"line"}
+    across = [c for c in np.degrees(unplanned_corners(fair, base)) if abs(c) > 0.5]
+    assert len(across) == 1  # the front's own middle
+
+
+@pytest.mark.parametrize("kind", ["quadratic", "cubic", "arc"])
+def test_curves_keep_their_course(kind: str) -> None:
+    """Fails if a curve that turns at its end became another curve elsewhere."""
+    handles = {"quadratic": [(0.5, 0.2)], "cubic": [(0.3, 0.1), (0.7, 0.1)], "arc": [(0.5, 0.1)]}[kind]
+    base = make_skirt()
+    curved = Edge(kind, np.array(handles, float))
+    panels = [replace(panel, edges=(curved, *panel.edges[1:])) for panel in base.panels]
+    bent = replace(base, panels=tuple(panels))
+    fair = fair_curves(bent, base)
+    assert np.degrees(np.abs(unplanned_corners(fair, base)).max()) < 0.5
+    for before, after in zip(bent.panels, fair.panels, strict=True):
+        assert after.edges[0].kind == "cubic"
+        assert edge_length(after, 0) == pytest.approx(edge_length(before, 0), rel=0.05)
+
+
+def test_the_flat_mesh_follows_its_curves() -> None:
+    """Fails if the mesh kept the old outline, a face were turned, or the mesh of the same drawing moved."""
+    bent, base = make_skirt(dip=0.02), make_skirt()
+    garment = mesh_pattern(bent, 600)
+    assert np.abs(redraw(garment, bent).uv - garment.uv).max() < 1e-12
+    fair = fair_curves(bent, base)
+    moved = redraw(garment, fair)
+    flat = moved.uv[moved.uv_faces]
+    sides = flat[:, 1:] - flat[:, :1]
+    areas = 0.5 * (sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])
+    assert areas.min() > 0.0
+    # the outline is a polygon within the curves, whose corners lie on them
+    assert areas.sum() == pytest.approx(sum(panel_area(panel) for panel in fair.panels), rel=2e-3)
+
+
+def test_corners_and_waves_are_metrics() -> None:
+    """Fails if a wavy hem counted as a fair one, or the cut's own waves were charged to the recovery."""
+    base, bent = make_skirt(), make_skirt(dip=0.02)
+    found = measure_fairness(bent, base)
+    assert found["pattern.corner_deg"] == pytest.approx(2 * np.degrees(np.arctan2(0.02, WIDTH / 2)))
+    assert found["pattern.waves"] == 0.0
+    wave = Edge("cubic", np.array([(0.3, 0.2), (0.7, -0.2)]))
+    panels = [replace(panel, edges=(wave, *panel.edges[1:])) for panel in base.panels]
+    wavy = replace(base, panels=tuple(panels))
+    assert count_waves(base.panels[0]) == 0 and count_waves(wavy.panels[0]) == 4  # the S, and the corner after it
+    assert measure_fairness(wavy, base)["pattern.waves"] == 8.0
+    assert measure_fairness(wavy, wavy)["pattern.waves"] == 0.0
