@@ -138,15 +138,13 @@ def _header(recovery: Recovery) -> str:
 
 def _pictures(recovery: Recovery) -> str:
     views, end = render_views(recovery)
-    heads = ["Scan", "Detail mesh", "Distance, detail to scan"]
-    if views[0].simulation:
-        heads.append("Simulation mesh")
+    heads = list(views[0].pictures)
     rows = ['<div class="head"></div>' + "".join(f'<div class="head">{head}</div>' for head in heads)]
     for view in views:
-        pictures = zip(heads, filter(None, (view.scan, view.result, view.error, view.simulation)), strict=True)
         rows.append(f'<div class="side">{view.title}</div>')
         rows += [
-            f'<img alt="{head}, {view.title.lower()}" src="data:image/png;base64,{data}">' for head, data in pictures
+            f'<img alt="{head}, {view.title.lower()}" src="data:image/png;base64,{data}">'
+            for head, data in view.pictures.items()
         ]
     stops = ", ".join(f"rgb({r * 255:.0f} {g * 255:.0f} {b * 255:.0f}) {at:.0%}" for at, (r, g, b) in STOPS)
     ticks = "".join(f"<span>{number(end * part / 4)}{' mm' if part == 4 else ''}</span>" for part in range(5))

@@ -20,7 +20,9 @@ SKIN = np.array([0.90, 0.85, 0.80])
 SCANNED = np.array([0.62, 0.66, 0.70])
 CLOTH = np.array([0.40, 0.58, 0.74])
 DRAPED = np.array([0.48, 0.66, 0.58])
-"""Colours: skin pale, so that the cloth leads; the scan grey as clay; the result blue; the simulation mesh green."""
+REDRAPED = np.array([0.72, 0.62, 0.46])
+"""Colours: skin pale, so that the cloth leads; the scan grey as clay; the result blue; the simulation mesh green, and
+sand the pattern that was dressed anew."""
 
 STOPS = (
     (0.00, (0.90, 0.92, 0.90)),
@@ -37,13 +39,10 @@ LEAST_RANGE_MM = 5.0
 
 @dataclass(frozen=True)
 class View:
-    """Hold one row of pictures, each a PNG as base64 text; `simulation` is empty where the method makes none."""
+    """Hold one row of pictures: each a PNG as base64 text, by what it shows."""
 
     title: str
-    scan: str
-    result: str
-    error: str
-    simulation: str = ""
+    pictures: dict[str, str]
 
 
 def colour_of(fraction: np.ndarray) -> np.ndarray:
@@ -66,9 +65,11 @@ def render_views(recovery: Recovery) -> tuple[tuple[View, ...], float]:
     scanned = ColouredMesh(scan.vertices, scan.faces, SCANNED if scan.colours is None else scan.colours)
     result = ColouredMesh(recovery.meshes.detail, faces, CLOTH)
     error = ColouredMesh(recovery.meshes.detail, faces, colour_of(np.minimum(millimetres / end, 1.0)))
-    shown = [scanned, result, error]
+    shown = {"Scan": scanned, "Detail mesh": result, "Distance, detail to scan": error}
     if recovery.meshes.simulation is not None:
-        shown.append(ColouredMesh(recovery.meshes.simulation, faces, DRAPED))
+        shown["Simulation mesh"] = ColouredMesh(recovery.meshes.simulation, faces, DRAPED)
+    if recovery.meshes.redraped is not None:
+        shown["Dressed anew from the pattern"] = ColouredMesh(recovery.meshes.redraped, faces, REDRAPED)
     both = np.concatenate([recovery.target.vertices, recovery.meshes.detail])
     low, high = both.min(axis=0), both.max(axis=0)
     aspect = (high[1] - low[1]) / max(float(np.hypot(high[0] - low[0], high[2] - low[2])), 1e-6)
@@ -76,6 +77,6 @@ def render_views(recovery: Recovery) -> tuple[tuple[View, ...], float]:
     views = []
     for title, turn in (("Front", np.eye(3)), ("Back", np.diag([-1.0, 1.0, -1.0]))):
         camera = aim(both, turn @ body.heading, WIDTH, height)
-        pictures = [png_base64(draw([person, surface], camera)) for surface in shown]
-        views.append(View(title, *pictures))
+        pictures = {name: png_base64(draw([person, surface], camera)) for name, surface in shown.items()}
+        views.append(View(title, pictures))
     return tuple(views), end

@@ -73,9 +73,9 @@ def unplanned_corners(pattern: Pattern, base: Pattern) -> np.ndarray:
 def fair_curves(pattern: Pattern, base: Pattern, held: Collection[Corner] = ()) -> Pattern:
     """Turn the ends of a pattern's curves until each corner is its base pattern's again, where that one is smooth.
 
-    Each of the two edges of a boundary turns its tangent by half of what the corner is off; control points stay, but for the little
-    that keeps seams equal. A straight edge becomes a cubic curve where it has to bend. Large arcs stay as they are:
-    their neighbour turns by the whole corner, and where both are large arcs the corner stays.
+    Each of the two edges of a boundary turns its tangent by half of what the corner is off; control points stay, but
+    for the little that keeps seams equal. A straight edge becomes a cubic curve where it has to bend. Large arcs stay
+    as they are: their neighbour turns by the whole corner, and where both are large arcs the corner stays.
 
     Args:
         pattern: The graded or fitted pattern.

@@ -201,7 +201,7 @@ def test_the_headline_tells_the_products_apart(fitted: Recovery) -> None:
 def test_the_simulation_mesh_is_shown(fitted: Recovery) -> None:
     """Fails if the report of a fit kept the simulation mesh or the new drape to itself."""
     html = report_html(fitted)
-    assert sum(tag == "img" for tag, _ in parse(html).seen) == 8
+    assert sum(tag == "img" for tag, _ in parse(html).seen) == 10
     meshes = re.search(r'<table class="meshes">.*?</table>', html, re.DOTALL).group()
     assert "5 / 6" in meshes and "Graded drape" in meshes
 
