@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .curves import is_flat_arc, unit_circle
+from .curves import is_flat_arc, unit_circle, unit_points
 from .memo import once
 from .pattern import Edge, EdgeRef, Panel, Pattern
 from .seams import equalise_seams
@@ -25,8 +25,16 @@ BLEND = 0.06
 """Length over which a straight edge begins to bend [m]: a hem is squared and a hip blended over 5 to 8 cm, beyond which
 the edge stays the line that it was."""
 
-ROUNDS = 4
-"""Times curves are made smooth and seams equal in turn: each undoes a tenth of the other at most."""
+ROUNDS = 8
+"""Most rounds in which curves are turned, moved and sewn equal in turn: what each undoes of the others halves, so that
+corners of 30 degrees fall below 0.5."""
+
+ALIKE = 0.3
+"""Two edges that meet at less than 33 degrees count as one line: a point then moves across both by their mean, not far
+along them."""
+
+AREA_SEGMENTS = 64
+"""Parts of a curve whose area is summed: 0.03 % of it are lost."""
 
 Corner = tuple[str, int]
 """Panel's name, and index of a control point in it."""
@@ -73,9 +81,10 @@ def unplanned_corners(pattern: Pattern, base: Pattern) -> np.ndarray:
 def fair_curves(pattern: Pattern, base: Pattern, held: Collection[Corner] = ()) -> Pattern:
     """Turn the ends of a pattern's curves until each corner is its base pattern's again, where that one is smooth.
 
-    Each of the two edges of a boundary turns its tangent by half of what the corner is off; control points stay, but
-    for the little that keeps seams equal. A straight edge becomes a cubic curve where it has to bend. Large arcs stay
-    as they are: their neighbour turns by the whole corner, and where both are large arcs the corner stays.
+    Each of the two edges of a boundary turns its tangent by half of what the corner is off, and moves across itself so
+    far that it encloses as much as before: the smooth line runs through the corner, not around it. A straight edge
+    becomes a cubic curve where it has to bend. Large arcs stay as they are: their neighbour turns by the whole corner,
+    and where both are large arcs the corner stays.
 
     Args:
         pattern: The graded or fitted pattern.
@@ -95,7 +104,7 @@ def fair_curves(pattern: Pattern, base: Pattern, held: Collection[Corner] = ()) 
                 turns.setdefault(edge, np.zeros(2))[int(is_end)] += share if is_end else -share
         if not turns:
             break
-        pattern = equalise_seams(_turn_ends(pattern, turns), held, like=base)
+        pattern = equalise_seams(_keep_area(_turn_ends(pattern, turns), pattern, held), held, like=base)
     return pattern
 
 
@@ -196,6 +205,34 @@ def _cubic_handles(edge: Edge, chord: float) -> np.ndarray:
     _, radius, _, sweep = unit_circle(edge)
     reach = 4.0 / 3.0 * np.tan(abs(sweep) / 4.0) * radius
     return np.stack([start + reach * _unit_tangent(edge, False), end - reach * _unit_tangent(edge, True)])
+
+
+def _keep_area(bent: Pattern, before: Pattern, held: Collection[Corner]) -> Pattern:
+    """Return a pattern whose control points have moved until each bent edge encloses what it did before.
+
+    An edge whose curve has gained the area dA has to move by -dA / chord across itself. A control point moves by the
+    least that both of its edges ask for, and by their mean where they run alike.
+    """
+    points = {}
+    for panel, old in zip(bent.panels, before.panels, strict=True):
+        chord = np.roll(panel.points, -1, axis=0) - panel.points
+        length = np.maximum(np.linalg.norm(chord, axis=1), 1e-9)
+        gained = [_unit_area(new) - _unit_area(edge) for new, edge in zip(panel.edges, old.edges, strict=True)]
+        outward = np.stack([chord[:, 1], -chord[:, 0]], axis=1) / length[:, None]
+        move = -np.array(gained) * length
+        moved = panel.points.copy()
+        for i in range(len(moved)):
+            if (panel.name, i) not in held:
+                sides = [i - 1, i]
+                moved[i] += np.linalg.lstsq(outward[sides], move[sides], rcond=ALIKE)[0]
+        points[panel.name] = moved
+    return bent.with_points(points)
+
+
+def _unit_area(edge: Edge) -> float:
+    """Return the area between an edge and its chord, in squared chords; positive to the right, outside a panel."""
+    x, y = unit_points(edge, AREA_SEGMENTS).T
+    return float(-np.sum((x[1:] - x[:-1]) * (y[1:] + y[:-1])) / 2.0)
 
 
 def _rotate(angle: float) -> np.ndarray:

@@ -53,15 +53,15 @@ def test_corners_are_what_trigonometry_says() -> None:
 
 
 def test_fair_curves_have_no_corner() -> None:
-    """Fails if a corner were left, the points moved, an area changed by more than the blend, or seams came apart."""
+    """Fails if a corner were left, the points moved far, an area changed, or seams came apart."""
     bent, base = make_skirt(dip=0.02, slant=0.01), make_skirt()
     fair = fair_curves(bent, base)
     assert np.degrees(np.abs(unplanned_corners(bent, base)).max()) > 10.0
     assert np.degrees(np.abs(unplanned_corners(fair, base)).max()) < 0.5
-    assert np.abs(fair.points - bent.points).max() < 1e-4
+    assert np.abs(fair.points - bent.points).max() < 5e-3
     assert seam_mismatch(fair) < 1e-6
     for before, after in zip(bent.panels, fair.panels, strict=True):
-        assert panel_area(after) == pytest.approx(panel_area(before), rel=0.005)
+        assert panel_area(after) == pytest.approx(panel_area(before), rel=1e-3)
         assert [edge.kind for edge in after.edges] == ["cubic", "cubic", "line", "line", "line"]
 
 
