@@ -27,6 +27,9 @@ DECIMALS = 5
 SHORTEST = 3e-3
 """Shortest seam that is written [m]: slivers made Marvelous Designer drop all seams of a file."""
 
+SLIVER = 5e-4
+"""Shortest edge of a piece that is written, sewn or not [m]: ten times the one that did so."""
+
 APART = 5e-5
 """Largest difference of both sides of a seam that is not gathered [m]."""
 
@@ -68,8 +71,8 @@ def write_clo(pattern: Pattern, fabric: Fabric, folder: Path, stem: str) -> list
     by `equalise_seams`.
 
     Raises:
-        SeamUnsewable: where a seam is shorter than `SHORTEST`, its sides differ by more than `APART`, or it joins an
-            edge to itself.
+        SeamUnsewable: where a seam is shorter than `SHORTEST` or an edge than `SLIVER`, a seam's sides differ by more
+            than `APART`, or it joins an edge to itself.
     """
     sewn = equalise_seams(pattern)
     _check_seams(sewn)
@@ -86,6 +89,13 @@ def write_clo(pattern: Pattern, fabric: Fabric, folder: Path, stem: str) -> list
 
 
 def _check_seams(pattern: Pattern) -> None:
+    for panel in pattern.panels:
+        short = min(range(len(panel.edges)), key=lambda edge: edge_length(panel, edge))
+        if edge_length(panel, short) < SLIVER:
+            raise SeamUnsewable(
+                f"edge {short} of '{panel.name}' is {MM * edge_length(panel, short):.3f} mm long; the program takes "
+                f"none below {MM * SLIVER:g} mm: merge it with its neighbour."
+            )
     for seam in pattern.seams:
         sides = [f"edge {ref.edge} of '{ref.panel}'" for ref in (seam.a, seam.b)]
         if seam.a == seam.b:

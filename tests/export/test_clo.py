@@ -187,6 +187,7 @@ def test_seams_that_the_program_cannot_sew_are_refused(tmp_path: Path) -> None:
     right = Seam(EdgeRef("a", 1), EdgeRef("b", 3))
     cases = {
         "to itself": sew(plain, square("b", Edge()), replace(right, b=right.a)),
+        "0.100 mm long": sew(plain, square("b", Edge(), 1e-4), replace(right, gathered=True)),
         "2.00 mm long": sew(square("a", Edge(), 0.002), small, right),
     }
     for text, pattern in cases.items():
