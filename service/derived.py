@@ -8,11 +8,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
 from ..core.errors import BadInput
 from .jobs import find_job
 from .kinds import FileRef, RequestBad, find_files, find_kind, pack_request, read_request
 from .materials import resolve_fabric
-from .models import OwnerRow
+from .models import ArtifactRow, OwnerRow
+from .results import RESULT
 from .states import QUEUES
 from .submission import JobRequest, JobUnknown, Submitted, add_job, check_labels, clean_name
 
@@ -69,6 +73,7 @@ def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
         JobUnknown: where the result's job is none that the key may see.
         InputWrong: where its result is of a kind that cannot be used.
         InputNotEnded: where it has no result.
+        ResultOld: where it was stored by a version that kept no garment to be worn again.
         LabelBad: where name or tags cannot be used.
     """
     kind = find_kind(services.settings, order.kind)
@@ -77,7 +82,8 @@ def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
     ((folder, kinds),) = kind.reads.items()
     check_labels(order.name, order.tags)
     files = {name: _keep(services, file) for name, file in order.files.items()}
-    request = pack_request(read_request(kind.request, {**_find_fabric(services, order.options), **files}))
+    asked = read_request(kind.request, {**_find_fabric(services, order.options), **files})
+    request = pack_request(asked)
     if {place for place, _ in find_files(request)} - files.keys():  # whoever knows a hash has not handed the file in
         raise RequestBad("a file of the request is named among its options; upload it and name it among the files.")
     row = find_job(services.database, order.result)
@@ -89,6 +95,7 @@ def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
                 f"job {row.id} is a job '{row.kind}', and '{order.kind}' works on the result of {' or '.join(kinds)}; "
                 f"`garmentq status {row.id}` shows the jobs below it."
             )
+        _check_files(session, row.id, kind.choose_input(asked, folder))
         wanted = JobRequest(
             order.kind,
             request,
@@ -104,6 +111,19 @@ def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
             realm=order.realm,
         )
         return add_job(session, wanted)
+
+
+def _check_files(session: Session, job: str, names: tuple[str, ...]) -> None:
+    """Refuse a stored result that lacks a file that is read of it; one that has no files has not ended.
+
+    Raises:
+        ResultOld: where it does.
+    """
+    known = set(session.scalars(select(ArtifactRow.name).where(ArtifactRow.job == job, ArtifactRow.kind == RESULT)))
+    if known and not known.issuperset(names):
+        from ..core.wear import ResultOld
+
+        raise ResultOld()
 
 
 def _find_fabric(services: Services, options: Mapping[str, Any]) -> dict[str, Any]:

@@ -154,7 +154,10 @@ def _stop(database: Database, held: Claim, reason: str, seconds: float) -> str:
     elif reason == "released":
         release(database, held)
     elif reason == "too_long":
-        message = f"the job took longer than {seconds:g} s; use fewer --vertices, or raise GARMENTQ_MAX_SECONDS."
+        message = (
+            f"the job took longer than {seconds:g} s; ask for less (fewer --vertices, a shorter motion), "
+            "or raise GARMENTQ_MAX_SECONDS."
+        )
         fail(database, held, JobTooLong.code, message, bad_input=False)
         return State.FAILED
     return reason

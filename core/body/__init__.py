@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from .current import carry_outside
     from .distance import DistanceBad, DistanceGrid, sample_distance
     from .exposed import ExposedSurface, penetration_depth
-    from .girths import BELOW_ARMPIT, GIRTHS, Tape, armpit_height, crotch_height, measure_girths
+    from .girths import BELOW_ARMPIT, GIRTHS, Girth, Tape, armpit_height, crotch_height
     from .measured import MeasureRange
     from .measures_file import MeasuresBad, read_measures
     from .model import BodyModel
@@ -31,10 +31,10 @@ _LAZY = {
     "read_measures": "measures_file",
     "BELOW_ARMPIT": "girths",
     "GIRTHS": "girths",
+    "Girth": "girths",
     "Tape": "girths",
     "armpit_height": "girths",
     "crotch_height": "girths",
-    "measure_girths": "girths",
     "MeasureRange": "measured",
     "POSES": "builtin",
     "BodyMissing": "builtin",
@@ -85,6 +85,7 @@ __all__ = [
     "DistanceBad",
     "DistanceGrid",
     "ExposedSurface",
+    "Girth",
     "MeasureRange",
     "MeasuresBad",
     "NotHuman",
@@ -105,7 +106,6 @@ __all__ = [
     "is_builtin",
     "is_smpl",
     "load_smpl",
-    "measure_girths",
     "parse_spec",
     "penetration_depth",
     "pose_body",

@@ -45,11 +45,14 @@ def crotch_height(body: Body) -> float:
 
 
 def armpit_height(body: Body) -> float:
-    """Return the height of the armpits of a body in its T-pose [m]."""
+    """Return the height of the armpits of a body in its T-pose [m]: the lowest skin at the arms' roots.
+
+    Of a mesh without a vertex there, which is coarser than the rule's step, that of the shoulder's joint.
+    """
     centre, shoulder = body.joint("pelvis")[0], body.joint("left_shoulder")
     off, heights = np.abs(body.vertices[:, 0] - centre), body.vertices[:, 1]
     root = (np.abs(off - abs(shoulder[0] - centre) - ARM_ROOT) < STEP) & (heights > body.joint("spine3")[1])
-    return float(heights[root].min())
+    return float(heights[root].min(initial=shoulder[1]))
 
 
 @dataclass(frozen=True)
@@ -96,7 +99,7 @@ class Tape:
         if name == "hip":
             return self._best((crotch_height(self.body), float(self.body.joint("pelvis")[1])), least=False)
         if name == "thigh":
-            return self._limbs(1, crotch_height(self.body) - BELOW_CROTCH)
+            return self.thighs(crotch_height(self.body) - BELOW_CROTCH)
         shoulder, elbow = (self.body.joint(f"left_{joint}")[0] for joint in ("shoulder", "elbow"))
         return self._limbs(0, float(shoulder + ALONG_ARM * (elbow - shoulder)))
 
@@ -110,6 +113,10 @@ class Tape:
         centre, shoulder = self.body.joint("pelvis")[0], self.body.joint("left_shoulder")[0]
         section = Section.of(self.body.vertices, self.edges, self.body.rest_faces, 1, height)
         return section.girth(np.abs(section.middles[:, 0] - centre) < abs(shoulder - centre))
+
+    def thighs(self, height: float) -> Girth:
+        """Return the mean girth of both thighs at a height [m] below the crotch."""
+        return self._limbs(1, height)
 
     def _best(self, span: tuple[float, float], least: bool) -> Girth:
         """Return the least or the largest girth of the trunk in a span of heights [m]."""
@@ -207,9 +214,3 @@ class Section:
             force[:, [self.axis]] -= weight * by_share
             np.add.at(slope, self.ends[own[corners], end], force)
         return Girth(float(length.sum()), self.level, slope)
-
-
-def measure_girths(body: Body) -> dict[str, float]:
-    """Return every girth of `GIRTHS` of a body [m], taken in its T-pose."""
-    tape = Tape.of(body)
-    return {name: tape.measure(name).value for name in GIRTHS}

@@ -17,6 +17,7 @@ from ..simulate import Drape, Fabric
 from ..verdict import Gate
 from .ease import Ease, measure_ease
 from .load import measure_pressure, measure_strain
+from .parting import part_layers
 from .verdicts import judge_wear
 from .waist import carry_curve
 from .worn import Worn, hang_from
@@ -63,6 +64,8 @@ class Dressed:
 def dress_body(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:
     """Dress a body in a worn garment, with its own cloth or another one, at rest under its weight.
 
+    The drape is that of a recovery's re-draped mesh; where cloth then passes through itself, its layers are parted.
+
     Args:
         worn: The garment as a result keeps it.
         body: Who wears it now.
@@ -77,6 +80,7 @@ def dress_body(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> D
         waist = None if worn.waist is None else carry_curve(worn.waist, worn.body, body)
         target = hang_from(waist, worn.category)
         nodes, drape = redrape(worn.garment, wearer, cloth, target, hooks=hooks)
+        nodes, drape = part_layers(worn.garment.at(nodes), wearer, cloth, target, drape, hooks)
     with clock.stage("measure", "measuring how it fits"):
         contours, _ = name_contours(nodes, worn.garment.faces, body)
         garment = worn.garment.at(nodes, contours or worn.garment.contours)

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..body import GIRTHS, Body, Tape, unskin, weights_at
+from ..body import GIRTHS, Body, Girth, Tape, unskin, weights_at
 from ..drape import flat_length
 from ..mesh import find_components
 from ..pattern import Garment
 
-APART = 0.25
+APART = 0.5
 """Share of the hip joint's distance from the middle beyond which cloth is one leg's: a skirt's is in the middle."""
 
 
-BELOW = ((0.0,), (0.0, 0.02, 0.04, 0.06))
-"""How far below the body's level cloth is measured [m], and at the chest: a wide sleeve joins the line of its level
-there, so the shortest line of a hand's breadth counts."""
+HAND = (0.0, 0.02, 0.04, 0.06)
+"""Distances over a hand's breadth [m], in which cloth is looked for below the body's level at chest and thigh: a wide
+sleeve joins the line of the chest's level, so the shortest line counts; a crotch that hangs low joins both legs, so the
+first line that is one leg's does. Above the hips' level the least ease counts: where the garment binds. At a fork the
+line's length jumps, and says little of that."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,35 @@ class Ease:
         return self.garment - self.body
 
 
+@dataclass(frozen=True)
+class Figure:
+    """Hold a body as a tailor measures it, taken once for many garments.
+
+    Attributes:
+        tape: Lies about the body in its T-pose.
+        taken: Its girths by place.
+    """
+
+    tape: Tape
+    taken: Mapping[str, Girth]
+
+    @classmethod
+    def of(cls, body: Body) -> Figure:
+        """Measure a body."""
+        tape = Tape.of(body)
+        return cls(tape, {place: tape.measure(place) for place in GIRTHS})
+
+    @property
+    def apart(self) -> float:
+        """Return how far from the middle cloth is one leg's [m]."""
+        return APART * abs(float(self.tape.body.joint("left_hip")[0]) - self.centre)
+
+    @property
+    def centre(self) -> float:
+        """Return x of the body's middle [m]."""
+        return float(self.tape.body.joint("pelvis")[0])
+
+
 def measure_ease(garment: Garment, body: Body) -> tuple[Ease, ...]:
     """Measure the ease of a worn garment wherever cloth goes round the body.
 
@@ -50,28 +82,32 @@ def measure_ease(garment: Garment, body: Body) -> tuple[Ease, ...]:
         garment: The garment, nodes on the body.
         body: The wearer.
     """
-    tape, found = Tape.of(body), []
-    nodes = unskin(garment.nodes, weights_at(body, garment.nodes, rest=False), body.transforms)
-    centre = float(tape.body.joint("pelvis")[0])
-    waist = garment.contour("waist")
+    return ease_at(garment, carry_back(garment.nodes, body), Figure.of(body))
+
+
+def carry_back(nodes: np.ndarray, body: Body) -> np.ndarray:
+    """Return points on a wearer [m], shape [n, 3], carried with the skin to the T-pose."""
+    return unskin(nodes, weights_at(body, nodes, rest=False), body.transforms)
+
+
+def ease_at(garment: Garment, nodes: np.ndarray, figure: Figure) -> tuple[Ease, ...]:
+    """Measure the ease as `measure_ease` does, of cloth that lies on a body's T-pose.
+
+    Args:
+        garment: The cloth.
+        nodes: Where it lies [m], shape [node_count, 3].
+        figure: The body.
+    """
+    found = []
     for place in GIRTHS:
-        if place == "waist" and waist is not None:
-            own = flat_length(garment, waist.vertices)
-            girth = tape.trunk(float(nodes[waist.vertices, 1].mean())).value
-            found.append(Ease(place, own, girth))
+        if place == "waist" and (waist := garment.contour("waist")) is not None:
+            girth = figure.tape.trunk(float(nodes[waist.vertices, 1].mean())).value
+            found.append(Ease(place, flat_length(garment, waist.vertices), girth))
             continue
-        taken = tape.measure(place)
-        if place in ("thigh", "upper_arm"):
-            sides = [_limb(garment, nodes, tape.body, place, sign, taken.level) for sign in (1.0, -1.0)]
-            lengths = [length for length in sides if length is not None]
-            length = None if len(lengths) < len(sides) else float(np.mean(lengths))
-        else:
-            half = abs(float(tape.body.joint("left_shoulder")[0]) - centre)
-            cuts = [cut_cloth(garment, nodes, 1, taken.level - below) for below in BELOW[place == "chest"]]
-            around = [cut.length(np.abs(cut.middles - centre) < half) for cut in cuts]
-            length = min((one for one in around if one is not None), default=None)
-        if length is not None:
-            found.append(Ease(place, length, taken.value))
+        around = {"hip": _round_hips, "thigh": _round_thighs, "upper_arm": _round_arms}.get(place, _round_trunk)
+        one = around(garment, nodes, figure, place)
+        if one is not None:
+            found.append(one)
     return tuple(found)
 
 
@@ -81,7 +117,7 @@ class ClothCut:
 
     Attributes:
         lengths: Length of each line in the flat pattern [m], shape [line_count].
-        middles: Mean x of each [m], shape [line_count].
+        middles: Mean place of each on the other of x and y [m], shape [line_count].
     """
 
     lengths: np.ndarray
@@ -98,7 +134,7 @@ def cut_cloth(garment: Garment, nodes: np.ndarray, axis: int, level: float) -> C
     Args:
         garment: The cloth.
         nodes: Where it is cut [m], shape [node_count, 3].
-        axis: 0 to 2.
+        axis: 0 for x, 1 for y.
         level: Where the plane is [m].
     """
     side = nodes[:, axis] > level
@@ -118,17 +154,64 @@ def cut_cloth(garment: Garment, nodes: np.ndarray, axis: int, level: float) -> C
     count, part = find_components(len(edges), number[:, 0], number[:, 1])
     of_face = part[number[:, 0]]
     lengths = np.bincount(of_face, np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1), count)
-    middles = np.bincount(of_face, nodes[faces, 0].mean(axis=1), count) / np.maximum(np.bincount(of_face), 1)
+    beside = nodes[faces, 1 - axis].mean(axis=1)
+    middles = np.bincount(of_face, beside, count) / np.maximum(np.bincount(of_face), 1)
     closed = np.bincount(of_face, minlength=count) == np.bincount(part, minlength=count)
     return ClothCut(lengths[closed], middles[closed])
 
 
-def _limb(garment: Garment, nodes: np.ndarray, rest: Body, place: str, sign: float, level: float) -> float | None:
-    """Return the length of the cloth round one leg or arm [m], or None where there is none of its own."""
-    centre = float(rest.joint("pelvis")[0])
-    if place == "upper_arm":
-        parts = cut_cloth(garment, nodes, 0, centre + sign * (level - centre))
-        return parts.length(np.ones(len(parts.middles), dtype=bool))
-    parts = cut_cloth(garment, nodes, 1, level)
-    apart = APART * abs(float(rest.joint("left_hip")[0]) - centre)
-    return parts.length(sign * (parts.middles - centre) > apart)
+def _round_trunk(garment: Garment, nodes: np.ndarray, figure: Figure, place: str) -> Ease | None:
+    """Return the ease at chest or waist, or None where no cloth goes round."""
+    below = HAND if place == "chest" else HAND[:1]
+    taken = figure.taken[place]
+    lengths = [_line(garment, nodes, figure, taken.level - down) for down in below]
+    length = min((length for length in lengths if length is not None), default=None)
+    return None if length is None else Ease(place, length, taken.value)
+
+
+def _round_hips(garment: Garment, nodes: np.ndarray, figure: Figure, place: str) -> Ease | None:
+    """Return the least ease at the hips and above, or None where no cloth goes round them."""
+    found = []
+    for up in HAND:
+        level = figure.taken[place].level + up
+        cut = cut_cloth(garment, nodes, 1, level)
+        if not len(cut.lengths):
+            break
+        length = cut.length(np.abs(cut.middles - figure.centre) < figure.apart)
+        if length is not None:  # else it is the legs', of a crotch that hangs low
+            found.append(Ease(place, length, figure.tape.trunk(level).value))
+    return min(found, key=lambda ease: ease.value, default=None)
+
+
+def _line(garment: Garment, nodes: np.ndarray, figure: Figure, level: float) -> float | None:
+    """Return the length of the cloth round the trunk at a height [m], or None where none goes round."""
+    half = abs(float(figure.tape.body.joint("left_shoulder")[0]) - figure.centre)
+    cut = cut_cloth(garment, nodes, 1, level)
+    return cut.length(np.abs(cut.middles - figure.centre) < half)
+
+
+def _round_arms(garment: Garment, nodes: np.ndarray, figure: Figure, place: str) -> Ease | None:
+    """Return the ease of the sleeves, the mean of both, or None where one of the arms has none."""
+    taken = figure.taken[place]
+    off = taken.level - figure.centre
+    above = 0.5 * (figure.taken["chest"].level + figure.taken["waist"].level)  # lower lines go round wide hips
+    cuts = [cut_cloth(garment, nodes, 0, figure.centre + sign * off) for sign in (1.0, -1.0)]
+    length = _mean([cut.length(cut.middles > above) for cut in cuts])
+    return None if length is None else Ease(place, length, taken.value)
+
+
+def _round_thighs(garment: Garment, nodes: np.ndarray, figure: Figure, place: str) -> Ease | None:
+    """Return the ease at the thighs, the mean of both, or None where a leg has no cloth of its own."""
+    for down in HAND:
+        level = figure.taken[place].level - down
+        cut = cut_cloth(garment, nodes, 1, level)
+        length = _mean([cut.length(sign * (cut.middles - figure.centre) > figure.apart) for sign in (1.0, -1.0)])
+        if length is not None:
+            return Ease(place, length, figure.tape.thighs(level).value)
+    return None
+
+
+def _mean(lengths: list[float | None]) -> float | None:
+    """Return the mean of both sides' lengths, or None where one is missing."""
+    known = [length for length in lengths if length is not None]
+    return float(np.mean(known)) if len(known) == len(lengths) else None

@@ -6,13 +6,24 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..body import Body, Tape
+from ..body import Body, Tape, builtin_body
 from ..clock import Clock
 from ..drape import measure_wearer
-from ..pattern import Panel, Pattern, TemplateUnknown, draft_template, equalise_seams, mesh_pattern
+from ..drape.shipped import WEARER
+from ..pattern import (
+    Panel,
+    Pattern,
+    TemplateUnknown,
+    draft_template,
+    equalise_seams,
+    load_draped_template,
+    mesh_pattern,
+)
 from ..simulate import Fabric
 from .dressing import Dressed, dress_body
 from .ease import Ease, measure_ease
+from .kept_ease import Laid, keep_ease, largest_change
+from .widening import widen_rules
 from .worn import Worn
 
 KEPT = 5e-3
@@ -41,29 +52,47 @@ class Refitted:
 def refit_pattern(worn: Worn, body: Body) -> Refitted:
     """Return a worn garment's pattern made to the measures of another body.
 
-    Control points move by what the draft changes, p + D(m1) - D(m0) with m0 the wearer's measures, m1 the other body's,
-    and D the template's draft, as grade rules do; handles are relative and follow; seams are equalised after that.
-    On a body of the wearer's own measures nothing moves.
+    Control points move by what the draft changes, p + D(b1) - D(b0) with b0 the wearer, b1 the other body, and D the
+    template's draft fitted to a body (`fit_draft`), as grade rules do; handles are relative and follow. There and back
+    is therefore where it was. Where a pattern is of so much another form than its draft that more than `KEPT` of the
+    ease is foreseen to be lost, it is widened itself. Seams are equalised. On a body of the wearer's own measures
+    nothing moves.
 
     Args:
         worn: The garment on its wearer.
         body: Who it is made for.
     """
     pattern = worn.pattern
-    old, new = measure_wearer(worn.body), measure_wearer(body)
-    if old == new:
+    if measure_wearer(worn.body) == measure_wearer(body):
         return Refitted(pattern, True)
     try:
-        drafts = [draft_template(worn.template, measures) for measures in (old, new)]
+        drafts = [fit_draft(worn.template, each) for each in (worn.body, body)]
     except TemplateUnknown:
         drafts = []
     if not drafts or [_form(panel) for panel in drafts[0].panels] != [_form(panel) for panel in pattern.panels]:
-        moved, is_drafted = _scale(worn, body), False
-    else:
-        triples = zip(pattern.panels, drafts[0].panels, drafts[1].panels, strict=True)
-        moved = replace(pattern, panels=tuple(_move(*panels) for panels in triples))
-        is_drafted = True
-    return Refitted(equalise_seams(moved, like=pattern), is_drafted)
+        return Refitted(equalise_seams(_scale(worn, body), like=pattern), False)
+    triples = zip(pattern.panels, drafts[0].panels, drafts[1].panels, strict=True)
+    moved = equalise_seams(replace(pattern, panels=tuple(_move(*panels) for panels in triples)), like=pattern)
+    laid = Laid.of(worn.garment, worn.body, worn.waist, body)
+    if largest_change(laid, moved) > KEPT:
+        moved = keep_ease(moved, laid, widen_rules(worn.template))
+    return Refitted(moved, True)
+
+
+def fit_draft(template: str, body: Body) -> Pattern:
+    """Return a template drafted for a body, and widened until its ease is that on the body of the library.
+
+    A draft alone does not know every girth: the sleeves', the thighs', the girth where a waistband sits.
+
+    Raises:
+        TemplateUnknown: where there is no template of that name.
+    """
+    drafted, shipped = draft_template(template, measure_wearer(body)), load_draped_template(template)
+    if shipped is None:
+        return drafted
+    waist = shipped.contour("waist")
+    laid = Laid.of(shipped, builtin_body(WEARER), None if waist is None else shipped.nodes[waist.vertices], body)
+    return keep_ease(drafted, laid, widen_rules(template))
 
 
 def make_to_measure(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:

@@ -20,6 +20,12 @@ from ..simulate import Fabric, SteadyRotation
 WORN = "worn.npz"
 """Name of the file in the folder of a result."""
 
+VERSION = 1
+"""Version of the file: one higher whenever a field of what it holds is added, removed or changed (`_Kept`)."""
+
+_VERSION = "version"
+"""Key of the version beside the fields."""
+
 
 class ResultOld(BadInput):
     """The result was stored by another version and lacks what is worn again; submit its scan anew, then this."""
@@ -152,7 +158,7 @@ def save_worn(worn: Worn, folder: Path) -> Path:
     kept = _Kept(_KeptGarment.of(worn.garment), **{name: getattr(worn, name) for name in names})
     path = folder / WORN
     with path.open("wb") as file:
-        np.savez_compressed(file, **pack(kept))  # type: ignore[arg-type]
+        np.savez_compressed(file, **pack(kept), **{_VERSION: np.array(VERSION)})  # type: ignore[arg-type]
     return path
 
 
@@ -164,7 +170,9 @@ def load_worn(folder: Path) -> Worn:
     """
     try:
         with (folder / WORN).open("rb") as file, np.load(file, allow_pickle=False) as arrays:
-            kept = unpack(_Kept, {name: arrays[name] for name in arrays.files})
+            if _VERSION not in arrays.files or not np.array_equal(arrays[_VERSION], VERSION):
+                raise ResultOld()
+            kept = unpack(_Kept, {name: arrays[name] for name in arrays.files if name != _VERSION})
     except (OSError, ValueError, zipfile.BadZipFile) as error:
         raise ResultOld() from error
     if kept is None:

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 from ..jobs import Claim
 from ..models import JobRow
 from .animate_request import MOTION, AnimateRequest
-from .dress import GARMENTS
+from .dress import GARMENT_FILES, GARMENTS
 from .dress_request import RESULT
 from .kind import Kind, Outcome, Work
 from .rows import add_metrics, add_pattern, describe_body, show_garment, summarise
@@ -35,6 +35,10 @@ class Animate(Kind):
     def checker(self, settings: ServiceSettings) -> str:
         """Return the reader of motions."""
         return MOTION_CHECKER
+
+    def choose_input(self, request: AnimateRequest, name: str) -> tuple[str, ...]:
+        """Return the garment on its wearer; no mesh, picture or report."""
+        return GARMENT_FILES
 
     def run(self, request: AnimateRequest, work: Work, hooks: Hooks) -> Moved:
         """Move the garment and write the files."""

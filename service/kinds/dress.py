@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 GARMENTS = ("recover", "dress", "refit")
 """Kinds of job whose result is a worn garment."""
 
+GARMENT_FILES = ("worn.npz",)
+"""What is read of such a result: `core.wear.WORN`, which nobody need import to ask for a file."""
+
 BODY_CHECKER = "garmentq.service.checking:check_body"
 """What reads a body's file first, in a limited process."""
 
@@ -40,6 +43,10 @@ class Dress(Kind):
     def checker(self, settings: ServiceSettings) -> str:
         """Return the reader of bodies."""
         return BODY_CHECKER
+
+    def choose_input(self, request: DressRequest, name: str) -> tuple[str, ...]:
+        """Return the garment on its wearer; no mesh, picture or report."""
+        return GARMENT_FILES
 
     def run(self, request: DressRequest, work: Work, hooks: Hooks) -> Dressed:
         """Dress the body and write the files."""

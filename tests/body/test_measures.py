@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import GIRTHS, BodySpecBad, MeasureRange, Tape, builtin_body, measure_girths, parse_spec
+from garmentq.core.body import GIRTHS, BodySpecBad, MeasureRange, Tape, builtin_body, parse_spec
 from garmentq.core.body.girths import Section
 from garmentq.core.body.measured import Wanted, rest_of, shape_for
 from garmentq.core.body.measures_file import MeasuresBad, read_measures
@@ -15,6 +15,12 @@ from garmentq.core.body.template import load_template
 from garmentq.core.mesh import HalfEdges
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+
+def measure_girths(body) -> dict[str, float]:
+    """Return every girth of a body [m]."""
+    tape = Tape.of(body)
+    return {name: tape.measure(name).value for name in GIRTHS}
 
 
 def cut(mesh: trimesh.Trimesh, axis: int, level: float) -> Section:

@@ -16,6 +16,7 @@ from garmentq.core.wear import Dressed, Worn, judge_wear, load_worn, measure_eas
 from garmentq.service.derived import DerivedOrder, submit_derived
 from garmentq.service.jobs import find_job
 from garmentq.service.local import LocalBackend
+from garmentq.service.local_token import make_local_token
 from garmentq.service.query import JobQuery
 from garmentq.service.remote import RemoteBackend
 from garmentq.service.results import export_files, list_files
@@ -83,7 +84,7 @@ def backend(request, settings):
         yield opened
         opened.close()
     else:
-        with serving(settings) as url, RemoteBackend(url) as there:
+        with serving(settings) as url, RemoteBackend(url, make_local_token(settings.home)) as there:
             yield there
 
 
@@ -175,6 +176,32 @@ def test_only_ended_garments_of_ones_own_are_worn(settings, database, store, res
         submit_derived(services, DerivedOrder("dress", result, key="stranger"))
     assert caught.value.code == "job.unknown"
     assert find_job(database, result).state == "succeeded"
+
+
+def test_result_of_an_older_version_is_refused_at_once(backend, queue_job, settings, database, store, tmp_path):
+    """Broken where a job is queued that can only fail, or its refusal does not say what to do."""
+    job = queue_job("older")
+    (tmp_path / "older").mkdir()
+    (tmp_path / "older" / "detail.ply").write_bytes(b"ply of an older version")
+    finish(settings, database, store, job, tmp_path / "older")
+    for order in (DerivedOrder("dress", job), DerivedOrder("animate", job, {"motion": "walk"})):
+        with pytest.raises(GarmentqError) as caught:
+            backend.submit_derived(order)
+        assert caught.value.code == "result.old"
+
+
+def test_only_the_garment_is_read(backend, result, quick, settings, database, monkeypatch):
+    """Broken where every mesh and picture of a result is copied for a job that reads one file of it."""
+    from garmentq.core import wear
+
+    seen, load = [], wear.load_worn
+    monkeypatch.setattr(wear, "load_worn", lambda folder: seen.append(sorted(folder.iterdir())) or load(folder))
+    done = backend.submit_derived(DerivedOrder("dress", result, {"body": SPEC}))
+    work_off(settings, database)
+    again = backend.submit_derived(DerivedOrder("dress", done.job, {"body": SPEC}))
+    work_off(settings, database)
+    assert backend.find_job(again.job).state == "succeeded"
+    assert [[path.name for path in paths] for paths in seen] == [["worn.npz"]] * 2
 
 
 def test_a_file_is_worn_only_by_who_handed_it_in(settings, database, store, result, tmp_path):

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import io
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import builtin_body
+from garmentq.core.body import Tape, builtin_body
 from garmentq.core.drape import WearerGeometry
 from garmentq.core.export.meshes import write_ply
-from garmentq.core.pattern import load_draped_template
+from garmentq.core.pattern import edge_length, load_draped_template, panel_outline
 from garmentq.core.simulate import get_fabric
 from garmentq.core.wear import Worn, cut_cloth, judge_wear, measure_ease, measure_pressure, measure_strain
 
@@ -90,3 +91,36 @@ def test_loads_are_those_of_the_cloth(shirt, body, tmp_path):
     rows = read.metadata["_ply_raw"]["vertex"]["data"]
     np.testing.assert_array_equal(rows["pressure"].ravel(), pressure)
     np.testing.assert_array_equal(read.faces, shirt.faces)
+
+
+def chord(pattern, height: float) -> float:
+    """Return the length of a pattern round the body at a height of its draft [m]: straight across each flat panel."""
+    found = 0.0
+    for panel in pattern.panels:
+        outline = panel_outline(panel, 40) @ panel.rotation[:2, :2].T + panel.translation[:2]
+        after = np.roll(outline, -1, axis=0)
+        cut = (outline[:, 1] > height) != (after[:, 1] > height)
+        share = (height - outline[cut, 1]) / (after[cut, 1] - outline[cut, 1])
+        across = outline[cut, 0] + share * (after[cut, 0] - outline[cut, 0])
+        found += np.ptp(across) if len(across) else 0.0
+    return found
+
+
+@pytest.mark.parametrize("name", ["skirt", "pencil_skirt", "trousers"])
+def test_too_small_is_what_the_flat_pattern_lacks(name):
+    """Broken where "too small by x mm" is not what a ruler on the flat panels says of the same height within 10 mm."""
+    garment, large = load_draped_template(name), builtin_body("builtin:female,height=1.70,weight=95")
+    ease = measure_ease(garment, large)
+    metrics = {"drape.residual": 0.1, "body_penetration_mm": 0.0, "self_intersecting_faces": 0.0, "drape.at_rest": 1.0}
+    gates = judge_wear({**metrics, **{f"ease.{one.place}_mm": 1e3 * one.value for one in ease}})
+    (width,) = (gate for gate in gates if gate.name == "width")
+    told = {place: float(size) for size, place in re.findall(r"(\d+) mm at the (\w+)", width.message)}
+    assert {"hip", "waist"} <= set(told)
+    tape = Tape.of(large)
+    level = tape.measure("hip").level
+    lacks = max(tape.trunk(level + up).value - chord(garment.pattern, level + up) for up in (0.0, 0.02, 0.04, 0.06))
+    assert told["hip"] == pytest.approx(1e3 * lacks, abs=10.0)
+    edges = [(panel, i) for panel in garment.pattern.panels for i, e in enumerate(panel.edges) if e.contour == "waist"]
+    around = sum(edge_length(panel, i) for panel, i in edges)
+    height = float(garment.nodes[garment.contour("waist").vertices, 1].mean())
+    assert told["waist"] == pytest.approx(1e3 * (tape.trunk(height).value - around), abs=10.0)

@@ -7,9 +7,11 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
+from garmentq.core.checkpoints import fingerprint
 from garmentq.core.pattern import load_draped_template
 from garmentq.core.simulate import SteadyRotation, get_fabric
 from garmentq.core.wear import WORN, ResultOld, Worn, load_worn, save_worn
+from garmentq.core.wear import worn as worn_file
 
 
 @pytest.fixture(scope="module")
@@ -55,6 +57,25 @@ def test_result_without_it_is_refused(worn, tmp_path):
     path.write_bytes(path.read_bytes()[:1000])
     with pytest.raises(ResultOld):
         load_worn(tmp_path)
+
+
+def test_file_of_another_version_is_refused(worn, tmp_path, monkeypatch):
+    """Broken where a file of another version is read as if it were this one's, or one that states none."""
+    path = save_worn(worn, tmp_path)
+    monkeypatch.setattr(worn_file, "VERSION", worn_file.VERSION + 1)
+    with pytest.raises(ResultOld):
+        load_worn(tmp_path)
+    monkeypatch.undo()
+    with np.load(path) as arrays:
+        left = {name: arrays[name] for name in arrays.files if name != "version"}
+    np.savez(path, **left)
+    with pytest.raises(ResultOld):
+        load_worn(tmp_path)
+
+
+def test_version_goes_up_with_the_fields():
+    """Broken where a field of what is kept changes and the version does not: then state here both as they are now."""
+    assert (worn_file.VERSION, fingerprint(worn_file._Kept)[:12]) == (1, "44d461ab6d94")
 
 
 def test_hangs_from_its_waist(worn):
