@@ -2,38 +2,170 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import click
 
-from .options import json_option, known_home_option
+from ..core.formats.registry import DIALECTS, FORMATS
+from .options import gather, json_option, known_home_option, timeout_option, workers_option
+
+LARGEST_TABLE = 1 << 20
+"""Most bytes of a table of allowances or sizes."""
+
+
+@dataclass(frozen=True)
+class ProductionOptions:
+    """Describe what was typed about files for production; each field is the option of its name."""
+
+    dialect: str | None
+    allowance: str | None
+    paper: str | None
+    fold: bool
+    timeout: float | None
+    workers: int | None
+
+
+def production_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options of files for production; the command takes them as one `production: ProductionOptions`."""
+    options = [
+        click.option("--dialect", type=click.Choice(DIALECTS), help="Whose DXF is written.  [default: aama]"),
+        click.option(
+            "--allowance",
+            help="Seam allowances [mm]: seam=10,hem=25, a file of those, or none.  [default: usual]",
+        ),
+        click.option("--paper", help="a4, letter, a3, a0, roll, or roll:WIDTH in mm.  [default: a4]"),
+        click.option("--fold", is_flag=True, help="Draw symmetric pieces as halves on the fold of the cloth."),
+        timeout_option,
+        workers_option,
+    ]
+    return gather(ProductionOptions, options, "production")(function)
 
 
 @click.command("export")
 @click.argument("job")
 @click.argument("names", nargs=-1)
+@click.option("--as", "form", type=click.Choice(tuple(FORMATS)), help="Write the pattern in a format of production.")
+@production_options
 @click.option(
     "--out", "-o", type=click.Path(file_okay=False, path_type=Path), default=Path("."), help="Folder.  [default: here]"
 )
 @known_home_option
 @json_option
-def command(job: str, names: tuple[str, ...], out: Path, home: Path | None, as_json: bool) -> None:
-    """Copy a job's files into a folder.
+@click.pass_context
+def command(
+    context: click.Context,
+    job: str,
+    names: tuple[str, ...],
+    form: str | None,
+    production: ProductionOptions,
+    out: Path,
+    home: Path | None,
+    as_json: bool,
+) -> None:
+    """Copy a job's files into a folder, or write its pattern for production.
 
-    All of them, or only those named; every copy is checked against its hash. Prints the paths.
+    Without --as: all stored files, or only those named; every copy is checked against its hash. With --as a job of kind
+    `export` writes the files, is waited for, and they are copied. Prints the paths.
 
     \b
     Example:
       garmentq export 3685ecfd4f81 pattern.svg detail.glb --out result
+      garmentq export 3685ecfd4f81 --as pdf --paper a4 --allowance seam=10,hem=30
+      garmentq export 3685ecfd4f81 --as dxf --dialect clo --fold --out for_clo
     """
     from ..service.backend import open_backend
     from ..service.settings import read_settings
-    from .terminal import print_json
 
+    if form is not None:
+        if names:
+            raise click.UsageError("give names of stored files, or --as FORMAT, not both.")
+        options = {"format": form, **read_options(production)}
+        context.exit(write_production(job, options, production, Place(out, home, as_json)))
+    if any((production.dialect, production.allowance, production.paper, production.fold)):
+        raise click.UsageError("--dialect, --allowance, --paper and --fold go with --as FORMAT.")
     backend = open_backend(read_settings(home=home))
     found = backend.find_job(job)
-    for path in backend.export_files(found.id, out.absolute(), names):
+    _print_paths(found.id, backend.export_files(found.id, out.absolute(), names), as_json)
+
+
+@dataclass(frozen=True)
+class Place:
+    """Say where files go, in which home their job is, and how they are told of."""
+
+    out: Path
+    home: Path | None
+    as_json: bool
+
+
+def read_options(production: ProductionOptions) -> dict[str, Any]:
+    """Return the fields of an export's request that were typed."""
+    given: dict[str, Any] = {"dialect": production.dialect, "paper": production.paper}
+    if production.allowance is not None:
+        given["allowance"] = read_table(production.allowance)
+    if production.fold:
+        given["fold"] = True
+    return {name: value for name, value in given.items() if value is not None}
+
+
+def read_table(text: str) -> str:
+    """Return the text of a file where one of that name is there, else the text itself.
+
+    Raises:
+        UsageError: where the file is too large or is no text.
+    """
+    path = Path(text)
+    try:
+        if not path.is_file():
+            return text
+        content = path.read_bytes()[: LARGEST_TABLE + 1]
+        if len(content) > LARGEST_TABLE:
+            raise click.UsageError(f"{path.name} is too large for a table.")
+        return content.decode("utf-8-sig")
+    except (OSError, ValueError) as error:
+        raise click.UsageError(f"'{text[:60]}' cannot be read as text.") from error
+
+
+def write_production(job: str, options: Mapping[str, Any], production: ProductionOptions, place: Place) -> int:
+    """Queue an export, wait for it, copy its files, print the paths, and return the exit status."""
+    from ..service.backend import open_backend
+    from ..service.derived import DerivedOrder
+    from ..service.settings import read_settings
+    from ..service.states import State
+    from ..workers.embedded import ensure_services
+    from . import exits
+    from .follow import Wait, WaitTimedOut, follow
+    from .terminal import note, print_error
+
+    settings = read_settings(home=place.home)
+    backend = open_backend(settings)
+    done = backend.submit_derived(DerivedOrder("export", job, options))
+
+    def keep_up() -> None:
+        for name in () if backend.is_remote else ensure_services(settings, production.workers):
+            note(f"started the {name}")
+
+    if done.state != State.SUCCEEDED:
+        keep_up()
+    try:
+        report = follow(backend, done.job, Wait(production.timeout, place.as_json, keep_up))[0]
+    except WaitTimedOut:
+        note(f"job {done.job} goes on; `garmentq export {done.job}` copies its files.")
+        return exits.TIMED_OUT
+    if report.error:
+        print_error(report.error.code, report.error.message)
+    if report.state == State.SUCCEEDED:
+        _print_paths(done.job, backend.export_files(done.job, place.out.absolute()), place.as_json)
+    return exits.job_status(report, False)
+
+
+def _print_paths(job: str, paths: list[Path], as_json: bool) -> None:
+    from .terminal import print_json
+
+    for path in paths:
         if as_json:
-            print_json({"job": found.id, "name": path.name, "path": str(path)})
+            print_json({"job": job, "name": path.name, "path": str(path)})
         else:
             click.echo(str(path))

@@ -22,7 +22,7 @@ COMMANDS = {
     "status": "Show the jobs, or one of them.",
     "logs": "Show what happened to a job.",
     "result": "Show what a job found.",
-    "export": "Copy a job's files into a folder.",
+    "export": "Copy a job's files into a folder, or write its pattern for production.",
     "query": "Search completed jobs by their results.",
     "cancel": "Stop a job.",
     "retry": "Queue an ended job again.",

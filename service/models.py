@@ -250,6 +250,21 @@ class PanelRow(Base):
     area: Mapped[float]
 
 
+class PieceRow(Base):
+    """Keep the numbers of one production piece: sew line [m], area within the cut line and of all copies [m2]."""
+
+    __tablename__ = "pieces"
+    job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
+    name: Mapped[str] = mapped_column(String(32), primary_key=True)
+    quantity: Mapped[int]
+    is_pair: Mapped[bool]
+    is_folded: Mapped[bool]
+    perimeter: Mapped[float]
+    area: Mapped[float]
+    cloth: Mapped[float]
+    notches: Mapped[int]
+
+
 class ArtifactRow(Base):
     """Name one stored file of a job: a result, or a checkpoint."""
 

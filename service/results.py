@@ -25,6 +25,7 @@ from .models import (
     MetricRow,
     PanelRow,
     PatternRow,
+    PieceRow,
 )
 from .records import Artifact, Child, JobReport
 from .settings import ServiceSettings
@@ -69,7 +70,7 @@ def store_result(database: Database, store: Store, claim: Claim, kind: Kind, res
     files = [(path.relative_to(folder).as_posix(), store.put(path)) for path in paths]
     with database.write() as session:
         write_fenced(session, claim, touched=clock())
-        for table in (PanelRow, PatternRow, BodyRow, MetricRow, ArtifactRow):
+        for table in (PieceRow, PanelRow, PatternRow, BodyRow, MetricRow, ArtifactRow):
             session.execute(delete(table).where(table.job == claim.job))
         for name, kept in files:
             _add_artifact(session, claim.job, RESULT, name, kept.sha256, kept.size)

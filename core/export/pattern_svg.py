@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..pattern import Edge, Panel, Pattern, contains, edge_points, panel_outline
+from ..pattern import Panel, Pattern, contains, edge_points, panel_outline
+from ..pattern.svg_path import edge_path
 from .layout import lay_out
 
 SHEET = 1.4
@@ -66,27 +67,6 @@ def pattern_svg(pattern: Pattern) -> str:
         + "\n".join(parts)
         + f"\n{_scale_bar(height * 1e3)}\n</svg>\n"
     )
-
-
-def edge_path(edge: Edge, drawn: np.ndarray) -> str:
-    """Give the SVG path command of an edge.
-
-    Args:
-        edge: Its kind.
-        drawn: Start, handles and end on the page [mm, y down], shape [2 + handle_count, 2].
-    """
-    end = _pair(drawn[-1])
-    if edge.kind == "quadratic":
-        return f"Q {_pair(drawn[1])} {end}"
-    if edge.kind == "cubic":
-        return f"C {_pair(drawn[1])} {_pair(drawn[2])} {end}"
-    if edge.kind == "arc" and abs(edge.handles[0, 1]) > 1e-9:
-        height = float(edge.handles[0, 1])
-        chord = float(np.linalg.norm(drawn[-1] - drawn[0]))
-        radius = chord * (0.25 + height * height) / (2.0 * abs(height))
-        # An apex to the left of the chord is met clockwise, which is SVG's sweep 1 on a page with y down.
-        return f"A {radius:.6f} {radius:.6f} 0 {int(abs(height) > 0.5)} {int(height > 0)} {end}"
-    return f"L {end}"
 
 
 def _panel_group(panel: Panel, name: str, outline: np.ndarray, offset: np.ndarray, height: float) -> str:

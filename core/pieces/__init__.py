@@ -3,7 +3,9 @@
 from .allowance import WIDTHS, Allowances, read_allowances
 from .errors import AllowanceBad, PieceBad
 from .flatten import TOLERANCE, flatten_edge, flatten_outline
+from .layout import CLOTH_WIDTH, Lay, lay_on_cloth, stack_up
 from .make import PieceSettings, Style, make_pieces
+from .numbers import PieceNumbers, describe_pieces
 from .piece import (
     SEWN,
     TURNED,
@@ -20,6 +22,7 @@ from .piece import (
 )
 
 __all__ = [
+    "CLOTH_WIDTH",
     "SEWN",
     "TOLERANCE",
     "TURNED",
@@ -28,19 +31,24 @@ __all__ = [
     "Allowances",
     "CutLine",
     "EdgeUse",
+    "Lay",
     "Notch",
     "NotchPurpose",
     "PanelPlace",
     "Piece",
     "PieceBad",
     "PieceEdge",
+    "PieceNumbers",
     "PieceSet",
     "PieceSettings",
     "PieceSide",
     "SeamWalk",
     "Style",
+    "describe_pieces",
     "flatten_edge",
     "flatten_outline",
+    "lay_on_cloth",
     "make_pieces",
     "read_allowances",
+    "stack_up",
 ]

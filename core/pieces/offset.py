@@ -14,8 +14,8 @@ from .flatten import flatten_edge, flatten_outline
 from .loops import remove_loops
 from .piece import CutLine, PieceEdge
 
-NEAR = 1e-7
-"""Vertices nearer than this [m] are one."""
+NEAR = 5e-6
+"""Vertices nearer than this [m] are one: half of what a file of hundredths of a millimetre tells apart."""
 
 Span = tuple[int, int]
 """First and last edge of a dart, counted on from the first past the number of edges."""

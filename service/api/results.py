@@ -11,6 +11,7 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import FileResponse, StreamingResponse
 from starlette.types import Message, Receive, Scope, Send
 
+from ..exports import find_export
 from ..models import BodyRow
 from ..records import Artifact
 from ..results import ResultMissing, list_files
@@ -93,6 +94,23 @@ def download_all(job: str, rooms: RoomsOf, caller: Reader) -> Response:
         raise ResultMissing(f"job {row.id} has no files; `garmentq status {row.id}` tells why.")
     headers = {"content-disposition": f'attachment; filename="{row.id}.zip"'}
     return StreamingResponse(pack_files(rooms.store, files), media_type="application/zip", headers=headers)
+
+
+@router.get(
+    "/jobs/{job}/exports/{name}",
+    summary="Download a file of a job's newest export that has one of the name.",
+    response_class=FileResponse,
+    responses={
+        200: {"description": "The file.", "content": {"application/octet-stream": {"example": "(bytes)"}}},
+        206: {"description": "The bytes that `Range` asked for.", "content": {"application/octet-stream": {}}},
+        304: {"description": "`If-None-Match` names the file's hash."},
+        **show_refusals(*ALWAYS, 416),
+    },
+)
+def download_export(job: str, name: str, request: Request, rooms: RoomsOf, caller: Reader) -> Response:
+    """Return a file that a job of kind `export` wrote of this job's result; it makes none."""
+    row = find_own(rooms, caller, job)
+    return _send(rooms, find_export(rooms.database, row.id, name), request)
 
 
 @router.get(

@@ -20,6 +20,7 @@ KINDS = {
     "dress": "garmentq.service.kinds.dress:Dress",
     "refit": "garmentq.service.kinds.dress:Refit",
     "animate": "garmentq.service.kinds.animate:Animate",
+    "export": "garmentq.service.kinds.export:Export",
 }
 """Dotted path of each kind's class by name."""
 

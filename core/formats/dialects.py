@@ -1,0 +1,78 @@
+"""How programs differ in what they take as DXF of cutting pieces."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from types import MappingProxyType
+
+SLIT, CHECK = 4, 82
+"""Layers of kinds of notches (ASTM D6673)."""
+
+
+class Closing(StrEnum):
+    """Say how a closed outline ends."""
+
+    FLAG = "flag"
+    REPEATED = "repeated"
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """Describe what one reader wants.
+
+    Attributes:
+        name: One of `DIALECTS`.
+        version: Text of the style's version.
+        rule_version: First line of a rule table.
+        acad: `$ACADVER` of the header, or empty for an empty header.
+        is_inch: Inches to 4 decimals instead of millimetres to 3.
+        grain_along_x: True where the warp runs along x.
+        closing: How an outline is closed.
+        sew_layer: Layer of the sew line.
+        text_layer: Layer of the piece's texts.
+        notch_layer: Layer of notches.
+        notch_is_line: True where a notch is drawn instead of being a point.
+        marks_points: True where turn and curve points are given on layers 2 and 3.
+        has_validation: True where the outline is repeated on layer 84, to be compared, with its tolerance.
+        name_key, size_key: Keys of a piece's name and size.
+        separator: Between the numbers of a rule table.
+    """
+
+    name: str
+    version: str = "ANSI/AAMA-292-1993"
+    rule_version: str = "ANSI/AAMA-292-B"
+    acad: str = ""
+    is_inch: bool = False
+    grain_along_x: bool = False
+    closing: Closing = Closing.FLAG
+    sew_layer: int = 14
+    text_layer: int = 1
+    notch_layer: int = SLIT
+    notch_is_line: bool = False
+    marks_points: bool = True
+    has_validation: bool = False
+    name_key: str = "PIECE NAME"
+    size_key: str = "SIZE"
+    separator: str = ","
+
+
+_ASTM = "ASTM/D13 Proposal 1 Version: D6673-10"
+_ASTM_RULES = "ASTM/D13 Proposal 1 Version: D 6673-04"
+
+BY_NAME: Mapping[str, Dialect] = MappingProxyType({
+    one.name: one
+    for one in (
+        Dialect("aama"),
+        Dialect("astm", version=_ASTM, rule_version=_ASTM_RULES, text_layer=15, notch_layer=4, has_validation=True),
+        Dialect("clo", acad="AC1006", rule_version=_ASTM_RULES, separator=" "),
+        Dialect("gerber", is_inch=True, grain_along_x=True, closing=Closing.REPEATED, name_key="Piece Name"),
+        Dialect("optitex", closing=Closing.REPEATED),
+        Dialect("seamly", sew_layer=8, notch_is_line=True, marks_points=False),
+        Dialect("richpeace", closing=Closing.REPEATED, notch_layer=CHECK, name_key="Piece Name",
+                size_key="SAMPLE SIZE"),
+    )
+})  # fmt: skip
+"""The dialects by name. `aama` is what most readers take; the others differ as their own files show or their users
+report: docs/pieces.md lists how."""

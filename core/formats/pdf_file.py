@@ -1,0 +1,96 @@
+"""Write PDF files: pages of lines and Helvetica, byte for byte the same for the same content."""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import dataclass
+
+POINT = 25.4 / 72.0
+"""A point [mm]."""
+
+LONGEST = 14400.0
+"""Longest side of a page in its own units (PDF 1.7, annex C); a longer page has larger units."""
+
+
+@dataclass(frozen=True)
+class Page:
+    """Hold one page.
+
+    Attributes:
+        width, height: Its size [mm].
+        content: Drawing operators in millimetres, the origin at its lower left corner.
+        drawing: True where it may place the shared drawing by `/Drawing Do`.
+    """
+
+    width: float
+    height: float
+    content: str
+
+
+def pdf_bytes(pages: list[Page], title: str, drawing: str = "") -> bytes:
+    """Return a PDF file whose viewer is asked not to scale when it prints.
+
+    Args:
+        pages: The pages.
+        title: What the document is called, in ASCII.
+        drawing: Drawing operators in millimetres that each page may place by `/Drawing Do`, stored once.
+    """
+    count = len(pages)
+    kids = " ".join(f"{7 + 2 * n} 0 R" for n in range(count))
+    box = "[-100000 -100000 100000 100000]"
+    resources = "<< /Font << /F 3 0 R /B 4 0 R >> /XObject << /Drawing 6 0 R >> >>"
+    objects = [
+        b"<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",
+        f"<< /Type /Pages /Kids [{kids}] /Count {count} >>".encode(),
+        _font("Helvetica"),
+        _font("Helvetica-Bold"),
+        f"<< /Title {_string(title)} /Producer (garmentq) >>".encode(),
+        _stream(drawing, f"/Type /XObject /Subtype /Form /BBox {box} /Resources << /Font << /F 3 0 R /B 4 0 R >> >>"),
+    ]
+    for n, page in enumerate(pages):
+        unit = max(1.0, page.width / POINT / LONGEST, page.height / POINT / LONGEST)
+        size = f"{page.width / POINT / unit:.4f} {page.height / POINT / unit:.4f}"
+        units = f" /UserUnit {unit:.6f}" if unit > 1.0 else ""
+        scale = 1.0 / POINT / unit
+        objects.append(
+            f"<< /Type /Page /Parent 2 0 R /MediaBox [0 0 {size}]{units} /Resources {resources} "
+            f"/Contents {8 + 2 * n} 0 R >>".encode()
+        )
+        objects.append(_stream(f"{scale:.8f} 0 0 {scale:.8f} 0 0 cm\n{page.content}"))
+    return _assemble(objects)
+
+
+def show_text(x: float, y: float, size: float, text: str, bold: bool = False) -> str:
+    """Return the operators that write a line of text from a point on its base line [mm]."""
+    return f"BT /{'B' if bold else 'F'} {size:.3f} Tf {x:.3f} {y:.3f} Td {_string(text)} Tj ET\n"
+
+
+def _font(name: str) -> bytes:
+    return f"<< /Type /Font /Subtype /Type1 /BaseFont /{name} /Encoding /WinAnsiEncoding >>".encode()
+
+
+def _string(text: str) -> str:
+    """Return a PDF string of ASCII letters; whatever else is in it becomes `?`."""
+    plain = "".join(letter if " " <= letter <= "~" else "?" for letter in text)
+    return "(" + plain.replace("\\", r"\\").replace("(", r"\(").replace(")", r"\)") + ")"
+
+
+def _stream(content: str, more: str = "") -> bytes:
+    packed = zlib.compress(content.encode("ascii"), 9)
+    head = f"<< {more} /Length {len(packed)} /Filter /FlateDecode >>\nstream\n"
+    return head.encode() + packed + b"\nendstream"
+
+
+def _assemble(objects: list[bytes]) -> bytes:
+    parts, starts, at = [b"%PDF-1.6\n%\xe2\xe3\xcf\xd3\n"], [], 15
+    for number, body in enumerate(objects, 1):
+        whole = b"%d 0 obj\n%s\nendobj\n" % (number, body)
+        starts.append(at)
+        parts.append(whole)
+        at += len(whole)
+    table = "".join(f"{start:010d} 00000 n \n" for start in starts)
+    tail = (
+        f"xref\n0 {len(objects) + 1}\n0000000000 65535 f \n{table}"
+        f"trailer\n<< /Size {len(objects) + 1} /Root 1 0 R /Info 5 0 R >>\nstartxref\n{at}\n%%EOF\n"
+    )
+    return b"".join([*parts, tail.encode()])

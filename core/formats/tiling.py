@@ -1,0 +1,34 @@
+"""How a large sheet is cut up into sheets of paper."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .papers import Paper
+
+
+@dataclass(frozen=True)
+class Tile:
+    """Hold one sheet of paper of a tiling: its row from the top and column from the left, from 0."""
+
+    row: int
+    column: int
+
+    @property
+    def name(self) -> str:
+        """Return its label: A1 at the upper left."""
+        letters, number = "", self.row + 1
+        while number:
+            number, rest = divmod(number - 1, 26)
+            letters = chr(65 + rest) + letters
+        return f"{letters}{self.column + 1}"
+
+
+@dataclass(frozen=True)
+class Tiling:
+    """Hold how a sheet is cut up: what each sheet of paper shows [mm], and the sheets that show something."""
+
+    paper: Paper
+    window: tuple[float, float]
+    step: tuple[float, float]
+    tiles: tuple[Tile, ...]

@@ -1,0 +1,36 @@
+"""Files of exports, found by the job that was exported."""
+
+from __future__ import annotations
+
+from sqlalchemy import select
+
+from .database import Database
+from .models import ArtifactRow, JobInputRow, JobRow
+from .records import Artifact
+from .results import RESULT, ResultMissing
+from .states import State
+
+
+def find_export(database: Database, job: str, name: str) -> Artifact:
+    """Return a file of the newest successful export of a job that has one of the name.
+
+    Raises:
+        ResultMissing: where there is none.
+    """
+    wanted = (
+        select(ArtifactRow)
+        .join(JobRow, JobRow.id == ArtifactRow.job)
+        .join(JobInputRow, JobInputRow.job == JobRow.id)
+        .where(JobInputRow.input == job, JobRow.kind == "export", JobRow.state == State.SUCCEEDED)
+        .where(ArtifactRow.kind == RESULT, ArtifactRow.name == name)
+        .order_by(JobRow.finished.desc(), JobRow.id)
+        .limit(1)
+    )
+    with database.read() as session:
+        row = session.scalars(wanted).first()
+    if row is None:
+        raise ResultMissing(
+            f"no export of job {job} has a file '{name[:80]}'; ask for one: POST /v1/jobs with kind export, or "
+            f"`garmentq export {job} --as FORMAT`."
+        )
+    return Artifact.from_row(row)

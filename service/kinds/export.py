@@ -1,0 +1,72 @@
+"""The kind `export`: a stored result as files for production."""
+
+from __future__ import annotations
+
+import resource
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from sqlalchemy.orm import Session
+
+from ...core.formats import ExportOptions
+from ..jobs import Claim
+from ..models import JobRow, PieceRow
+from .dress import GARMENTS
+from .dress_request import RESULT
+from .kind import Kind, Outcome, Work
+from .rows import add_metrics
+
+if TYPE_CHECKING:
+    from ...core.clock import Clock
+    from ...core.hooks import Hooks
+    from ...core.pieces import PieceSet
+
+
+@dataclass(frozen=True)
+class Exported:
+    """Hold the pieces that were written, and what it cost."""
+
+    pieces: PieceSet
+    clock: Clock
+
+
+class Export(Kind):
+    """Write a stored result in a format of production."""
+
+    name = "export"
+    request = ExportOptions
+    stages = ("check", "write")
+    reads = MappingProxyType({RESULT: GARMENTS})
+
+    def run(self, request: ExportOptions, work: Work, hooks: Hooks) -> Exported:
+        """Write the files."""
+        from ...core.clock import Clock
+        from ...core.formats import Production, write_production
+        from ...core.wear import load_worn
+
+        clock = Clock(hooks)
+        with clock.stage("write", f"writing {request.format}"):
+            production = Production(load_worn(work.inputs[RESULT]), request, work.inputs[RESULT])
+            write_production(production, work.out)
+            pieces = production.pieces
+        return Exported(pieces, clock)
+
+    def store(self, session: Session, claim: Claim, result: Exported) -> Outcome:
+        """Add the rows of the pieces and of their numbers."""
+        from ...core.pieces import describe_pieces
+
+        measured, lay = describe_pieces(result.pieces)
+        for one in measured:
+            session.add(PieceRow(job=claim.job, **vars(one)))
+        add_metrics(session, claim.job, lay)
+        seconds = {name: round(value, 3) for name, value in result.clock.seconds.items()}
+        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+        return Outcome({
+            "gates": [], "warnings": list(result.pieces.missing), "stage_seconds": seconds,
+            "cpu_seconds": round(result.clock.total, 3), "peak_mb": round(peak, 1), "manifest": {},
+        })  # fmt: skip
+
+    def show(self, session: Session, row: JobRow) -> dict[str, Any]:
+        """Return that it has no garment of its own: that is its input's."""
+        return {"garment": None, "template": None, "fabric": None, "body": None}
