@@ -46,21 +46,24 @@ def command(
         raise click.UsageError("Give jobs, --older-than or --person.")
     services = open_services(read_settings(home=home))
     database, store = services.database, services.store
-    scans: list[str] = []
-    if person is not None:
-        chosen, scans = find_person(database, person)
-    elif older_than is not None:
-        chosen = find_old(database, _seconds(older_than))
-    else:
-        chosen = [find_job(database, job).id for job in jobs]
-    what = f"{len(chosen)} jobs, all made of them" + (f" and {len(scans)} files of '{person}'" if person else "")
-    if not chosen and not scans:
-        note("nothing to delete")
-        return
-    if not yes:
-        click.confirm(f"Delete {what}? This cannot be undone.", abort=True, err=True)
-    done = delete_jobs(database, store, chosen) if person is None else delete_person(database, store, person)
-    database.dispose()
+    try:
+        scans: list[str] = []
+        if person is not None:
+            chosen, scans = find_person(database, person)
+        elif older_than is not None:
+            chosen = find_old(database, _seconds(older_than))
+        else:
+            chosen = [find_job(database, job).id for job in jobs]
+        if not chosen and not scans:
+            note("nothing to delete")
+            return
+        if not yes:
+            more = f" and {len(scans)} files of '{person}'" if person else ""
+            what = f"{len(chosen)} jobs, all made of them{more}"
+            click.confirm(f"Delete {what}? This cannot be undone.", abort=True, err=True)
+        done = delete_jobs(database, store, chosen) if person is None else delete_person(database, store, person)
+    finally:
+        database.dispose()
     if as_json:
         print_json(asdict(done))
         return

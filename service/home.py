@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+import shutil
+from contextlib import suppress
+from time import time
 
 from ..core.errors import GarmentqError
 from .lock import share_lock, take_lock
@@ -10,6 +13,10 @@ from .settings import ServiceSettings
 
 IN_USE = "home.lock"
 """File of a home that its workers and its API hold together, and that a restore holds alone."""
+
+
+LEFT_SECONDS = 86400.0
+"""Age of what a killed process left behind [s]; no upload and no job takes so long."""
 
 
 class HomeBusy(GarmentqError):
@@ -33,7 +40,33 @@ def use_home(settings: ServiceSettings) -> int:
     lock = share_lock(settings.home / IN_USE)
     if lock is None:
         raise HomeBusy()
+    sweep(settings)
     return lock
+
+
+def sweep(settings: ServiceSettings, now: float | None = None) -> int:
+    """Remove transfers that nobody ended, and folders of jobs whose process was killed, once they are a day old.
+
+    Args:
+        settings: Which home.
+        now: Seconds since 1970; None: now, by this machine's clock.
+
+    Returns:
+        How many files and folders are gone.
+    """
+    count, before = 0, (time() if now is None else now) - LEFT_SECONDS
+    folders = [settings.home / "incoming", settings.home / "work"]
+    folders += [] if settings.is_store_remote else [settings.store_path / "incoming"]
+    for folder in folders:
+        for left in folder.iterdir() if folder.is_dir() else ():
+            with suppress(OSError):
+                if left.lstat().st_mtime < before:
+                    if left.is_dir() and not left.is_symlink():
+                        shutil.rmtree(left)
+                    else:
+                        left.unlink()
+                    count += 1
+    return count
 
 
 def take_home(settings: ServiceSettings) -> int | None:

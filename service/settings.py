@@ -55,6 +55,8 @@ class ServiceSettings:
         grace_seconds: How long a job that was told to stop may take to do so [s]; then its process ends under it. A
             stage asks several times a second, and containers are killed after 10 to 30 s.
         idle_seconds: The embedded worker and broker stop after so long without a job [s]; 0: never.
+        job_memory_mb: Memory that a job's process may take [MB]; 0: any. An ordinary job takes 700. One that needs more
+            ends as failed; without a limit the system would kill what it likes.
         pause_seconds: How long a job rests first that met a store without an answer or room [s]; each time twice as
             long, up to `outage.LONGEST_SECONDS`.
         free_bytes: Room that the store's disk must have for a job to begin or an upload to be taken [bytes]; a job
@@ -82,6 +84,7 @@ class ServiceSettings:
     republish_seconds: float = 20.0
     grace_seconds: float = 10.0
     idle_seconds: float = 900.0
+    job_memory_mb: int = 8192
     pause_seconds: float = 2.0
     free_bytes: int = 512 * 1024**2
     share_jobs: int = 0
@@ -145,7 +148,7 @@ def read_settings(environment: Mapping[str, str] | None = None, home: Path | str
     return replace(settings, home=chosen.expanduser().absolute())
 
 
-MAY_BE_ZERO = ("idle_seconds", "log_json", "share_jobs", "free_bytes")
+MAY_BE_ZERO = ("idle_seconds", "log_json", "share_jobs", "free_bytes", "job_memory_mb")
 
 
 def _find_text(environment: Mapping[str, str], name: str) -> str:

@@ -22,7 +22,7 @@ import numpy as np
 
 from ..core.errors import BadInput, GarmentqError, Unavailable, keep_printable
 from ..core.hooks import Arrays, Hooks
-from ..core.limited import LONGEST_MESSAGE
+from ..core.limited import LONGEST_MESSAGE, is_memory_short
 from ..service.checking import STAGE, check_files
 from ..service.database import Database, DatabaseUnreachable
 from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, put_off, release, report
@@ -43,6 +43,9 @@ log = logging.getLogger(__name__)
 
 REPORT_SECONDS = 0.5
 """Shortest time between two progress events of one stage [s]; more often is not seen, and each is a row."""
+
+MEMORY = "job.out_of_memory"
+"""Code of a job that met the limit of its process."""
 
 FORCED = 75
 """Exit status of a child that ended under its job; the conventional one for `try again later`."""
@@ -174,6 +177,9 @@ def _put_off(settings: ServiceSettings, database: Database, held: Claim, outage:
 def _fail(database: Database, held: Claim, error: BaseException) -> None:
     if isinstance(error, GarmentqError):
         code, message = error.code, error.message
+    elif is_memory_short(error):
+        code = MEMORY
+        message = "the job needs more memory than GARMENTQ_JOB_MEMORY_MB; use fewer --vertices, or raise it."
     else:
         code, message = (
             "job.crashed",

@@ -8,8 +8,10 @@ from __future__ import annotations
 import logging
 import multiprocessing
 import os
+import resource
 import signal
 import socket
+import sys
 import time
 import uuid
 import warnings
@@ -160,6 +162,15 @@ def run_worker(
     return int(worker.exitcode or 0)
 
 
+def limit_job_memory(megabytes: int) -> None:
+    """Limit what this process may allocate; libraries that are only mapped do not count, nor do its own children."""
+    if megabytes and sys.platform == "linux":
+        hard = resource.getrlimit(resource.RLIMIT_DATA)[1]
+        wanted = megabytes * 10**6
+        soft = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
+        resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
+
+
 def _register(app: Celery, settings: ServiceSettings, draining: Any, lock: int | None) -> None:
     """Add the task, and what a child does first; `draining` is memory that parent and children share."""
     held: dict[str, Database] = {}
@@ -185,6 +196,7 @@ def _register(app: Celery, settings: ServiceSettings, draining: Any, lock: int |
         if lock is not None:
             os.close(lock)  # a child that outlives a killed parent must not look like a living worker
         limit_threads(settings.threads)
+        limit_job_memory(settings.job_memory_mb)
         held["database"] = Database(settings.database)
 
     @signals.worker_shutting_down.connect(weak=False)

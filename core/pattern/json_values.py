@@ -27,8 +27,11 @@ def get_list(value: Any, where: str) -> list[Any]:
 
 
 def get_text(value: Any, where: str, most: int = 200) -> str:
-    """Return a text of at most so many characters, none of them a control character, or refuse it."""
-    if not isinstance(value, str) or len(value) > most or UNKEPT.search(value):
+    """Return a text of at most so many characters that can all be printed, or refuse it.
+
+    A database refuses some others (NUL, half of a surrogate pair), a terminal obeys some, and some turn a line around.
+    """
+    if not isinstance(value, str) or len(value) > most or not value.isprintable():
         raise PatternValueBad(f"{where} must be a text of at most {most} characters, none a control character.")
     return value
 

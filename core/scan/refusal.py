@@ -161,6 +161,12 @@ class LabelUnknown(BadInput):
     code = "scan.label_unknown"
 
 
+class PiecesTooMany(BadInput):
+    """The surface is in thousands of pieces that are not joined; merge its vertices, and export it again."""
+
+    code = "scan.pieces_too_many"
+
+
 class ColourBad(BadInput):
     """The colour cannot be read; write it as '#465faa'."""
 

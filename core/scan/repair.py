@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ..mesh import HalfEdges, area_vectors, face_areas, find_components, signed_volume, vertex_normals
+from .refusal import PiecesTooMany
 
 MERGE = 1e-7
 """Vertices closer than this share of the bounding box's diagonal are one: the resolution of float32, in which STL and
@@ -16,6 +17,8 @@ SLIVER = 1e-6
 """A triangle whose height is below this share of its longest side has no direction of its own in float32."""
 STRAY = 0.05
 """A separate piece with less than this share of the largest piece's area is dust or an eye, never a garment."""
+MOST_PIECES = 5000
+"""Separate pieces of a surface; a garment with all its buttons has a hundred, a heap of loose triangles millions."""
 VOTERS = 20000
 """Faces asked which way is outward from a body; more change no verdict."""
 
@@ -315,10 +318,13 @@ def _turn_outward(surface: RepairedMesh) -> RepairedMesh:
     number, piece = surface.edges.face_pieces
     faces = surface.faces.copy()
     turned = 0
-    for k in range(number):
-        mine = piece == k
-        edges = surface.edges if number == 1 else HalfEdges.of(faces[mine])
-        if enclosed_volume(surface.vertices, edges) < 0.0:
+    if number > MOST_PIECES:
+        raise PiecesTooMany()
+    by_piece = np.split(np.argsort(piece, kind="stable"), np.cumsum(np.bincount(piece, minlength=number))[:-1])
+    for mine in by_piece:  # each looks at its own faces and vertices only, for there may be thousands of pieces
+        used, local = np.unique(faces[mine], return_inverse=True)
+        edges = surface.edges if number == 1 else HalfEdges.of(local.reshape(-1, 3))
+        if enclosed_volume(surface.vertices if number == 1 else surface.vertices[used], edges) < 0.0:
             faces[mine] = faces[mine][:, ::-1]
             turned += 1
     if turned == 0:

@@ -1,9 +1,11 @@
 """What the repair mends, and that it leaves a clean mesh alone."""
 
 import numpy as np
+import pytest
 import trimesh
 from garmentq.core.mesh import HalfEdges
-from garmentq.core.scan.repair import boundary_pieces, enclosed_volume, repair_surface, turn_from_body
+from garmentq.core.scan.refusal import PiecesTooMany
+from garmentq.core.scan.repair import MOST_PIECES, boundary_pieces, enclosed_volume, repair_surface, turn_from_body
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -135,3 +137,22 @@ def test_vote_of_the_body():
     front = vertices[faces].mean(axis=1)[:, 2] > 0.05
     assert not turn_from_body(vertices, faces[front], body, body_faces)
     assert turn_from_body(vertices, faces[front][:, ::-1], body, body_faces)
+
+
+def test_thousands_of_pieces_are_refused_and_hundreds_are_quick():
+    """Broken where each piece looks at the whole surface: a file of a few MB then takes minutes."""
+    corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    inward = np.array([[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]])
+
+    def scatter(count):
+        places = np.stack([3.0 * np.arange(count), np.zeros(count), np.zeros(count)], axis=1)
+        vertices = (corners[None] + places[:, None]).reshape(-1, 3)
+        return vertices, (inward[None] + 4 * np.arange(count)[:, None, None]).reshape(-1, 3)
+
+    vertices, faces = scatter(300)
+    repaired = repair_surface(vertices, faces)
+    edges = repaired.vertices[repaired.faces]
+    volumes = np.einsum("ij,ij->i", edges[:, 0], np.cross(edges[:, 1], edges[:, 2])).reshape(-1, 4).sum(axis=1) / 6.0
+    np.testing.assert_allclose(volumes, 1.0 / 6.0)
+    with pytest.raises(PiecesTooMany):
+        repair_surface(*scatter(MOST_PIECES + 1))
