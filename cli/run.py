@@ -67,7 +67,7 @@ def command(
     """
     from ..service.backend import open_backend
     from ..service.settings import read_settings
-    from ..workers.embedded import ensure_services
+    from ..workers.embedded import StoppedByUser, ensure_services, was_stopped
     from .follow import Wait
     from .order import describe_choice, make_order, split_garments
     from .terminal import note
@@ -78,12 +78,18 @@ def command(
     orders = [make_order(backend, file, part) for part in parts]
     garments = [backend.submit(order) for order in orders]
 
-    def keep_up() -> None:
+    def start() -> None:
         for name in () if backend.is_remote else ensure_services(settings, workers):
             note(f"started the {name}")
 
+    def keep_up() -> None:
+        """Start again what died, but not what a person stopped."""
+        if not backend.is_remote and was_stopped(settings):
+            raise StoppedByUser()
+        start()
+
     if any(submitted.state != State.SUCCEEDED for submitted in garments):
-        keep_up()
+        start()
     for order, submitted in zip(orders, garments, strict=True):
         note(f"job {submitted.job}" + ("" if submitted.is_new else f" (known, {submitted.state})"))
         note(f"{file.name}: {describe_choice(order)}")
@@ -93,6 +99,8 @@ def command(
         if out is not None and len(parts) > 1:
             folder = out / folder_name(part.keep[0])
         statuses.append(wait_and_show(backend, submitted.job, folder.absolute(), wait, verbose))
+        if statuses[-1] == exits.DETACHED:  # one Ctrl-C is for all of them
+            break
     click.get_current_context().exit(exits.worst(statuses))
 
 

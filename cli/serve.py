@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from .options import home_option
+
+if TYPE_CHECKING:
+    from ..service.settings import ServiceSettings
 
 
 @click.command("serve")
@@ -32,10 +36,31 @@ def command(host: str, port: int, max_upload_mb: int | None, home: Path | None) 
     from ..service.api.limits import read_limits
     from ..service.api.server import serve
     from ..service.settings import read_settings
-    from .terminal import note
 
     settings, limits = read_settings(home=home), read_limits()
     if max_upload_mb is not None:
         limits = replace(limits, upload_bytes=max_upload_mb << 20)
-    note(f"the API of {settings.home} is at http://{host}:{port}, its description at /docs")
+    announce(settings, host, port)
     serve(settings, host, port, limits)
+
+
+def announce(settings: ServiceSettings, host: str, port: int) -> None:
+    """Say where the API is, who may ask, and what keeps its jobs from running."""
+    from ..service.api.guard import is_loopback
+    from ..service.database import open_database
+    from ..service.keys import has_keys
+    from ..service.reaper import list_workers
+    from ..service.settings import hide_password
+    from .terminal import note
+
+    database = open_database(settings)
+    try:
+        is_lonely, is_keyless = not list_workers(database), is_loopback(host) and not has_keys(database)
+    finally:
+        database.dispose()
+    of = hide_password(settings.database_url) or settings.home
+    note(f"the API of {of} is at http://{host}:{port}, its description at /docs")
+    if is_keyless:
+        note(f"there are no keys: programs of this user show the token in {settings.home / 'api.token'}")
+    if is_lonely:
+        note("no worker is up, so jobs will wait; `garmentq up` starts one, `garmentq up --serve` keeps both alive")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import asdict, replace
-from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -41,6 +40,8 @@ def command(
 ) -> None:
     """Queue one or more scans.
 
+    A folder stands for the scans in it; a table (.csv) has a row for each scan, with the columns scan, body, labels,
+    name, tags and others that are called as the options, and paths relative to the table's folder.
     Prints the id of each job; the same scan with the same settings is the same job. The worker checks the files first;
     what it refuses within 3 s is named on standard error, the others go on, and the exit status is 4. `garmentq up`
     starts a worker.
@@ -51,23 +52,27 @@ def command(
     Example:
       garmentq submit scan.ply
       garmentq submit scans/*.ply --body body.ply
+      garmentq submit scans/
+      garmentq submit batch.csv
       garmentq submit person.ply --keep upper --keep lower
     """
     from ..core.errors import GarmentqError
     from ..service.backend import open_backend
     from ..service.settings import read_settings
+    from .batch import find_scans
     from .order import describe_choice, make_order, split_garments
     from .terminal import note, print_error, print_json
 
     backend = open_backend(read_settings(home=home))
     statuses, made = [], []
-    for file, chosen in product(files, split_garments(options)):
+    pairs = [(file, one) for file, own in find_scans(files, options) for one in split_garments(own)]
+    for file, chosen in pairs:
         try:
             order = make_order(backend, file, chosen)
             taken = describe_choice(order)
             submitted = backend.submit(replace(order, priority=priority, queue=queue))
         except GarmentqError as error:
-            print_error(error.code, error.message)
+            print_error(error.code, name_file(str(file), error.message))
             if as_json:
                 print_json({"file": str(file), "job": None, "error": {"code": error.code, "message": error.message}})
             statuses.append(exits.error_status(error))
@@ -91,6 +96,11 @@ def command(
     context.exit(exits.worst(statuses))
 
 
+def name_file(file: str, message: str) -> str:
+    """Return a refusal that says whose it is: of many files at once each must be found again."""
+    return message if Path(file).name in message else f"{file}: {message}"
+
+
 def _find_refused(backend: Backend, jobs: list[str], queue: str) -> tuple[dict[str, Job], int]:
     """Return the jobs whose files are refused within a moment, and the exit status; the jobs are queued in any case."""
     from ..core.errors import GarmentqError
@@ -108,16 +118,19 @@ def _find_refused(backend: Backend, jobs: list[str], queue: str) -> tuple[dict[s
     refused = {job.id: job for job in found if job.state is State.FAILED and job.bad_input}
     for job in refused.values():
         if job.error:
-            print_error(job.error.code, job.error.message)
+            print_error(job.error.code, name_file(job.name, job.error.message))
     return refused, exits.BAD_INPUT if refused else exits.OK
 
 
 def _wait(backend: Backend, jobs: list[str], waiting: WaitOptions) -> int:
     """Follow the whole batch in one view, and give the worst exit status."""
+    from ..service.health import find_troubles
     from .follow import WaitTimedOut
     from .live import follow_batch
     from .terminal import note, print_error
 
+    for trouble in find_troubles(backend.read_queue()):
+        note(trouble)
     try:
         rows = follow_batch(backend, jobs, waiting.timeout)
     except WaitTimedOut:

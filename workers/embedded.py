@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import sys
+import threading
 import time
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ..core.errors import GarmentqError
@@ -16,6 +19,11 @@ from .broker import run_folder, start_broker, stop_broker
 from .detached import has_ended, kill_group, launch
 from .threads import VARIABLES, count_cores
 
+log = logging.getLogger(__name__)
+
+KEEP_SECONDS = 5.0
+"""How often somebody looks whether broker and worker are alive [s]."""
+
 START_SECONDS = 30.0
 """How long the worker's start may take [s]; it takes about 1 s on an idle machine."""
 
@@ -23,8 +31,17 @@ GRACE_SECONDS = 20.0
 """How long a worker has to bring its jobs to a stop [s]: a stage asks several times a second whether it must."""
 
 
+STOPPED = "stopped"
+"""File that `garmentq down` leaves: whoever waits for a job must not start again what it stopped."""
+
 LOOK_SECONDS = 1.0
 """How long somebody may have the lock only to look whether it is free [s]; in truth a few microseconds."""
+
+
+class StoppedByUser(GarmentqError):
+    """`garmentq down` stopped the worker; the jobs stay queued, and `garmentq up` goes on with them."""
+
+    code = "service.stopped"
 
 
 class WorkerNotStarted(GarmentqError):
@@ -46,13 +63,39 @@ def ensure_services(settings: ServiceSettings, workers: int | None = None) -> li
     Raises:
         BrokerUnreachable, WorkerNotStarted: where one of them does not come up.
     """
-    started = ["broker"] if start_broker(settings) else []
     folder = run_folder(settings)
+    (folder / STOPPED).unlink(missing_ok=True)
+    started = ["broker"] if start_broker(settings) else []
     with hold_lock(folder / "start.lock"):
         if not is_locked(folder / "worker.lock"):
             _launch(settings, folder, workers or count_cores())
             started.append("worker")
     return started
+
+
+@contextmanager
+def keeping_up(settings: ServiceSettings, workers: int | None = None) -> Iterator[None]:
+    """Start broker and worker again where they die within the block, unless a person stops them.
+
+    A worker ends by a message that is none (whoever may write to the broker can send one), as by a kill.
+    """
+    ended = threading.Event()
+
+    def keep() -> None:
+        while not ended.wait(KEEP_SECONDS):
+            try:
+                if not was_stopped(settings):
+                    ensure_services(settings, workers)
+            except GarmentqError as error:
+                log.warning("%s", error)
+
+    thread = threading.Thread(target=keep, name="keeping-up", daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
 
 
 def stop_services(settings: ServiceSettings) -> list[str]:
@@ -61,10 +104,16 @@ def stop_services(settings: ServiceSettings) -> list[str]:
     Returns:
         What was stopped.
     """
+    (run_folder(settings) / STOPPED).touch()
     stopped = ["worker"] if _stop_worker(settings) else []
     if stop_broker(settings):
         stopped.append("broker")
     return stopped
+
+
+def was_stopped(settings: ServiceSettings) -> bool:
+    """Return whether a person stopped the services, and nobody has started them since."""
+    return (run_folder(settings) / STOPPED).exists()
 
 
 def is_worker_up(settings: ServiceSettings) -> bool:

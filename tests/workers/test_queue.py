@@ -12,7 +12,7 @@ from garmentq.service.families import cancel
 from garmentq.service.jobs import read_events
 from garmentq.service.query import list_jobs
 from garmentq.workers.broker import is_broker_up, run_folder, start_broker, stop_broker
-from garmentq.workers.embedded import ensure_services, is_worker_up, stop_services
+from garmentq.workers.embedded import ensure_services, is_worker_up, stop_services, was_stopped
 from garmentq_home import make_environment, read_job, wait_ended, wait_for
 from garmentq_standin import STEPS, hold_gate
 
@@ -80,10 +80,12 @@ def test_down_gives_the_job_back_and_up_goes_on(settings, database, queue_job, e
     job = queue_job("gated")
     wait_for(lambda: len(read_marks(environment)) == 8)
     assert stop_services(settings) == ["worker", "broker"]
+    assert was_stopped(settings), "whoever waits for the job must see that a person stopped it"
     row = read_job(settings, job)
     assert (row.state, row.attempts) == ("queued", 0)
     hold_gate(environment, STEPS)
     ensure_services(settings, workers=1)
+    assert not was_stopped(settings)
     row = wait_ended(settings, job)
     assert (row.state, row.attempts, row.fence) == ("succeeded", 1, 2)
     assert [step for step, _ in read_marks(environment)] == list(range(STEPS)), "no step twice, none left out"

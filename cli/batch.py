@@ -1,0 +1,101 @@
+"""What `submit` takes beside single files: folders of scans, and tables with a row for each scan."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from ..core.errors import BadInput
+from .options import OrderOptions
+
+SINGLE = ("body", "labels", "labels_key", "wearing", "keep_colour", "units", "up", "name", "free", "method", "preset")
+"""Columns that stand for an option that is given once."""
+
+REPEATED = {"keep": "keep", "cloth": "cloth", "template": "template", "garment": "garment", "fabric": "fabric",
+            "lock": "lock", "mark": "mark", "tags": "tags"}  # fmt: skip
+"""Columns that stand for an option that may be given several times, with `;` between."""
+
+PATHS = ("body", "labels")
+"""Columns that hold a file's place, relative to the table's folder."""
+
+MOST_ROWS = 100_000
+
+
+class TableBad(BadInput):
+    """A table has a header with the column `scan`, and columns named as the options of `submit`."""
+
+    code = "submit.table_bad"
+
+
+class FolderEmpty(BadInput):
+    """The folder holds no file that is read as a scan; name another one, or the files themselves."""
+
+    code = "submit.folder_empty"
+
+
+def find_scans(given: Sequence[Path], options: OrderOptions) -> Iterator[tuple[Path, OrderOptions]]:
+    """Yield each scan with its options: files as they are, folders by name, tables (.csv) row by row.
+
+    What a row leaves empty is as it was typed for all.
+
+    Raises:
+        TableBad, FolderEmpty: where one cannot be used.
+    """
+    for path in given:
+        if path.is_dir():
+            for file in _list_folder(path):
+                yield file, options
+        elif path.suffix.lower() == ".csv":
+            yield from _read_table(path, options)
+        else:
+            yield path, options
+
+
+def _list_folder(folder: Path) -> list[Path]:
+    from ..core.scan import check_extension
+
+    found = []
+    for path in sorted(folder.iterdir()):
+        try:
+            check_extension(path)
+        except BadInput:
+            continue
+        found += [path] if path.is_file() else []
+    if not found:
+        raise FolderEmpty(f"{folder} holds no scan; name another folder, or the files themselves.")
+    return found
+
+
+def _read_table(path: Path, options: OrderOptions) -> Iterator[tuple[Path, OrderOptions]]:
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as stream:
+            reader = csv.DictReader(stream)
+            columns = reader.fieldnames or []
+            unknown = sorted(set(columns) - {"scan", "as", *SINGLE, *REPEATED})
+            if "scan" not in columns or unknown:
+                wrong = f"there is no column '{unknown[0]}'" if unknown else "the column 'scan' is missing"
+                raise TableBad(f"{path.name}: {wrong}; columns are named as the options of `garmentq submit`.")
+            rows = [row for row, _ in zip(reader, range(MOST_ROWS), strict=False)]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise TableBad(f"{path.name} cannot be read as a table: {type(error).__name__}.") from error
+    for number, row in enumerate(rows, 2):
+        if not row["scan"] or None in row:
+            raise TableBad(f"{path.name}, line {number}: a row has a scan, and no more cells than the header.")
+        yield path.parent / row["scan"], _apply(row, options, path.parent)
+
+
+def _apply(row: dict[str, str | None], options: OrderOptions, folder: Path) -> OrderOptions:
+    changes: dict[str, object] = {}
+    for name in SINGLE:
+        if text := row.get(name):
+            is_file = name in PATHS and not text.startswith("builtin:")
+            place = folder / text if is_file else text
+            changes[name] = str(place) if name == "body" else place
+    for name, field in REPEATED.items():
+        if text := row.get(name):
+            changes[field] = tuple(part.strip() for part in text.split(";") if part.strip())
+    if text := row.get("as"):
+        changes["given_as"] = text
+    return replace(options, **changes)  # type: ignore[arg-type]
