@@ -155,7 +155,7 @@ def test_submit_waits_for_the_check(cli, tmp_path):
         assert len(done.stdout.split()) == 2
         again = cli("submit", good, broken, "--body", body, "--json")
         rows = [json.loads(line) for line in again.stdout.splitlines()]
-        assert again.stderr == "error scan.truncated: The file is cut off; export it again.\n"
+        assert again.stderr == "error scan.truncated: broken: The file is cut off; export it again.\n"
         assert again.returncode == 4 and [row["job"] for row in rows] == done.stdout.split()
         assert [row["state"] for row in rows] == ["succeeded", "failed"]
         assert [row["error"] and row["error"]["code"] for row in rows] == [None, "scan.truncated"]
