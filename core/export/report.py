@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from html import escape
 from typing import Any
 
@@ -122,6 +123,7 @@ def _header(recovery: Recovery) -> str:
     facts = (
         ("Category", recovery.target.category),
         ("Template", recovery.template),
+        *_describe_candidates(recovery.manifest.get("candidates", [])),
         ("Fabric", recovery.fabric.title or recovery.fabric.name),
         ("Body", recovery.body.source),
         ("CPU time", f"{recovery.cpu_seconds:.0f} s"),
@@ -134,6 +136,12 @@ def _header(recovery: Recovery) -> str:
         f'<p class="verdicts">{verdicts}</p><dl class="facts">{cells}</dl></header>'
         + (f'<section class="notes"><h2>Remarks</h2><ul>{notes}</ul></section>' if notes else "")
     )
+
+
+def _describe_candidates(candidates: list[dict[str, Any]]) -> Iterator[tuple[str, str]]:
+    """Yield the cuts that were compared with the scan, best first, with their misfits; nothing where one was named."""
+    if candidates:
+        yield "Cuts by misfit", ", ".join(f"{one['template']} {one['misfit']:.3f}" for one in candidates)
 
 
 def _pictures(recovery: Recovery) -> str:
