@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..body import SignedDistance
+from .carry_step import carry_free
 from .collision.coupling import couple
 from .collision.self_contact import SelfContact
 from .dynamics import State
@@ -134,8 +135,7 @@ def step_in_motion(
     free = 1.0 + settings.damping * dt
     target = before.nodes + dt * (before.velocities + settings.damping * dt * np.asarray(settings.wind)) / free
     energy, solver = replace(layout.energy, inertia=Inertia(target, free / dt**2), friction=None), layout.solver
-    energy, share = energy.free_share(before.nodes, carried.nodes - before.nodes)
-    nodes = carried.nodes if share == 1.0 else before.nodes + share * (carried.nodes - before.nodes)
+    energy, nodes = carry_free(energy, before.nodes, carried.nodes)
     planes, motion, factors, sound = TangentPlanes.none(len(nodes)), np.inf, 0, before.nodes
     while True:
         energy, solver = couple(energy, solver, nodes)

@@ -12,8 +12,10 @@ from garmentq.core.animate.stage import Cloth, Stage
 from garmentq.core.body import JOINTS, ExposedSurface, builtin_body
 from garmentq.core.errors import Cancelled
 from garmentq.core.hooks import Hooks
+from garmentq.core.mesh import self_intersections
 from garmentq.core.motion import LeadIn, Pose, Track
-from garmentq.core.simulate import State
+from garmentq.core.simulate import Scene, SelfContact, State, Topology, get_fabric
+from garmentq.core.simulate.carry_step import carry_free
 from garmentq.core.simulate.energy import Energy
 from garmentq.core.simulate.motion_step import StepSettings
 from scipy.spatial.transform import Rotation
@@ -68,6 +70,31 @@ def test_the_moving_skin_measures_as_the_skin_does():
     assert 1000 < (wanted < 0).sum() < 3000
     np.testing.assert_array_equal(found, wanted)
     np.testing.assert_array_equal(way, gradient)
+
+
+def test_only_what_meets_is_held_back():
+    """Broken where all of the cloth stays behind because two parts of it meet, or these pass through each other."""
+    side = 12
+    grid = np.stack(np.meshgrid(np.arange(side), np.arange(side), indexing="ij"), axis=-1).reshape(-1, 2) * 0.015
+    low = (np.arange(side - 1)[:, None] * side + np.arange(side - 1)).ravel()
+    sheet = np.concatenate(
+        [np.stack([low, low + 1, low + side], 1), np.stack([low + 1, low + side + 1, low + side], 1)]
+    )
+    faces = np.concatenate([sheet, sheet + side**2])
+    topology = Topology.from_mesh(faces, np.concatenate([grid[sheet]] * 2))
+    flat = np.insert(grid, 1, 0.0, axis=1)
+    nodes = np.concatenate([flat, flat + [0.0, 0.004, 0.0]])
+    goal = nodes + [0.03, 0.0, 0.0]
+    corner = side**2 + np.flatnonzero((grid < 0.04).all(axis=1))
+    goal[corner, 1] -= 0.02
+    energy = Energy(Scene(topology, get_fabric("cotton_poplin"), self_contact=SelfContact.of(topology)))
+    assert energy.free_share(nodes, goal - nodes)[1] < 0.3
+    found = carry_free(energy, nodes, goal)[1]
+    assert len(self_intersections(found, faces)) == 0
+    reached = np.linalg.norm(goal - found, axis=1) < 1e-12
+    assert reached[side**2 :][(grid > 0.12).any(axis=1)].all()
+    assert not reached[corner].any()
+    assert (found[corner, 1] < 0.004).all()
 
 
 def test_forces_that_are_no_numbers_end_a_step_where_they_were(worn, monkeypatch):
