@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import GIRTHS, BodySpecBad, MeasureRange, Tape, builtin_body, parse_spec
+from garmentq.core.body import GIRTHS, BodySpecBad, MeasureRange, Tape, armpit_height, builtin_body, parse_spec
 from garmentq.core.body.girths import Section
 from garmentq.core.body.measured import Wanted, rest_of, shape_for
 from garmentq.core.body.measures_file import MeasuresBad, read_measures
@@ -39,6 +39,16 @@ def test_girth_of_a_cylinder_and_of_two():
     assert left.value == pytest.approx(2 * np.pi * 0.1, rel=1e-4)
     both = section.girth(np.ones(2, dtype=bool))
     assert both.value == pytest.approx(2 * np.pi * 0.1 + 2 * 0.5, rel=1e-4)
+
+
+def test_armpits_of_a_mesh_without_vertices_there():
+    """Broken where a coarse body, without a vertex at the arms' roots, is a fault instead of a measure."""
+    body = rest_of(load_template(), load_template().means["female"])
+    fine = armpit_height(body)
+    far = np.abs(np.abs(body.vertices[:, 0] - body.joint("pelvis")[0]) - 0.2) > 0.06
+    assert body.joint("spine3")[1] < fine < body.joint("left_shoulder")[1]
+    coarse = replace(body, vertices=np.where(far[:, None], body.vertices, [9.0, 0.0, 0.0]))
+    assert armpit_height(coarse) == body.joint("left_shoulder")[1]
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
