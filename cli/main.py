@@ -23,6 +23,7 @@ COMMANDS = {
     "logs": "Show what happened to a job.",
     "result": "Show what a job found.",
     "export": "Copy a job's files into a folder, or write its pattern for production.",
+    "sizes": "Grade a result's pattern to other sizes.",
     "query": "Search completed jobs by their results.",
     "cancel": "Stop a job.",
     "retry": "Queue an ended job again.",

@@ -41,10 +41,14 @@ class Production:
         return measure_wearer(self.worn.body)
 
     @cached_property
+    def height(self) -> float:
+        """Return the wearer's height [m]."""
+        return float(np.ptp(self.worn.body.rest_vertices[:, 1]))
+
+    @cached_property
     def style(self) -> Style:
         """Return what pieces are labelled with."""
-        height = float(np.ptp(self.worn.body.rest_vertices[:, 1]))
-        return Style(self.worn.pattern.name, describe_size(self.measures, height), self.worn.fabric.name)
+        return Style(self.worn.pattern.name, describe_size(self.measures, self.height), self.worn.fabric.name)
 
     @cached_property
     def pieces(self) -> PieceSet:

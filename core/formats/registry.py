@@ -9,6 +9,7 @@ FORMATS: Mapping[str, str] = MappingProxyType({
     "pdf": "garmentq.core.formats.tiled_pdf:write",
     "svg": "garmentq.core.formats.layered_svg:write",
     "dxf": "garmentq.core.formats.dxf:write",
+    "sizes": "garmentq.core.formats.nest:write",
     "garmentcode": "garmentq.core.formats.production:write_garmentcode",
 })  # fmt: skip
 """Dotted path of the writer of each format by name; a writer takes a `Production` and a folder and returns its files.
@@ -21,6 +22,7 @@ DESCRIPTIONS: Mapping[str, str] = MappingProxyType({
     "pdf": "sheets to print and paste at 1:1",
     "svg": "pieces with layers at 1:1",
     "dxf": "pieces for cutting programs, with dialects",
+    "sizes": "graded sizes, their nest and rules; `garmentq sizes` chooses them",
     "garmentcode": "the pattern as GarmentCode JSON",
 })  # fmt: skip
 """One line of each format for people."""

@@ -1,0 +1,77 @@
+"""`garmentq sizes`."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .export import Place, ProductionOptions, production_options, read_options, read_table, write_production
+from .options import json_option, known_home_option
+
+
+@click.command("sizes")
+@click.argument("job")
+@click.option("--step", type=float, default=4.0, show_default=True, help="Between sizes, in bust, waist and hip [cm].")
+@click.option("--range", "span", default="-2..2", show_default=True, help="Steps below and above the wearer's size.")
+@click.option("--table", help="A file of sizes instead: name,bust,waist,hip,height in cm, CSV or JSON.")
+@production_options
+@click.option(
+    "--out", "-o", type=click.Path(file_okay=False, path_type=Path), default=Path("."), help="Folder.  [default: here]"
+)
+@known_home_option
+@json_option
+@click.pass_context
+def command(
+    context: click.Context,
+    job: str,
+    step: float,
+    span: str,
+    table: str | None,
+    production: ProductionOptions,
+    **place: Any,
+) -> None:
+    """Grade a result's pattern to other sizes.
+
+    Writes a pattern for each size, a nest of all sizes as PDF and DXF, and the base size with its grade rules. Every
+    control point moves by what the base pattern's draft changes; a pattern without a draft is scaled, and says so.
+
+    \b
+    Example:
+      garmentq sizes 3685ecfd4f81 --step 4 --range -2..4 --out sizes
+      garmentq sizes 3685ecfd4f81 --table sizes.csv --dialect gerber
+    """
+    options: dict[str, Any] = {"format": "sizes", "step": step, **read_options(production)}
+    found = re.fullmatch(r"\s*([+-]?\d{1,3})\s*\.\.\s*([+-]?\d{1,3})\s*", span)
+    if not found:
+        raise click.UsageError("--range is FIRST..LAST, as in -2..4.")
+    options.update(first=int(found[1]), last=int(found[2]))
+    if table is not None:
+        options["sizes"] = read_sizes(read_table(table))
+    context.exit(write_production(job, options, production, Place(place["out"], place["home"], place["as_json"])))
+
+
+def read_sizes(text: str) -> list[dict[str, Any]]:
+    """Return the lines of a table of sizes; what they say is checked with the request.
+
+    Raises:
+        UsageError: where it is neither a JSON list of objects nor CSV with a head.
+    """
+    try:
+        if text.lstrip().startswith("["):
+            found = json.loads(text)
+            if not all(isinstance(line, dict) for line in found):
+                raise ValueError
+            return list(found)
+        lines = [
+            {key.strip().lower(): value.strip() for key, value in line.items() if key and value and value.strip()}
+            for line in csv.DictReader(io.StringIO(text))
+        ]
+        return [{key: value if key == "name" else float(value) for key, value in line.items()} for line in lines]
+    except (ValueError, TypeError, AttributeError, RecursionError, csv.Error) as error:
+        raise click.UsageError("a table of sizes has the head name,bust,waist,hip,height and a line a size.") from error
