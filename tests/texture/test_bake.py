@@ -26,8 +26,8 @@ def garment() -> Garment:
     return found
 
 
-def refine(garment: Garment, times: int = 3) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return positions [m], flat places [m] and faces of the garment cut open, with edges of 3 mm or 6 mm."""
+def refine(garment: Garment, times: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return positions [m], flat places [m] and faces of the garment cut open, halved so often."""
     points, faces = np.column_stack([garment.nodes[garment.uv_node], garment.uv]), garment.uv_faces
     for _ in range(times):
         points, faces = trimesh.remesh.subdivide(points, faces)
@@ -65,7 +65,7 @@ def bake(garment: Garment, scan: ColouredScan, texel: float = TEXEL):
 
 def test_colours_by_flat_place_come_back_at_their_place(garment: Garment) -> None:
     """Fails if a texel is half a millimetre off, v runs the wrong way, or cloth is left out: 2 % of the range."""
-    points, flat_places, faces = refine(garment)
+    points, flat_places, faces = refine(garment, 2)
     rng = np.random.default_rng(0)
     noisy = points + 3e-4 * rng.normal(size=points.shape) * 0.3  # a scanner's noise, and another triangulation
     baked, flat = bake(garment, colour(noisy, faces, by_flat_place(flat_places)))
@@ -82,7 +82,7 @@ def test_colours_by_flat_place_come_back_at_their_place(garment: Garment) -> Non
 
 def test_both_sides_of_a_seam_show_the_same_colour(garment: Garment) -> None:
     """Fails if a panel's border reads the ground beside it: colours by position differ by what 1 mm of it makes."""
-    points, _, faces = refine(garment)
+    points, _, faces = refine(garment, 2)
     baked, flat = bake(garment, colour(points, faces, by_position(points)))
     for seam in garment.pattern.seams:
         a, b = garment.edge_uv[seam.a], garment.edge_uv[seam.b][::-1]
