@@ -47,7 +47,7 @@ def production_options(function: Callable[..., Any]) -> Callable[..., Any]:
 @click.command("export")
 @click.argument("job")
 @click.argument("names", nargs=-1)
-@click.option("--as", "form", type=click.Choice(tuple(FORMATS)), help="Write the pattern in a format of production.")
+@click.option("--as", "form", type=click.Choice(tuple(FORMATS)), help="Write it in another format.")
 @production_options
 @click.option(
     "--out", "-o", type=click.Path(file_okay=False, path_type=Path), default=Path("."), help="Folder.  [default: here]"
@@ -65,7 +65,7 @@ def command(
     home: Path | None,
     as_json: bool,
 ) -> None:
-    """Copy a job's files into a folder, or write its pattern for production.
+    """Copy a job's files into a folder, or write its garment in another format.
 
     Without --as: all stored files, or only those named; every copy is checked against its hash. With --as a job of kind
     `export` writes the files, is waited for, and they are copied. Prints the paths.
@@ -75,6 +75,7 @@ def command(
       garmentq export 3685ecfd4f81 pattern.svg detail.glb --out result
       garmentq export 3685ecfd4f81 --as pdf --paper a4 --allowance seam=10,hem=30
       garmentq export 3685ecfd4f81 --as dxf --dialect clo --fold --out for_clo
+      garmentq export 3685ecfd4f81 --as texture --out print
     """
     from ..service.backend import open_backend
     from ..service.settings import read_settings

@@ -98,7 +98,7 @@ def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
         _check_files(session, row.id, kind.choose_input(asked, folder))
         wanted = JobRequest(
             order.kind,
-            request,
+            kind.adopt(session, request, row),
             row.scan,
             order.name or row.name,
             order.tags,

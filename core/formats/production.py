@@ -29,11 +29,13 @@ class Production:
         worn: The garment with its pattern, cloth and wearer.
         options: What is to be written.
         files: Folder of the result's files, for writers that need its meshes.
+        scan: The scan's file, or what was read of it, for writers that need its colours; None where there is none.
     """
 
     worn: Worn
     options: ExportOptions
     files: Path
+    scan: Path | None = None
 
     @cached_property
     def measures(self) -> BodyMeasures:

@@ -11,6 +11,12 @@ FORMATS: Mapping[str, str] = MappingProxyType({
     "dxf": "garmentq.core.formats.dxf:write",
     "sizes": "garmentq.core.formats.nest:write",
     "garmentcode": "garmentq.core.formats.production:write_garmentcode",
+    "clo": "garmentq.core.export.for_programs:write_sewn",
+    "blender": "garmentq.core.export.for_programs:write_cloth",
+    "obj": "garmentq.core.export.for_programs:write_obj",
+    "glb": "garmentq.core.export.for_programs:write_glb",
+    "usd": "garmentq.core.export.for_programs:write_usd",
+    "texture": "garmentq.core.export.for_programs:write_texture",
 })  # fmt: skip
 """Dotted path of the writer of each format by name; a writer takes a `Production` and a folder and returns its files.
 A new format is one entry here; its module is loaded when it is asked for."""
@@ -24,5 +30,11 @@ DESCRIPTIONS: Mapping[str, str] = MappingProxyType({
     "dxf": "pieces for cutting programs, with dialects",
     "sizes": "graded sizes, their nest and rules; `garmentq sizes` chooses them",
     "garmentcode": "the pattern as GarmentCode JSON",
+    "clo": "the sewn pattern for CLO and Marvelous Designer",
+    "blender": "panels with sewing threads and a script for Blender's cloth",
+    "obj": "all meshes with panels, seams and fabric",
+    "glb": "all meshes with panels, seams and fabric",
+    "usd": "all meshes with panels, seams and fabric; needs the extra usd",
+    "texture": "the scan's colours on the detail mesh, and prints of the pieces",
 })  # fmt: skip
 """One line of each format for people."""

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 from sqlalchemy.orm import Session
 
-from ...core.formats import ExportOptions
 from ..jobs import Claim
 from ..models import JobRow, PieceRow
 from .dress import GARMENTS
 from .dress_request import RESULT
+from .export_request import ExportRequest, add_scan
 from .kind import Kind, Outcome, Work
 from .rows import add_metrics
 
@@ -35,11 +35,15 @@ class Export(Kind):
     """Write a stored result in a format of production."""
 
     name = "export"
-    request = ExportOptions
+    request = ExportRequest
     stages = ("check", "write")
     reads = MappingProxyType({RESULT: GARMENTS})
 
-    def run(self, request: ExportOptions, work: Work, hooks: Hooks) -> Exported:
+    def adopt(self, session: Session, request: dict[str, Any], row: JobRow) -> dict[str, Any]:
+        """Return the request with the result's scan, where the format takes its colours."""
+        return add_scan(session, request, row)
+
+    def run(self, request: ExportRequest, work: Work, hooks: Hooks) -> Exported:
         """Write the files."""
         from ...core.clock import Clock
         from ...core.formats import Production, write_production
@@ -47,7 +51,8 @@ class Export(Kind):
 
         clock = Clock(hooks)
         with clock.stage("write", f"writing {request.format}"):
-            production = Production(load_worn(work.inputs[RESULT]), request, work.inputs[RESULT])
+            scan = None if request.scan is None else work.files / "scan" / request.scan.name
+            production = Production(load_worn(work.inputs[RESULT]), request, work.inputs[RESULT], scan)
             write_production(production, work.out)
             pieces = production.pieces
         return Exported(pieces, clock)

@@ -117,6 +117,16 @@ class Kind(ABC):
         """
         return ""
 
+    def adopt(self, session: Session, request: dict[str, Any], row: JobRow) -> dict[str, Any]:
+        """Return a derived job's request with what it takes of the job whose result it reads, when it is submitted.
+
+        Args:
+            session: Where that job is.
+            request: As `pack_request` writes it.
+            row: That job.
+        """
+        return request
+
     def turn(self, request: Any, work: Work, hooks: Hooks) -> Turned | None:
         """Return what the job is instead, where its files turn out to be what another kind works on; after the check.
 
