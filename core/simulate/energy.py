@@ -10,6 +10,7 @@ from .bending import bending
 from .bending_friction import FoldFriction
 from .block_pattern import Derivatives
 from .collision.barrier import barrier
+from .collision.look_back import look_back
 from .collision.near import Near, find_near
 from .collision.rubbing import Rubbing, lag_rubbing, rub
 from .collision.untangle import pull_apart
@@ -68,10 +69,14 @@ class Energy:
     def watch(self, nodes: np.ndarray, end: np.ndarray | None = None) -> Energy:
         """Return the same energy that knows which pairs of cloth may touch at nodes [m] and on the way to `end` [m]."""
         cloth, near = self.scene.self_contact, self.near
-        if cloth is None or (near is not None and near.covers(nodes) and (end is None or near.covers(end))):
+        if cloth is None or (near is not None and near.held):
+            return self
+        if near is not None and near.covers(nodes) and (end is None or near.covers(end)):
             return self
         if end is not None and float(((end - nodes) ** 2).sum(1).max()) <= cloth.margin**2:
             end = None
+        if near is not None and end is None:
+            return replace(self, near=look_back(cloth, nodes[None], near)[0])
         return replace(self, near=find_near(cloth, nodes, end))
 
     def free_share(self, nodes: np.ndarray, step: np.ndarray) -> tuple[Energy, float]:
@@ -84,6 +89,25 @@ class Energy:
         watching = self.watch(nodes, nodes + step)
         assert watching.near is not None
         return watching, watching.near.free_share(nodes, step)
+
+    def hold(self, nodes: np.ndarray) -> Energy:
+        """Return the same energy with the pairs near nodes [m], shape [node_count, 3], and no others anywhere.
+
+        It is right for as long as nothing else comes within reach, which `look_back` tells.
+        """
+        watching = self.watch(nodes)
+        return self if watching.near is None else replace(watching, near=replace(watching.near, held=True))
+
+    def look_back(self, path: np.ndarray) -> tuple[Energy, int]:
+        """Return how far along a path [m], [place_count, node_count, 3], the held pairs were all that came near.
+
+        With the number of that place, 0 to place_count - 1, comes the energy that knows the pairs near it, and those
+        that came near behind it.
+        """
+        if self.scene.self_contact is None or self.near is None:
+            return self, len(path) - 1
+        near, good = look_back(self.scene.self_contact, path, self.near)
+        return replace(self, near=near), good
 
     def pull_apart(self, nodes: np.ndarray) -> Energy:
         """Return the same energy whose contact waits where faces cross at nodes [m], pushed so that they part."""

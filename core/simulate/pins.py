@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -61,6 +61,11 @@ class Pins:
             known = ", ".join(c.name for c in garment.contours) or "none"
             raise PinsBad(f"the garment has no contour '{name}'; it has: {known}.")
         return cls(contour.vertices, garment.nodes[contour.vertices], stiffness, directions)
+
+    def without(self, nodes: np.ndarray) -> Pins:
+        """Return the pins but for those of some nodes, shape [count]."""
+        kept = ~np.isin(self.nodes, nodes)
+        return replace(self, nodes=self.nodes[kept], points=np.asarray(self.points)[kept])
 
 
 def move_pins(nodes: np.ndarray, pins: Pins | None, max_step: float) -> np.ndarray:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import itertools
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +17,10 @@ ARMIJO = 1e-4
 
 _TRIALS = 12
 """Step lengths tried: each is at most half of the one before, and a 4000th of a step moves nothing that can be seen."""
+
+_TURNS = 4
+"""Times that a leg is taken up again where something came near that it did not watch; the last one looks ahead along
+its steps."""
 
 _BENT = 1e-12
 """Cosine between a step and the change of the gradient under which the pair tells nothing but round-off."""
@@ -56,6 +62,9 @@ def descend(
     steps and y the gradient's changes (Nocedal and Wright 2006, algorithm 7.4). A factored PSD Hessian bends the cloth
     along straight lines; folds move along curved ones, and the pairs tell how, for a tenth of a factorisation each.
 
+    Cloth that touches itself is watched where the leg begins. Where the leg ends it is looked over: what came near on
+    the way cuts it there, and it goes on from there with that in sight.
+
     Args:
         energy: What is minimised.
         solver: Holds the factors of a positive definite matrix.
@@ -66,28 +75,62 @@ def descend(
         residual: Largest force, relative to the mean weight of a node, at which to stop.
         max_step: Largest displacement of a node in a step [m].
     """
-    origin, done = nodes, 0
-    pairs: list[tuple[np.ndarray, np.ndarray]] = []
-    reached = energy.scene.relative_residual(gradient)
-    while done < steps and reached > residual:
-        direction = -_apply(solver, pairs, gradient.ravel()).reshape(-1, 3)
-        slope = float((gradient * direction).sum())
-        if not np.isfinite(direction).all() or slope >= 0:
+    path = [_Place(nodes, start, gradient)]
+    touches = energy.scene.self_contact is not None
+    for turn in range(_TURNS + 1):
+        checked = len(path) - 1
+        energy = energy.hold(path[-1].nodes)
+        while len(path) <= steps and energy.scene.relative_residual(path[-1].gradient) > residual:
+            place, energy = _step(energy, solver, path, max_step, turn == _TURNS)
+            if place is None:
+                break
+            path.append(place)
+        if not touches:
             break
-        length = float(np.sqrt((direction**2).sum(1).max()))
-        share = min(1.0, max_step / max(length, 1e-300))
-        energy, free = energy.free_share(nodes, share * direction)
-        share *= free
-        found = _search(energy, nodes, direction, start, slope, share)
-        if found is None:
+        energy, good = energy.look_back(np.stack([place.nodes for place in path[checked:]]))
+        if checked + good == len(path) - 1:
             break
-        moved, start, after = found
-        step, change = (moved - nodes).ravel(), (after - gradient).ravel()
+        del path[checked + good + 1 :]
+    end = path[-1]
+    motion = float(np.sqrt(((end.nodes - nodes) ** 2).sum(1).max()))
+    return Leg(end.nodes, energy.scene.relative_residual(end.gradient), motion, len(path) - 1, energy)
+
+
+class _Place(NamedTuple):
+    """A place of a leg: nodes [m], energy [J] and gradient [N] there."""
+
+    nodes: np.ndarray
+    energy: float
+    gradient: np.ndarray
+
+
+def _step(
+    energy: Energy, solver: Solver, path: list[_Place], max_step: float, wary: bool
+) -> tuple[_Place | None, Energy]:
+    """Return the place that the next step leads to, or None where none lowers the energy.
+
+    `wary` looks along the step before it is taken.
+    """
+    here = path[-1]
+    direction = -_apply(solver, _corrections(path), here.gradient.ravel()).reshape(-1, 3)
+    slope = float((here.gradient * direction).sum())
+    if not np.isfinite(direction).all() or slope >= 0:
+        return None, energy
+    share = min(1.0, max_step / max(float(np.sqrt((direction**2).sum(1).max())), 1e-300))
+    if wary and energy.scene.self_contact is not None:
+        energy = replace(energy, near=None).watch(here.nodes, here.nodes + share * direction).hold(here.nodes)
+    energy, free = energy.free_share(here.nodes, share * direction)
+    return _search(energy, here, direction, slope, share * free), energy
+
+
+def _corrections(path: list[_Place]) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return the steps of a leg so far and the gradient's changes, but for those that tell nothing."""
+    pairs = []
+    for before, after in itertools.pairwise(path):
+        step, change = (after.nodes - before.nodes).ravel(), (after.gradient - before.gradient).ravel()
         if float(step @ change) > _BENT * float(np.linalg.norm(step) * np.linalg.norm(change)):
             pairs.append((step, change))
-        nodes, gradient, done = moved, after, done + 1
-        reached = energy.scene.relative_residual(gradient)
-    return Leg(nodes, reached, float(np.sqrt(((nodes - origin) ** 2).sum(1).max())), done, energy)
+    return pairs
 
 
 def _apply(solver: Solver, pairs: list[tuple[np.ndarray, np.ndarray]], gradient: np.ndarray) -> np.ndarray:
@@ -102,17 +145,15 @@ def _apply(solver: Solver, pairs: list[tuple[np.ndarray, np.ndarray]], gradient:
     return result
 
 
-def _search(
-    energy: Energy, nodes: np.ndarray, direction: np.ndarray, start: float, slope: float, share: float
-) -> tuple[np.ndarray, float, np.ndarray] | None:
-    """Shorten a share of the direction until the energy falls: nodes, energy, gradient there, or None if none helps."""
-    noise = 1e-13 * abs(start)
+def _search(energy: Energy, here: _Place, direction: np.ndarray, slope: float, share: float) -> _Place | None:
+    """Shorten a share of the direction until the energy falls; None if nothing helps."""
+    noise = 1e-13 * abs(here.energy)
     for _ in range(_TRIALS):
-        trial = nodes + share * direction
+        trial = here.nodes + share * direction
         reached, gradient = energy.gradient(trial)
-        if np.isfinite(reached) and reached <= start + ARMIJO * share * slope + noise:
-            return trial, reached, gradient
+        if np.isfinite(reached) and reached <= here.energy + ARMIJO * share * slope + noise:
+            return _Place(trial, reached, gradient)
         # the lowest point of the parabola through what is known, between a tenth and a half of the step
-        parabola = -0.5 * slope * share**2 / (reached - start - slope * share) if np.isfinite(reached) else 0.0
+        parabola = -0.5 * slope * share**2 / (reached - here.energy - slope * share) if np.isfinite(reached) else 0.0
         share = min(max(parabola, 0.1 * share), 0.5 * share)
     return None

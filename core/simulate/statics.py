@@ -166,7 +166,7 @@ def equilibrium(
     progress, outcome = _Progress(settings, stop), None
     while outcome is None:
         hooks.check()
-        pinned = move_pins(nodes, scene.pins, settings.max_step)
+        pinned = move_pins(nodes, energy.scene.pins, settings.max_step)
         arrived = bool((pinned == nodes).all())
         if not arrived:
             energy, free = energy.free_share(nodes, pinned - nodes)
@@ -177,7 +177,7 @@ def equilibrium(
         energy, solver = couple(energy, solver, nodes)
         if progress.follows:
             energy = energy.lag_rubbing(nodes, energy.rubbing)
-            energy = replace(energy, friction=lag_friction(scene, nodes, anchors))
+            energy = replace(energy, friction=lag_friction(energy.scene, nodes, anchors))
         start, gradient, blocks = energy.hessian(nodes, False)
         if scene.relative_residual(gradient) <= settings.tolerance and arrived:
             outcome = Outcome.CONVERGED
@@ -200,17 +200,24 @@ def equilibrium(
 def _untangle(
     energy: Energy, solver: Solver, nodes: np.ndarray, anchors: np.ndarray, settings: SolveSettings
 ) -> tuple[Energy, Solver, np.ndarray]:
-    """Pull apart, in short damped steps, what crosses at nodes [m]; contact waits for what does not come apart."""
-    scene, counts = energy.scene, []
+    """Pull apart, in short damped steps, what crosses at nodes [m]; contact waits for what does not come apart.
+
+    A contour that is held where it crosses itself cannot come apart: those nodes are let go.
+    """
+    counts: list[int] = []
     while True:
         energy = energy.pull_apart(nodes)
-        assert energy.scene.self_contact is not None
-        counts.append(int(energy.scene.self_contact.crossed.sum()))
+        cloth = energy.scene.self_contact
+        assert cloth is not None
+        counts.append(int(cloth.crossed.sum()))
         if not is_resolving(counts, _PATIENCE):
-            return replace(energy, inertia=None, push=None), solver, nodes
-        inertia = Inertia(nodes, 1.0 / _PULL**2)
+            held = np.intersect1d(cloth.faces[cloth.crossed], np.flatnonzero(energy.scene.fixed))
+            if energy.scene.pins is None or not len(held):
+                return replace(energy, inertia=None, push=None), solver, nodes
+            energy, counts = replace(energy, scene=replace(energy.scene, pins=energy.scene.pins.without(held))), []
+        friction = lag_friction(energy.scene, nodes, anchors)
         energy, solver = couple(
-            replace(energy, friction=lag_friction(scene, nodes, anchors), inertia=inertia), solver, nodes
+            replace(energy, friction=friction, inertia=Inertia(nodes, 1.0 / _PULL**2)), solver, nodes
         )
         start, gradient, blocks = energy.hessian(nodes, False)
         if factor_regularised(energy, solver, nodes, blocks, 0.0) >= 0:

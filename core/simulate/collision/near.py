@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +10,7 @@ from numba import njit
 
 from .advance import approach, free_share
 from .barrier import measure_pairs
-from .broad import Boxes, choose_cells, fill_cells, find_overlaps, wrap_boxes
+from .broad import Boxes, pair_boxes, wrap_boxes
 from .closest import EDGE_EDGE, NODE_FACE, PARALLEL, span, weigh
 from .self_contact import SHARE, SelfContact
 
@@ -29,21 +29,34 @@ class PairElements(NamedTuple):
     sizes: np.ndarray
 
 
+class Candidates(NamedTuple):
+    """Pairs of one kind whose boxes overlap: the kind, their nodes, shape [pair_count, 4], and what tells them apart."""
+
+    kind: int
+    nodes: np.ndarray
+    keys: np.ndarray
+
+
 @dataclass(frozen=True)
 class Near:
     """Hold the pairs that may touch while cloth goes from one place to another, or stays near that way.
 
     Attributes:
         pairs: Those of a node and a face first, then those of edges.
-        start: Where the way begins [m], shape [node_count, 3].
+        keys: A number for each pair that no other pair of the cloth has, shape [pair_count].
+        start: Where the way begins [m], shape [node_count, 3]; of nodes that stayed within the margin since their pairs
+            were found, where they were then.
         step: The way [m], shape [node_count, 3].
         margin: Distance from it up to which the pairs are complete [m].
+        held: They are to count as complete anywhere.
     """
 
     pairs: PairElements
+    keys: np.ndarray
     start: np.ndarray
     step: np.ndarray
     margin: float
+    held: bool = False
 
     def within(self, nodes: np.ndarray, slack: float) -> PairElements:
         """Return the pairs whose distance at nodes [m], shape [node_count, 3], is within reach and a slack [m]."""
@@ -60,12 +73,25 @@ class Near:
         return float(free_share(nodes, step, self.pairs)) if len(self.pairs.kinds) else 1.0
 
     def covers(self, nodes: np.ndarray) -> bool:
-        """Return whether nodes [m], shape [node_count, 3], lie near one point of the way."""
+        """Return whether nodes [m], shape [node_count, 3], lie near one point of the way, where pairs are complete."""
         moved = nodes - self.start
         length = float((self.step**2).sum())
         if length > 0.0:
             moved -= min(1.0, max(0.0, float((moved * self.step).sum()) / length)) * self.step
         return float((moved**2).sum(1).max()) <= self.margin**2
+
+    def left(self, path: np.ndarray) -> np.ndarray:
+        """Return which nodes are beyond the margin somewhere on a path [m], [place_count, node_count, 3]."""
+        if self.step.any():
+            return np.full(path.shape[1], not all(self.covers(place) for place in path))
+        return np.asarray(_leave(path, self.start, self.margin))
+
+    def renewed(self, found: Near, moved: np.ndarray) -> Near:
+        """Return these pairs with those of nodes that moved, shape [node_count], found anew, where those are now."""
+        kept = ~moved[self.pairs.nodes].any(axis=1)
+        parts = (np.concatenate([old[kept], new]) for old, new in zip(self.pairs, found.pairs, strict=True))
+        start = np.where(moved[:, None], found.start, self.start)
+        return replace(found, pairs=PairElements(*parts), keys=np.concatenate([self.keys[kept], found.keys]), start=start)
 
 
 def find_near(cloth: SelfContact, start: np.ndarray, end: np.ndarray | None = None) -> Near:
@@ -80,24 +106,74 @@ def find_near(cloth: SelfContact, start: np.ndarray, end: np.ndarray | None = No
         end: Positions at the end of the way; `start` where None.
     """
     start = np.ascontiguousarray(start, dtype=np.float64)
-    end = start if end is None else np.ascontiguousarray(end, dtype=np.float64)
-    margin, step = cloth.margin, end - start
-    inflation = 0.5 * float(cloth.reach.max()) + margin
-    along = end - step.mean(axis=0)  # how the whole moves brings nothing nearer to anything
+    step = np.zeros_like(start) if end is None else end - start
+    slack = 2.0 * cloth.margin
+    found = find_candidates(cloth, start[None] if end is None else np.stack([start, end]), slack)
+    kept = [_keep(start, step, each.nodes, each.kind, cloth.reach, slack) for each in found]
+    return gather(cloth, found, kept, start, step)
+
+
+def find_candidates(
+    cloth: SelfContact, path: np.ndarray, slack: float, moved: np.ndarray | None = None
+) -> list[Candidates]:
+    """Find all pairs that may come within reach and slack of each other on a path, by their boxes.
+
+    Args:
+        cloth: The mesh and its reach.
+        path: Positions between which the cloth goes straight [m], shape [place_count, node_count, 3].
+        slack: Distance beyond reach [m].
+        moved: Nodes of which every pair has one or more, shape [node_count]; all where None.
+    """
+    inflation = 0.5 * (float(cloth.reach.max()) + slack)
+    # how the whole moves brings nothing nearer to anything
+    path = np.ascontiguousarray(path - (path - path[:1]).mean(axis=1, keepdims=True))
     singles, sheets, sides = (
-        Boxes(low, high, each)
-        for each in (cloth.singles, cloth.sheets, cloth.sides)
-        for low, high in [wrap_boxes(start, along, each, inflation)]
+        Boxes(wrap_boxes(path, each, inflation), each) for each in (cloth.singles, cloth.sheets, cloth.sides)
     )
-    grid = choose_cells(sheets, 1.5 * float((sheets.high - sheets.low).mean()))
-    faced = find_overlaps(singles, sheets, fill_cells(sheets, grid), grid, False)
-    edged = find_overlaps(sides, sides, fill_cells(sides, grid), grid, True)
-    kept = [
-        nodes[_keep(start, step, nodes, kind, cloth.reach, 2.0 * margin)]
-        for kind, nodes in ((NODE_FACE, faced), (EDGE_EDGE, edged))
-    ]
-    kinds = np.repeat(np.array([NODE_FACE, EDGE_EDGE]), [len(nodes) for nodes in kept])
-    return Near(PairElements(kinds, *_size(cloth, kept)), start, step, margin)
+    if moved is None:
+        faced = pair_boxes(sheets, singles)[:, ::-1]
+        edged = pair_boxes(sides, None)
+    else:
+        (near, far), (broad, flat), (along, across) = (_split(each.nodes, moved) for each in (singles, sheets, sides))
+        faced = np.concatenate([
+            _pair_some(singles, near, sheets, np.arange(len(sheets.nodes))),
+            _pair_some(sheets, broad, singles, far)[:, ::-1],
+        ])  # fmt: skip
+        edged = np.sort(np.concatenate([_pair_some(sides, along), _pair_some(sides, along, sides, across)]), axis=1)
+    count = len(sheets.nodes)
+    return [
+        Candidates(NODE_FACE, np.concatenate([singles.nodes[faced[:, 0]], sheets.nodes[faced[:, 1]]], axis=1),
+                   faced[:, 0] * count + faced[:, 1]),
+        Candidates(EDGE_EDGE, sides.nodes[edged].reshape(-1, 4),
+                   len(singles.nodes) * count + edged[:, 0] * len(sides.nodes) + edged[:, 1]),
+    ]  # fmt: skip
+
+
+def _split(groups: np.ndarray, moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the groups that have a node that moved, and the others."""
+    touched = moved[groups].any(axis=1)
+    return np.flatnonzero(touched), np.flatnonzero(~touched)
+
+
+def _pair_some(
+    boxes: Boxes, chosen: np.ndarray, others: Boxes | None = None, there: np.ndarray | None = None
+) -> np.ndarray:
+    """Return the indices of some boxes and some others that overlap, [pair_count, 2]; see `pair_boxes`."""
+    own = Boxes(boxes.bounds[chosen], boxes.nodes[chosen])
+    if others is None or there is None:
+        return np.asarray(chosen[pair_boxes(own, None)])
+    pairs = pair_boxes(own, Boxes(others.bounds[there], others.nodes[there]))
+    return np.column_stack([chosen[pairs[:, 0]], there[pairs[:, 1]]])
+
+
+def gather(
+    cloth: SelfContact, found: list[Candidates], kept: list[np.ndarray], start: np.ndarray, step: np.ndarray
+) -> Near:
+    """Return the candidates that are kept, shape [pair_count] each, as the pairs near a way [m]; see `Near`."""
+    nodes = [each.nodes[chosen] for each, chosen in zip(found, kept, strict=True)]
+    keys = np.concatenate([each.keys[chosen] for each, chosen in zip(found, kept, strict=True)])
+    kinds = np.repeat(np.array([each.kind for each in found]), [len(each) for each in nodes])
+    return Near(PairElements(kinds, *_size(cloth, nodes)), keys, start, step, cloth.margin)
 
 
 def _size(cloth: SelfContact, kept: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
@@ -128,3 +204,18 @@ def _keep(start, step, nodes, kind, reach, slack):  # type: ignore[no-untyped-de
         weigh(start, nodes[n], kind, weights, rates)
         kept[n] = span(start, nodes[n], weights, vector) < far + approach(motion, kind)
     return kept
+
+
+@njit(cache=True)
+def _leave(path, start, margin):  # type: ignore[no-untyped-def]
+    """Return which nodes are further than a margin [m] from their start at some place of a path, shape [node_count]."""
+    left = np.zeros(len(start), np.bool_)
+    for v in range(len(start)):
+        for p in range(len(path)):
+            square = 0.0
+            for d in range(3):
+                square += (path[p, v, d] - start[v, d]) ** 2
+            if square > margin * margin:
+                left[v] = True
+                break
+    return left

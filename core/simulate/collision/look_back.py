@@ -1,0 +1,119 @@
+"""Look over a way that was gone: how far of it did nothing come near but the pairs that were watched."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numba import njit
+
+from .advance import approach
+from .closest import span, weigh
+from .near import Near, find_candidates, gather
+from .self_contact import SelfContact
+
+
+MANY = 0.5
+"""Share of the nodes that left their margin from which pairs are looked for everywhere: around each of them costs as much
+then."""
+
+
+def look_back(cloth: SelfContact, path: np.ndarray, watched: Near) -> tuple[Near, int]:
+    """Return the pairs near the last place of a path up to which its energies hold, and the number of that place.
+
+    Cloth that descends knows the pairs near the start of a leg. What it did is right as far as no other pair came
+    within reach, for until then the barrier of every other pair was zero. One search over the whole path tells where
+    that ends, in place of one for each step. It is made around the nodes that left the margin of where their pairs were
+    looked for last (Verlet 1967): of a drape's legs most move but a hundredth of the nodes so far.
+
+    Args:
+        cloth: The mesh and its reach.
+        path: Places between which the cloth went straight [m], shape [place_count, node_count, 3].
+        watched: The pairs that it knew.
+
+    Returns:
+        The pairs that come within reach on the path, or are within reach and margin of that place: there they are
+        complete, and who goes on from there as before meets no other pair. And the place, 0 to place_count - 1.
+    """
+    path = np.ascontiguousarray(path, dtype=np.float64)
+    moved = watched.left(path)
+    steps = last = len(path) - 1
+    if not moved.any():
+        return replace(watched, held=False), last
+    apart = watched.step.any() or moved.mean() > MANY
+    # nodes that have not moved may be by a margin off where their pairs were found
+    slack = (2.0 if apart else 3.0) * cloth.margin
+    found = find_candidates(cloth, path, slack, None if apart else moved)
+    traces = [_trace(path, each.nodes, each.kind, cloth.reach, slack) for each in found]
+    for each, (first, _) in zip(found, traces, strict=True):
+        met = first < last
+        if met.any():
+            last = min(last, int(first[met][~np.isin(each.keys[met], watched.keys)].min(initial=last)))
+    place, chosen = path[last], []
+    for each, (first, least) in zip(found, traces, strict=True):
+        close = least < slack
+        close[close] = _measure(place, each.nodes[close], each.kind, cloth.reach) < slack
+        chosen.append(close | (first < steps))
+    near = gather(cloth, found, chosen, place, np.zeros_like(place))
+    return near if apart else watched.renewed(near, moved), last
+
+
+@njit(cache=True)
+def _trace(path, nodes, kind, reach, slack):  # type: ignore[no-untyped-def]
+    """Return the first step of a path on which each pair may come within reach, and its least distance beyond reach [m].
+
+    Of a place x_j the pair's nodes are off by D_k = x_jk - x_0k less their mean, so that its distance is at least
+    d_0 - max_j (max_a |D_a| + max_b |D_b|), on the steps too. Where that does not do, it is taken at each place: on a
+    step of lengths l_a, l_b it stays above (d_j + d_j+1 - l_a - l_b) / 2. The number of steps means never.
+    """
+    weights, rates, vector, motion = np.zeros(4), np.zeros((2, 4)), np.zeros(3), np.zeros((4, 3))
+    count = len(path) - 1
+    first, least = np.zeros(len(nodes), np.int64), np.zeros(len(nodes))
+    for n in range(len(nodes)):
+        pair = nodes[n]
+        far = min(min(reach[pair[0]], reach[pair[1]]), min(reach[pair[2]], reach[pair[3]]))
+        most = 0.0
+        for j in range(1, count + 1):
+            _move(path[0], path[j], pair, motion)
+            most = max(most, approach(motion, kind))
+        weigh(path[0], pair, kind, weights, rates)
+        distance = span(path[0], pair, weights, vector) - far
+        first[n], least[n] = count, distance - most
+        if least[n] >= slack:
+            continue
+        least[n] = distance
+        for j in range(1, count + 1):
+            before = distance
+            weigh(path[j], pair, kind, weights, rates)
+            distance = span(path[j], pair, weights, vector) - far
+            _move(path[j - 1], path[j], pair, motion)
+            lowest = 0.5 * (before + distance - approach(motion, kind))
+            least[n] = min(least[n], min(lowest, distance))
+            if lowest < 0.0 and first[n] == count:
+                first[n] = j - 1
+    return first, least
+
+
+@njit(cache=True, inline="always")
+def _move(start, end, pair, motion):  # type: ignore[no-untyped-def]
+    """Fill how the four nodes of a pair move [m], less their mean, shape [4, 3]."""
+    for d in range(3):
+        mean = 0.0
+        for k in range(4):
+            motion[k, d] = end[pair[k], d] - start[pair[k], d]
+            mean += 0.25 * motion[k, d]
+        for k in range(4):
+            motion[k, d] -= mean
+
+
+@njit(cache=True)
+def _measure(x, nodes, kind, reach):  # type: ignore[no-untyped-def]
+    """Return how far pairs are beyond reach at x [m], shape [pair_count]."""
+    beyond = np.zeros(len(nodes))
+    weights, rates, vector = np.zeros(4), np.zeros((2, 4)), np.zeros(3)
+    for n in range(len(nodes)):
+        pair = nodes[n]
+        weigh(x, pair, kind, weights, rates)
+        far = min(min(reach[pair[0]], reach[pair[1]]), min(reach[pair[2]], reach[pair[3]]))
+        beyond[n] = span(x, pair, weights, vector) - far
+    return beyond
