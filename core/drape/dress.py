@@ -133,7 +133,7 @@ def _weld_flat(garment: Garment, body: Body) -> np.ndarray:
     displacement.
     """
     panels = garment.pattern.panels
-    rotation, origin = turn_sleeves(garment, body)
+    rotation, origin = turn_sleeves(garment, body, LIFT)
     flat = np.einsum("nij,nj->ni", rotation[garment.panel_of_uv], garment.uv) + origin[garment.panel_of_uv]
     count = np.bincount(garment.uv_node)
     shared = np.nonzero(count[garment.uv_node] > 1)[0]

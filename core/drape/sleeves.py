@@ -9,23 +9,25 @@ from ..pattern import Garment, Pattern
 from ..segment import find_loops
 
 ON_THE_ARM = np.radians(15.0)
-"""Angle between sleeve and arm up to which a sleeve stays as it is drafted: laid flat, the arm still starts inside it.
-T-shirts droop by 12 degrees, and patterns for an A-pose by 30 to 60."""
+"""Angle between sleeve and arm up to which a sleeve stays as it is drafted where the arm then starts inside it. T-shirts
+droop by 12 degrees, and patterns for an A-pose by 30 to 60."""
 HANGING = np.radians(75.0)
 """Angle below the horizontal from which a tube is a leg's, or hangs along the trunk, and no sleeve's."""
 
 
-def turn_sleeves(garment: Garment, body: Body) -> tuple[np.ndarray, np.ndarray]:
+def turn_sleeves(garment: Garment, body: Body, lift: float) -> tuple[np.ndarray, np.ndarray]:
     """Turn sleeves in the plane of the panels until they lie along the wearer's arms.
 
     A sleeve is a group of sewn panels beyond one shoulder that ends in an open contour of its own; its axis runs from
-    the middle of the seams by which it hangs to the middle of that contour. Sleeves near the arm's direction, and such
-    as hang along the trunk, stay as they are. Its seam with the armhole is then as far open as the author's pose
+    the middle of the seams by which it hangs to the middle of that contour. Sleeves near the arm's direction stay as
+    they are, unless their upper end sinks below the middle of the arm, which would then come out through it and not
+    through the cuff; and so do such as hang along the trunk. Its seam with the armhole is then as far open as the author's pose
     differs from the T-pose, which welding spreads into the panels.
 
     Args:
         garment: The sewn garment; where its nodes are does not matter.
         body: The body in its T-pose, facing +z.
+        lift: How far above the body's shoulders the garment is laid [m].
 
     Returns:
         Panel axes in the x, y plane, shape [panel_count, 2, 2], and where each panel's origin stands in it [m], shape
@@ -42,18 +44,22 @@ def turn_sleeves(garment: Garment, body: Body) -> tuple[np.ndarray, np.ndarray]:
     for side, name in ((1.0, "left"), (-1.0, "right")):
         way = body.joint(f"{name}_wrist") - body.joint(f"{name}_shoulder")
         arm = np.arctan2(-way[1], side * way[0])
+        upward = np.array([side * np.sin(arm), np.cos(arm)])
+        half = _half_thickness(body, name)
         for group in _groups(pattern, side * (middle - centre) > shoulder):
-            ends = _axis(garment, place, group, loops)
+            ends = _ends(garment, place, group, loops)
             if ends is None:
                 continue
-            axis = ends[1] - ends[0]
+            cap, cuff = (points.mean(axis=0) for points in ends)
+            axis = cuff - cap
             droop = np.arctan2(-axis[1], side * axis[0])
-            if abs(droop - arm) <= ON_THE_ARM or abs(droop) >= HANGING:
+            sinks = float((ends[0] @ upward).max() - (ends[1] @ upward).max()) > lift + half
+            if (abs(droop - arm) <= ON_THE_ARM and not sinks) or abs(droop) >= HANGING:
                 continue
             turn = side * (droop - arm)
             turned = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
             rotation[group] = turned @ rotation[group]
-            origin[group] = (origin[group] - ends[0]) @ turned.T + ends[0]
+            origin[group] = (origin[group] - cap) @ turned.T + cap
     return rotation, origin
 
 
@@ -72,10 +78,18 @@ def _groups(pattern: Pattern, chosen: np.ndarray) -> list[list[int]]:
     return [np.flatnonzero(chosen & (label == name)).tolist() for name in np.unique(label[chosen])]
 
 
-def _axis(
+def _half_thickness(body: Body, name: str) -> float:
+    """Give half the height of an upper arm of a body in its T-pose [m], within 1 cm of its middle."""
+    shoulder, elbow = body.joint(f"{name}_shoulder"), body.joint(f"{name}_elbow")
+    middle = 0.5 * (shoulder + elbow)
+    near = (np.abs(body.vertices[:, 0] - middle[0]) < 0.01) & (np.abs(body.vertices[:, 1] - middle[1]) < 0.1)
+    return 0.5 * float(np.ptp(body.vertices[near, 1])) if near.any() else 0.0
+
+
+def _ends(
     garment: Garment, place: np.ndarray, group: list[int], loops: tuple[np.ndarray, ...]
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    """Give the middles of a sleeve's cap and cuff [m], or None where a group has no seam to others or no cuff."""
+    """Give a sleeve's places at cap and cuff [m], shape [n, 2], or None where a group has no seam to others or no cuff."""
     inside = np.isin(garment.panel_of_uv, group)
     count = np.bincount(garment.uv_node)
     own = np.bincount(garment.uv_node[inside], minlength=len(count))
@@ -84,4 +98,4 @@ def _axis(
     if len(cuffs) != 1 or not cap.any():
         return None
     cuff = inside & np.isin(garment.uv_node, cuffs[0])
-    return place[cap].mean(axis=0), place[cuff].mean(axis=0)
+    return place[cap], place[cuff]

@@ -10,7 +10,18 @@ from ..body import Body, project_outside, skin, unskin, weights_at
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target, find_loops, name_contours, smoothed_length
-from ..simulate import Drape, Fabric, Scene, SolveSettings, SteadyRotation, Stop, Topology, equilibrium, soften
+from ..simulate import (
+    Drape,
+    Fabric,
+    Scene,
+    SelfContact,
+    SolveSettings,
+    SteadyRotation,
+    Stop,
+    Topology,
+    equilibrium,
+    soften,
+)
 from .carry import take_pose
 from .dress import DressSettings, dress, place, waist_loop
 from .follow import FollowSettings, PbdState, Threads, follow, lay_threads
@@ -32,6 +43,7 @@ class DrapeSettings:
         settle_steps: Position-based steps without weight before Newton. The registered mesh is stretched by up to half
             in places; 15 steps bring every edge within a quarter. Under weight the sweeps, which do not converge on
             4000 vertices, would stretch the cloth by 7 % and Newton would take 30 iterations to undo it.
+        apart: The cloth does not pass through itself at rest. Not where a pattern is still to be graded or fitted.
         dress: The first drape.
         follow: The position-based steps in the pose.
         solve: The equilibrium.
@@ -40,6 +52,7 @@ class DrapeSettings:
     template_vertices: int = 1500
     pose_steps: int = 60
     settle_steps: int = 15
+    apart: bool = False
     dress: DressSettings = field(default_factory=DressSettings)
     follow: FollowSettings = field(default_factory=FollowSettings)
     solve: SolveSettings = field(default_factory=SolveSettings)
@@ -200,7 +213,9 @@ def drape_graded(
     start, steps = PbdState.at_rest(nodes), settings.settle_steps
     nodes = follow(threads, start, wearer.grid, steps, settings=settings.follow, held=held).nodes
     hooks.progress("drape", 0.3, "equilibrium")
-    scene = Scene(Topology.from_garment(garment), soften(fabric), wearer.grid, pins, rotation)
+    topology = Topology.from_garment(garment)
+    contact = SelfContact.of(topology) if settings.apart else None
+    scene = Scene(topology, soften(fabric), wearer.grid, pins, rotation, self_contact=contact)
     drape = equilibrium(scene, nodes, settings=settings.solve, hooks=hooks, stop=stop)
     nodes = project_outside(drape.nodes, wearer.exposed, garment.faces)
     contours, _ = name_contours(nodes, garment.faces, wearer.body)
@@ -214,13 +229,13 @@ def redrape(
     target: Target,
     *,
     rotation: SteadyRotation | None = None,
-    settings: DrapeSettings = DrapeSettings(),
+    settings: DrapeSettings = DrapeSettings(apart=True),
     hooks: Hooks = SILENT,
 ) -> tuple[np.ndarray, Drape]:
     """Dress the wearer in a recovered pattern from its rest placement, as somebody does who has only the pattern.
 
     Nothing is taken from the scan but the waist by which the garment hangs. What settles so may hang in other folds
-    than a drape that starts on the scan, and shows what the pattern is worth on its own.
+    than a drape that starts on the scan, and shows what the pattern is worth on its own. The cloth keeps apart from itself.
 
     Args:
         garment: The pattern's mesh; the result is of its topology, its nodes do not matter.

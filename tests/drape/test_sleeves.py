@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from garmentq.core.drape import DrapeSettings, drape_template
+from garmentq.core.drape.dress import LIFT
 from garmentq.core.drape.sleeves import turn_sleeves
 from garmentq.core.pattern import Pattern, list_templates, load_template, mesh_pattern
 from wearers import find_wearer
@@ -36,6 +37,6 @@ def test_hanging_sleeves_are_put_over_the_arms() -> None:
 def test_what_is_no_hanging_sleeve_stays(name: str) -> None:
     """Breaks if legs, skirts or sleeves that already lie along the arms are turned."""
     garment = mesh_pattern(load_template(name), 350)
-    rotation, origin = turn_sleeves(garment, find_wearer().body)
+    rotation, origin = turn_sleeves(garment, find_wearer().body, LIFT)
     assert np.array_equal(rotation, [panel.rotation[:2, :2] for panel in garment.pattern.panels])
     assert np.array_equal(origin, [panel.translation[:2] for panel in garment.pattern.panels])
