@@ -10,6 +10,10 @@ from ..mesh import HalfEdges, find_components
 ACROSS = 0.01
 """Length of a leg below which it is none [m]: the spacing of the body's vertices."""
 
+ASIDE = 0.125
+"""Share of its width by which a leg's middle lies beside the wearer's, at least. A quarter would be a leg that ends there;
+flat, the forks of trousers reach a third of a leg's width across (0.19 and 0.24 on two), and a skirt's middle is 0."""
+
 
 def spread_legs(nodes: np.ndarray, faces: np.ndarray, body: Body) -> np.ndarray:
     """Shear the legs of flattened panels sideways until they slope as the body's do; give the nodes [m], [n, 3].
@@ -37,7 +41,7 @@ def spread_legs(nodes: np.ndarray, faces: np.ndarray, body: Body) -> np.ndarray:
         joints = np.array([body.joint(f"{side}_{name}") for name in ("ankle", "knee", "hip")])
         for leg in largest:
             x, drop = nodes[leg, 0], top - nodes[leg, 1]
-            if sign * (x.mean() - centre) < 0.25 * (x.max() - x.min()) or drop.max() < ACROSS:
+            if sign * (x.mean() - centre) < ASIDE * (x.max() - x.min()) or drop.max() < ACROSS:
                 continue  # not this side's: a skirt's middle is the wearer's
             found.add(side)
             slope = np.polyfit(drop, x, 1)[0]
