@@ -53,6 +53,13 @@ class ExposedSurface:
         """Return the same skin with the faces that creases cut kept or dropped whole, as their middles are."""
         return ExposedSurface(self._solid.vertices, self._solid.faces, splits=0)
 
+    @cached_property
+    def swallowed(self) -> TriangleSurface | None:
+        """Return the skin of parts that run into each other, where it lies inside; None where there is none."""
+        solid = self._solid
+        inside = ~self._bare_middles(solid.vertices, solid.faces)
+        return TriangleSurface(solid.vertices, solid.faces[inside]) if inside.any() else None
+
     def _keep_open(self, splits: int) -> tuple[np.ndarray, np.ndarray]:
         """Drop swallowed faces, and of those that are so in part what is; give vertices and faces."""
         vertices, faces = self._solid.vertices, self._solid.faces

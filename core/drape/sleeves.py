@@ -9,8 +9,8 @@ from ..pattern import Garment, Pattern
 from ..segment import find_loops
 
 ON_THE_ARM = np.radians(15.0)
-"""Angle between sleeve and arm up to which a sleeve stays as it is drafted where the arm then starts inside it. T-shirts
-droop by 12 degrees, and patterns for an A-pose by 30 to 60."""
+"""Angle between sleeve and arm up to which a sleeve stays as it is drafted where the arm then starts inside it.
+T-shirts droop by 12 degrees, and patterns for an A-pose by 30 to 60."""
 HANGING = np.radians(75.0)
 """Angle below the horizontal from which a tube is a leg's, or hangs along the trunk, and no sleeve's."""
 
@@ -21,8 +21,8 @@ def turn_sleeves(garment: Garment, body: Body, lift: float) -> tuple[np.ndarray,
     A sleeve is a group of sewn panels beyond one shoulder that ends in an open contour of its own; its axis runs from
     the middle of the seams by which it hangs to the middle of that contour. Sleeves near the arm's direction stay as
     they are, unless their upper end sinks below the middle of the arm, which would then come out through it and not
-    through the cuff; and so do such as hang along the trunk. Its seam with the armhole is then as far open as the author's pose
-    differs from the T-pose, which welding spreads into the panels.
+    through the cuff; and so do such as hang along the trunk. Its seam with the armhole is then as far open as the
+    author's pose differs from the T-pose, which welding spreads into the panels.
 
     Args:
         garment: The sewn garment; where its nodes are does not matter.
@@ -89,7 +89,7 @@ def _half_thickness(body: Body, name: str) -> float:
 def _ends(
     garment: Garment, place: np.ndarray, group: list[int], loops: tuple[np.ndarray, ...]
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    """Give a sleeve's places at cap and cuff [m], shape [n, 2], or None where a group has no seam to others or no cuff."""
+    """Give a sleeve's places at cap and cuff [m], shape [n, 2] each, or None where a group has not both."""
     inside = np.isin(garment.panel_of_uv, group)
     count = np.bincount(garment.uv_node)
     own = np.bincount(garment.uv_node[inside], minlength=len(count))

@@ -235,7 +235,8 @@ def redrape(
     """Dress the wearer in a recovered pattern from its rest placement, as somebody does who has only the pattern.
 
     Nothing is taken from the scan but the waist by which the garment hangs. What settles so may hang in other folds
-    than a drape that starts on the scan, and shows what the pattern is worth on its own. The cloth keeps apart from itself.
+    than a drape that starts on the scan, and shows what the pattern is worth on its own. The cloth keeps apart from
+    itself.
 
     Args:
         garment: The pattern's mesh; the result is of its topology, its nodes do not matter.

@@ -11,7 +11,7 @@ ACROSS = 0.01
 """Length of a leg below which it is none [m]: the spacing of the body's vertices."""
 
 ASIDE = 0.125
-"""Share of its width by which a leg's middle lies beside the wearer's, at least. A quarter would be a leg that ends there;
+"""Share of its width by which a leg's middle lies beside the wearer's, at least. A leg that ends there has half;
 flat, the forks of trousers reach a third of a leg's width across (0.19 and 0.24 on two), and a skirt's middle is 0."""
 
 

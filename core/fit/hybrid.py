@@ -12,6 +12,7 @@ from ..deform import DeformSettings, deform
 from ..drape import pin_waist
 from ..grade import move_pattern
 from ..hooks import SILENT, Hooks
+from ..mesh import self_intersections
 from ..meshes import Meshes
 from ..pattern import resample
 from ..simulate import Fabric, FabricEstimate
@@ -51,7 +52,7 @@ def fit_pattern(
     Raises:
         LockUnknown: where a lock names no panel of the pattern.
     """
-    from ..simulate import BendingFriction, Scene, Topology, equilibrium, soften
+    from ..simulate import BendingFriction, Scene, SelfContact, Topology, equilibrium, soften
 
     garment, target, wearer, like, fabric = drape.garment, case.target, case.wearer, case.base, case.fabric
     material, locks, rotation = MaterialSettings(), drape.locks(case.settings), drape.drape.rotation
@@ -107,12 +108,15 @@ def fit_pattern(
     unfair = move_pattern(refitted, shape.pattern)
     recovered = fair_garment(unfair, like, held)
     rest = shape.drape
-    if problem.garment is not refitted or recovered is not unfair or not rest.converged:
+    started = problem.garment is refitted and recovered is unfair and rest.converged
+    if not started or len(self_intersections(rest.nodes, recovered.faces)):
         hooks.progress("fit", 0.9, "draping the recovered pattern")
         topology = Topology.from_garment(recovered)
-        folds = BendingFriction.at(topology, registered)
-        scene = Scene(topology, soften(fabric), wearer.grid, pin_waist(recovered), rotation, folds)
-        rest = equilibrium(scene, registered, hooks=hooks)
+        folds, contact = BendingFriction.at(topology, registered), SelfContact.of(topology)
+        pins = pin_waist(recovered)
+        scene = Scene(topology, soften(fabric), wearer.grid, pins, rotation, folds, self_contact=contact)
+        start, anchors = (rest.nodes, rest.anchors) if started else (registered, None)
+        rest = equilibrium(scene, start, anchors=anchors, hooks=hooks)
     simulation = project_outside(rest.nodes, wearer.exposed, recovered.faces)
     return Fit(
         garment=recovered,

@@ -61,7 +61,7 @@ def fit_inverse(
     Raises:
         LockUnknown: where a lock names no panel of the pattern.
     """
-    from ..simulate import Scene, Topology, equilibrium
+    from ..simulate import Scene, SelfContact, Topology, equilibrium
 
     garment, target, wearer, fabric = graded.garment, case.target, case.wearer, case.fabric
     locks, rotation = graded.locks(case.settings), graded.drape.rotation
@@ -76,7 +76,9 @@ def fit_inverse(
     pattern, count = problem.pattern_of(descent.best), case.settings.vertex_count
     fine = remesh_and_transfer(pattern, count, coarse, descent.best_nodes, wearer.body)
     found = problem.fabric_of(descent.best) if fit_fabric else fabric
-    scene = Scene(Topology.from_garment(fine), found, wearer.grid, pin_waist(fine, target), rotation)
+    topology = Topology.from_garment(fine)
+    contact, pins = SelfContact.of(topology), pin_waist(fine, target)
+    scene = Scene(topology, found, wearer.grid, pins, rotation, self_contact=contact)
     drape = equilibrium(scene, fine.nodes, hooks=hooks)
     return InverseFit(
         garment=fine.at(project_outside(drape.nodes, wearer.exposed, fine.faces)),

@@ -16,13 +16,13 @@ from ..mesh import (
     corner_angles,
     deformation_gradients,
     principal_stretches,
-    self_intersections,
 )
 from ..meshes import Meshes
 from ..pattern import Garment
 from ..segment import Contour
 from .chamfer import VertexCloud, chamfer_and_normals, meshing_floor, orientation
 from .contours import contour_rms
+from .crossings import count_crossings
 
 SURFACE_SAMPLES = 50_000
 """Samples per direction: the RMS of a sampled distance then scatters by less than 1 %."""
@@ -102,7 +102,7 @@ def measure_fit(garment: Garment, meshes: Meshes, truth: Reference) -> dict[str,
             draped = _measure_mesh(garment, nodes, truth)
             found |= {prefix + name: value for name, value in draped.items()}
     graded = _measure_place(garment, meshes.graded, truth)
-    graded["self_intersecting_faces"] = float(len(self_intersections(meshes.graded, garment.faces)))
+    graded |= count_crossings(meshes.graded, garment.faces, truth.skin)
     graded["body_penetration_mm"] = _penetration(meshes.graded, garment.faces, truth.skin)
     found |= {f"graded.{name}": value for name, value in graded.items()}
     return dict(sorted(found.items()))
@@ -157,7 +157,7 @@ def _measure_mesh(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict
     found["stretch_p001"] = float(np.quantile(stretch[:, 1], 0.001))
     found["stretch_p999"] = float(np.quantile(stretch[:, 0], 0.999))
     found["flipped_faces"] = float(count_flipped(nodes, faces, truth))
-    found["self_intersecting_faces"] = float(len(self_intersections(nodes, faces)))
+    found |= count_crossings(nodes, faces, truth.skin)
     found["min_angle_deg"] = float(np.degrees(np.quantile(corner_angles(nodes, faces).min(axis=1), 0.01)))
     found["body_penetration_mm"] = _penetration(nodes, faces, truth.skin)
     return found

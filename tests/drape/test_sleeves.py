@@ -40,3 +40,13 @@ def test_what_is_no_hanging_sleeve_stays(name: str) -> None:
     rotation, origin = turn_sleeves(garment, find_wearer().body, LIFT)
     assert np.array_equal(rotation, [panel.rotation[:2, :2] for panel in garment.pattern.panels])
     assert np.array_equal(origin, [panel.translation[:2] for panel in garment.pattern.panels])
+
+
+def test_a_wide_drooping_sleeve_is_put_over_the_arm() -> None:
+    """Breaks if the arm starts above the sleeve's upper seam: it then comes out through the cloth beside the cuff."""
+    shirt = load_template("tshirt")
+    panels = tuple(replace(panel, translation=2.0 * panel.translation) for panel in shirt.panels)
+    garment = mesh_pattern(replace(shirt, panels=panels).with_points(2.0 * shirt.points), 350)
+    rotation, _ = turn_sleeves(garment, find_wearer().body, LIFT)
+    turned = np.abs(rotation - [panel.rotation[:2, :2] for panel in garment.pattern.panels]).max(axis=(1, 2)) > 0.1
+    assert [panel.label == "sleeve" for panel in garment.pattern.panels] == turned.tolist()

@@ -12,10 +12,9 @@ from .closest import span, weigh
 from .near import Near, find_candidates, gather
 from .self_contact import SelfContact
 
-
 MANY = 0.5
-"""Share of the nodes that left their margin from which pairs are looked for everywhere: around each of them costs as much
-then."""
+"""Share of the nodes that left their margin from which pairs are looked for everywhere: around each of them costs as
+much then."""
 
 
 def look_back(cloth: SelfContact, path: np.ndarray, watched: Near) -> tuple[Near, int]:
@@ -60,7 +59,7 @@ def look_back(cloth: SelfContact, path: np.ndarray, watched: Near) -> tuple[Near
 
 @njit(cache=True)
 def _trace(path, nodes, kind, reach, slack):  # type: ignore[no-untyped-def]
-    """Return the first step of a path on which each pair may come within reach, and its least distance beyond reach [m].
+    """Return the first step of a path on which each pair may come within reach, and its least distance beyond it [m].
 
     Of a place x_j the pair's nodes are off by D_k = x_jk - x_0k less their mean, so that its distance is at least
     d_0 - max_j (max_a |D_a| + max_b |D_b|), on the steps too. Where that does not do, it is taken at each place: on a

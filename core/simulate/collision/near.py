@@ -30,7 +30,7 @@ class PairElements(NamedTuple):
 
 
 class Candidates(NamedTuple):
-    """Pairs of one kind whose boxes overlap: the kind, their nodes, shape [pair_count, 4], and what tells them apart."""
+    """Pairs of one kind whose boxes overlap: the kind, nodes, shape [pair_count, 4], and what tells them apart."""
 
     kind: int
     nodes: np.ndarray
@@ -91,7 +91,8 @@ class Near:
         kept = ~moved[self.pairs.nodes].any(axis=1)
         parts = (np.concatenate([old[kept], new]) for old, new in zip(self.pairs, found.pairs, strict=True))
         start = np.where(moved[:, None], found.start, self.start)
-        return replace(found, pairs=PairElements(*parts), keys=np.concatenate([self.keys[kept], found.keys]), start=start)
+        keys = np.concatenate([self.keys[kept], found.keys])
+        return replace(found, pairs=PairElements(*parts), keys=keys, start=start)
 
 
 def find_near(cloth: SelfContact, start: np.ndarray, end: np.ndarray | None = None) -> Near:
@@ -134,7 +135,7 @@ def find_candidates(
         faced = pair_boxes(sheets, singles)[:, ::-1]
         edged = pair_boxes(sides, None)
     else:
-        (near, far), (broad, flat), (along, across) = (_split(each.nodes, moved) for each in (singles, sheets, sides))
+        (near, far), (broad, _), (along, across) = (_split(each.nodes, moved) for each in (singles, sheets, sides))
         faced = np.concatenate([
             _pair_some(singles, near, sheets, np.arange(len(sheets.nodes))),
             _pair_some(sheets, broad, singles, far)[:, ::-1],
