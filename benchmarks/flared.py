@@ -140,7 +140,7 @@ def write_packs(out: Path, name: str) -> None:
     vertices, faces = drape(garment.nodes, garment.faces, garment.rest, held, wearer), garment.faces
     panels = {}
     for panel in pattern.panels:
-        edges = [edge_points(panel, n, 100) for n in range(len(panel.edges))]
+        edges = [edge_points(panel, n, 25) for n in range(len(panel.edges))]
         panels[panel.name] = {"outline": np.concatenate([edge[:-1] for edge in edges]).tolist(),
                               "edges": [edge.tolist() for edge in edges]}  # fmt: skip
     stitches = [{"a": [seam.a.panel, seam.a.edge], "b": [seam.b.panel, seam.b.edge]} for seam in pattern.seams]

@@ -60,7 +60,7 @@ def across_armholes(pattern: Pattern) -> tuple[tuple[tuple[int, int], tuple[int,
         stretches = _stretches(away, [name == panel.name for name in sewn])
         for n, (start, end) in enumerate(stretches):
             for begin, close in stretches[n + 1 :]:
-                if _are_mirrored(panel.points, (start, end), (begin, close)):
+                if are_mirrored(panel.points, (start, end), (begin, close)):
                     at = int(first)
                     found.append(((at + end, at + begin), (at + close, at + start)))
     return tuple(found)
@@ -87,7 +87,7 @@ def _stretches(away: list[bool], dart: list[bool]) -> list[tuple[int, int]]:
     return found
 
 
-def _are_mirrored(points: np.ndarray, one: tuple[int, int], other: tuple[int, int]) -> bool:
+def are_mirrored(points: np.ndarray, one: tuple[int, int], other: tuple[int, int]) -> bool:
     """Tell whether two chords, run through one after the other, are the legs of an isosceles trapezium."""
 
     def alike(a: tuple[int, int], b: tuple[int, int]) -> bool:

@@ -119,3 +119,37 @@ def test_shoulders_keep_their_width_by_the_chest():
     step = 1e-6 * np.sin(np.arange(points.size))
     ends = [rules.linearise(wider.with_points(points + s * step.reshape(-1, 2)))[0][at] for s in (1, -1)]
     assert rates[at] @ step == pytest.approx(-(ends[0] - ends[1]) / 2, rel=1e-6)
+
+
+def test_a_point_within_a_seam_keeps_its_share_of_it():
+    """Broken where the notch of a smooth side seam is free, counts twice, or the rate has a wrong sign or spread."""
+    skirt = load_template("skirt")
+    rules = find_proportions(skirt)
+    assert len(rules.notched) == 2 and len({ref for pair in rules.notched for ref in pair}) == 4  # both sides, once
+    edge, after = rules.notched[0]
+    points = skirt.points.copy()
+    start, notch, end = skirt.ends_of(edge)[0], skirt.ends_of(edge)[1], skirt.ends_of(after)[1]
+    points[notch] += 0.1 * (points[end] - points[start])
+    at = len(rules.areas) + len(rules.lengths) + len(rules.widths)
+    moved = skirt.with_points(points)
+    missing, rates = rules.linearise(moved)
+    assert missing[at] < -1.0
+    step = 1e-6 * np.sin(np.arange(points.size))
+    ends = [rules.linearise(moved.with_points(points + s * step.reshape(-1, 2)))[0][at] for s in (1, -1)]
+    assert rates[at] @ step == pytest.approx(-(ends[0] - ends[1]) / 2, rel=1e-3)
+
+
+def test_a_side_seam_does_not_wander_to_the_front_and_back():
+    """Broken where a front that narrows at the waist by what its back widens costs nothing: areas do not change."""
+    dress = load_template("dress")
+    rules = find_proportions(dress)
+    assert len(rules.widths) == 2  # at the waist and at the hip
+    first = len(rules.areas) + len(rules.lengths)
+    for n, ((a, b), (back_a, back_b)) in enumerate(rules.widths):
+        points = dress.points.copy()
+        middle = points[[a, b], 0].mean()
+        points[[a, b], 0] = middle + 0.8 * (points[[a, b], 0] - middle)
+        missing, _ = rules.linearise(dress.with_points(points))
+        assert missing[first + n] == pytest.approx(-np.log(0.8) / 0.04)
+        assert dress.points[a, 1] == pytest.approx(dress.points[b, 1])
+        assert dress.points[back_a, 1] == pytest.approx(dress.points[back_b, 1])

@@ -10,6 +10,7 @@ from garmentq.core.body import Body, builtin_body
 from garmentq.core.errors import Cancelled
 from garmentq.core.grade import SlideSettings, slide_seams, sliding
 from garmentq.core.hooks import Hooks
+from garmentq.core.mesh import face_areas, vertex_normals
 from garmentq.core.pattern import Edge, EdgeRef, Garment, Panel, Pattern, Seam, mesh_pattern, panel_area, seam_mismatch
 from garmentq.core.segment import Contour, Target, find_loops
 
@@ -92,6 +93,20 @@ def test_a_seam_slides_to_the_edge(body, target):
     found = slide_seams(start, target, body, start.pattern)
     assert abs(areas(found.pattern) / true - 1.0).max() < 0.15
     assert seam_mismatch(found.pattern) < 1e-5
+
+
+@pytest.mark.parametrize(("height", "count"), [(0.006, 12), (0.006, 16), (0.008, 14)])
+def test_cloth_in_folds_between_coarse_nodes_is_not_lost(body, height, count):
+    """Broken where the sliding takes the chords of its coarse mesh for the cloth: 0 to 1 % then, not 4 to 10."""
+    start = fold(TOP, 3000)
+    wave = height * np.sin(count * np.arctan2(start.nodes[:, 0], start.nodes[:, 2]))
+    pleated = start.at(start.nodes + wave[:, None] * vertex_normals(start.nodes, start.faces), start.contours)
+    target = Target(pleated.nodes, pleated.faces, np.zeros_like(pleated.nodes), pleated.contours, (), "skirt")
+    settings = SlideSettings(isometry=replace(SlideSettings().isometry, vertices=300))
+    found = slide_seams(pleated, target, body, start.pattern, settings=settings)
+    longer = face_areas(pleated.nodes, start.faces).sum() / face_areas(start.nodes, start.faces).sum()
+    assert longer > 1.04
+    assert areas(found.pattern).sum() / areas(start.pattern).sum() == pytest.approx(longer, abs=0.01)
 
 
 def test_what_is_isometric_stays(body, target):
