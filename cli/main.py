@@ -25,6 +25,7 @@ COMMANDS = {
     "export": "Copy a job's files into a folder, or write its pattern for production.",
     "sizes": "Grade a result's pattern to other sizes.",
     "query": "Search completed jobs by their results.",
+    "match": "Compare two patterns panel by panel.",
     "cancel": "Stop a job.",
     "retry": "Queue an ended job again.",
     "segment": "Separate skin, hair, shoes and garments of a person's scan, and find the body under the clothes.",

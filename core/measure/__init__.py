@@ -1,6 +1,7 @@
 """Metrics, quality gates and the report."""
 
 from .chamfer import VertexCloud, chamfer_and_normals
+from .comparison import Comparison, PanelDifference, compare_patterns
 from .contours import carry_contours
 from .damage import DAMAGES, Damage
 from .fairness import measure_fairness
@@ -44,10 +45,12 @@ __all__ = [
     "BodyScore",
     "BorderScore",
     "Calibration",
+    "Comparison",
     "Damage",
     "LabelScore",
     "Outcome",
     "Pack",
+    "PanelDifference",
     "PanelPair",
     "Product",
     "RawFile",
@@ -63,6 +66,7 @@ __all__ = [
     "VisibleScore",
     "carry_contours",
     "chamfer_and_normals",
+    "compare_patterns",
     "find_edges",
     "find_frame",
     "find_packs",

@@ -137,6 +137,25 @@ class Keys(_Answer):
     keys: list[Key]
 
 
+class Pair(_Answer):
+    """Say how two panels differ: how they were paired, turning distance [rad], area of the first over the second's."""
+
+    first: str
+    second: str
+    paired_by: Literal["given", "name", "shape"]
+    turning: float
+    area_percent: float
+    outline_mm: float
+
+
+class Match(_Answer):
+    """Compare two patterns: their pairs of panels, and the panels that have no counterpart."""
+
+    pairs: list[Pair]
+    only_first: list[str]
+    only_second: list[str]
+
+
 class Health(_Answer):
     """Report that the process lives, and its version."""
 

@@ -17,7 +17,7 @@ from ..database import open_database
 from ..local_token import make_local_token
 from ..settings import ServiceSettingBad, ServiceSettings
 from ..stores import open_store
-from . import batches, events, health, jobs, keys, materials, questions, results, templates, uploads
+from . import batches, events, health, jobs, keys, match, materials, questions, results, templates, uploads
 from .access import Rooms, refuse_unknown
 from .answers import Problem
 from .guard import Guard
@@ -50,7 +50,7 @@ def make_app(settings: ServiceSettings, limits: ApiLimits | None = None, is_open
         store.prepare()
     token = make_local_token(settings.home) if is_open else ""
     app.state.rooms = Rooms(settings, open_database(settings), store, limits, token, meter)
-    for module in (uploads, batches, jobs, events, results, questions, templates, materials, keys):
+    for module in (uploads, batches, jobs, events, results, questions, match, templates, materials, keys):
         app.include_router(module.router, prefix="/v1", dependencies=[Depends(refuse_unknown)])
     app.include_router(health.router)
     add_handlers(app)

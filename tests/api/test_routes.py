@@ -186,3 +186,17 @@ def test_every_route_has_an_example(client):
             assert any("example" in c for c in contents), (method, path)
     assert count >= 28
     assert client.get("/docs").status_code == 200
+
+
+def test_patterns_are_matched(client, database):
+    """Broken where equal patterns differ, a pair is overruled, or a job that a key does not own can be compared."""
+    equal = client.get("/v1/match", params={"first": "skirt", "second": "skirt"}).json()
+    assert [pair["paired_by"] for pair in equal["pairs"]] == ["name"] * 2
+    assert max(abs(pair["outline_mm"]) for pair in equal["pairs"]) < 1e-6
+    given = {"first": "skirt", "second": "skirt", "pair": ["front:back", "back:front"]}
+    crossed = client.get("/v1/match", params=given).json()
+    assert {(pair["first"], pair["second"]) for pair in crossed["pairs"]} == {("front", "back"), ("back", "front")}
+    bad = client.get("/v1/match", params={**given, "pair": ["nosuch:front"]})
+    assert (bad.status_code, code_of(bad)) == (422, "match.pairs_bad")
+    assert client.get("/v1/match", params={**given, "pair": ["front"]}).status_code == 422
+    assert code_of(client.get("/v1/match", params={"first": "nosuch", "second": "skirt"})) == "template.unknown"

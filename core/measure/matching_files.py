@@ -1,0 +1,82 @@
+"""Compare the patterns of two files, each read in a limited process, and read pairs of panels that a user wrote."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ..errors import BadInput
+from ..limited import Bounds, call_limited
+
+BOUNDS = Bounds(memory_bytes=1024**3, cpu_seconds=30, wall_seconds=120.0)
+"""What a comparison may cost: two patterns of ten panels take 3 s."""
+
+LONGEST_PAIRS = 100_000
+"""Largest file of pairs that is read [bytes]: 200 panels with long names take 20 KB."""
+
+
+class PairsUnreadable(BadInput):
+    """The pairs cannot be read; write {"panel of the first": "panel of the second"}, or CSV with two names a line."""
+
+    code = "match.pairs_unreadable"
+
+
+def match_files(first: Path, second: Path, given: Mapping[str, str]) -> dict[str, Any]:
+    """Compare two pattern files in a limited process.
+
+    Args:
+        first, second: The files.
+        given: Names of the second's panels by the first's, for those that a user paired.
+
+    Returns:
+        The fields of `Comparison` as JSON values.
+
+    Raises:
+        BadInput: where a file is no pattern, or a pair is bad.
+    """
+    arguments = {"first": str(first.absolute()), "second": str(second.absolute()), "given": dict(given)}
+    return call_limited("garmentq.core.measure.comparison:compare_files", arguments, BOUNDS).result
+
+
+def read_pairs(path: Path) -> dict[str, str]:
+    """Read which panels stand for each other, as JSON or as CSV.
+
+    Raises:
+        PairsUnreadable: where the file is neither.
+    """
+    try:
+        with path.open("rb") as file:
+            content = file.read(LONGEST_PAIRS + 1)
+        text = content.decode("utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise PairsUnreadable(f"{path}: {PairsUnreadable().message}") from error
+    if len(content) > LONGEST_PAIRS:
+        raise PairsUnreadable(f"{path} is larger than {LONGEST_PAIRS} bytes; {PairsUnreadable().message}")
+    found = _read_json(text) if text.lstrip().startswith(("{", "[")) else _read_csv(text)
+    if found is None:
+        raise PairsUnreadable(f"{path}: {PairsUnreadable().message}")
+    return found
+
+
+def _read_json(text: str) -> dict[str, str] | None:
+    try:
+        found = json.loads(text)
+    except (ValueError, RecursionError):
+        return None
+    if not isinstance(found, dict) or not all(isinstance(value, str) for value in found.values()):
+        return None
+    return found
+
+
+def _read_csv(text: str) -> dict[str, str] | None:
+    try:
+        rows = [row for row in csv.reader(io.StringIO(text), strict=True) if row]
+    except csv.Error:
+        return None
+    if any(len(row) != 2 for row in rows) or len({row[0] for row in rows}) < len(rows):
+        return None
+    return {first.strip(): second.strip() for first, second in rows}

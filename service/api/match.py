@@ -1,0 +1,58 @@
+"""`/v1/match`: compare the patterns of two jobs, or of a job and a template."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query
+
+from ...core.errors import NotFound
+from ...core.measure.matching_files import match_files
+from ..results import export_files
+from ..templates import read_template
+from .access import Reader, Rooms, RoomsOf, find_own
+from .answers import Match
+from .problems import RequestBad, show_answer
+
+router = APIRouter(tags=["results"])
+
+PAIR = {
+    "first": "front", "second": "front", "paired_by": "name", "turning": 0.012, "area_percent": -1.4, "outline_mm": 3.1
+}  # fmt: skip
+
+
+@router.get(
+    "/match", summary="Compare two patterns panel by panel.",
+    responses=show_answer({"pairs": [PAIR], "only_first": [], "only_second": ["pocket"]}, model=Match),
+)  # fmt: skip
+def match(
+    first: Annotated[str, Query(max_length=64, examples=["3685ecfd4f81"])],
+    second: Annotated[str, Query(max_length=64, examples=["tshirt"])],
+    rooms: RoomsOf,
+    caller: Reader,
+    pair: Annotated[list[str], Query(max_length=200, examples=[["front:back"]])] = [],  # noqa: B006
+) -> Any:
+    """Compare the patterns of two jobs or templates; `pair=A:B` pairs panel A of the first with B of the second."""
+    given = {}
+    for words in pair:
+        ours, colon, theirs = words[:600].partition(":")
+        if not colon or ours in given:
+            raise RequestBad(f"'{words[:60]}' pairs no two panels; write PANEL:PANEL, each panel once.")
+        given[ours] = theirs
+    with tempfile.TemporaryDirectory() as folder:
+        files = [_find_file(rooms, caller, word, Path(folder) / str(at)) for at, word in enumerate((first, second))]
+        return match_files(files[0], files[1], given)
+
+
+def _find_file(rooms: Rooms, caller: Reader, word: str, folder: Path) -> Path:
+    """Write the pattern of a job that the caller sees, else of a template, into a folder; return the file."""
+    folder.mkdir()
+    try:
+        job = find_own(rooms, caller, word).id
+    except NotFound:
+        path = folder / "template.json"
+        path.write_bytes(read_template(rooms, word))
+        return path
+    return export_files(rooms.database, rooms.store, job, folder, ["pattern.json"])[0]
