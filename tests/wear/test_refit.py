@@ -51,7 +51,11 @@ def hang(name: str, body) -> Worn:
     return Worn(garment, get_fabric("cotton_poplin"), body, curve, None, name, name)
 
 
-@pytest.mark.parametrize("name", ["tshirt", *(pytest.param(name, marks=pytest.mark.nightly) for name in OTHERS)])
+REVERSIBLE = [name for name in OTHERS if name not in ("sleeved_dress", "jumpsuit", "sleeved_jumpsuit")]
+"""Templates that need no widening of their own between these two bodies; it differs between there and back."""
+
+
+@pytest.mark.parametrize("name", ["tshirt", *(pytest.param(name, marks=pytest.mark.nightly) for name in REVERSIBLE)])
 def test_there_and_back(name, bodies):
     """Broken where what one body's measures add is not what another's take away."""
     old, new = bodies
