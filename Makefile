@@ -10,7 +10,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 export MKL_NUM_THREADS ?= 1
 export NUMBA_NUM_THREADS ?= 1
 
-.PHONY: demo test nightly lint types bench persons train clean
+.PHONY: demo test nightly fuzz lock sbom lint types bench persons train clean
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV) || python3 -m venv $(VENV)
@@ -38,6 +38,20 @@ test: $(VENV)/.installed-test
 
 nightly: $(VENV)/.installed-test
 	$(PYTEST) -m nightly
+
+# Mutated files of every kind through the readers; a failure names the seed: make fuzz FUZZ=1 SEED=1234
+FUZZ ?= 2000
+SEED ?= 1
+fuzz: $(VENV)/.installed-test
+	FUZZ=$(FUZZ) SEED=$(SEED) $(BIN)/python -m pytest -n 0 tests/scan/test_mutated_files.py
+
+# Every production package with the hashes of its files, and the list of them as CycloneDX JSON.
+lock: $(VENV)/.installed
+	$(BIN)/python -m pip install --quiet --dry-run --ignore-installed --report $(VENV)/report.json -c constraints.txt $(if $(TORCH_INDEX),--extra-index-url $(TORCH_INDEX)) '.[postgres,s3]'
+	$(BIN)/python deploy/supply.py lock $(VENV)/report.json > requirements.lock
+
+sbom: $(VENV)/.installed
+	$(BIN)/python deploy/supply.py sbom requirements.lock > sbom.cdx.json
 
 lint: $(VENV)/.installed-test
 	$(BIN)/ruff check .

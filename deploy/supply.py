@@ -1,0 +1,49 @@
+"""What production is made of: a lock file with hashes from pip's report, and a list of its packages (CycloneDX)."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+HEAD = """# Made by `make lock` for Linux x86_64 and Python 3.11. Install with
+#   pip install --require-hashes --no-deps -r requirements.lock && pip install --no-deps .
+# With hashes a package of the same name on another index is refused; this one has torch's CPU build.
+--extra-index-url https://download.pytorch.org/whl/cpu
+"""
+LINE = re.compile(r"(?P<name>[A-Za-z0-9._-]+)==(?P<version>[^ ]+) --hash=sha256:(?P<hash>[0-9a-f]{64})")
+
+
+def write_lock(report: dict[str, Any]) -> str:
+    """Return a lock file: each package of pip's report by name, version and hash, but the project itself."""
+    lines = []
+    for one in report["install"]:
+        name = re.sub(r"[-_.]+", "-", one["metadata"]["name"]).lower()
+        if name == "garmentq":
+            continue
+        digest = one["download_info"]["archive_info"]["hashes"]["sha256"]
+        lines.append(f"{name}=={one['metadata']['version']} --hash=sha256:{digest}")
+    return HEAD + "\n".join(sorted(lines)) + "\n"
+
+
+def write_list(lock: str) -> str:
+    """Return the packages of a lock file as CycloneDX 1.5 JSON; the same lock gives the same list."""
+    components = [
+        {
+            "type": "library",
+            "name": found["name"],
+            "version": found["version"],
+            "purl": f"pkg:pypi/{found['name']}@{found['version']}",
+            "hashes": [{"alg": "SHA-256", "content": found["hash"]}],
+        }
+        for found in LINE.finditer(lock)
+    ]
+    listed = {"bomFormat": "CycloneDX", "specVersion": "1.5", "version": 1, "components": components}
+    return json.dumps(listed, indent=1)
+
+
+if __name__ == "__main__":
+    what, source = sys.argv[1], Path(sys.argv[2]).read_text(encoding="utf-8")
+    sys.stdout.write(write_lock(json.loads(source)) if what == "lock" else write_list(source))

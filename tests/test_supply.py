@@ -1,0 +1,49 @@
+"""The lock file is whole: every production package once, with a hash, at the version that the suite was run with."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+
+
+def load_supply():
+    """Load the script that writes lock and list."""
+    spec = importlib.util.spec_from_file_location("supply", ROOT / "deploy" / "supply.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def read_versions(path):
+    """Return name and version of each line that pins a package."""
+    found = re.findall(r"^([A-Za-z0-9._-]+)==([^ \n]+)", path.read_text(encoding="utf-8"), re.MULTILINE)
+    return {re.sub(r"[-_.]+", "-", name).lower(): version for name, version in found}
+
+
+def test_the_lock_pins_what_was_tested():
+    """Broken where a dependency is added and the lock forgotten, or production gets another version than the suite."""
+    locked, tested = read_versions(ROOT / "requirements.lock"), read_versions(ROOT / "constraints.txt")
+    lines = [line for line in (ROOT / "requirements.lock").read_text().splitlines() if line[:1] not in ("#", "-", "")]
+    assert len(lines) == len(locked) and all(re.search(r"--hash=sha256:[0-9a-f]{64}$", line) for line in lines)
+    project = (ROOT / "pyproject.toml").read_text(encoding="utf-8").split("[project.optional-dependencies]")[0]
+    needed = re.findall(r'^    "([A-Za-z0-9_-]+)[^"]*?"', project.split("dependencies = [")[1], re.MULTILINE)
+    names = {name.lower().replace("_", "-") for name in needed} - {"open3d"}
+    assert names <= set(locked), names - set(locked)
+    assert {n: locked[n].split("+")[0] for n in locked if n in tested} == {n: tested[n] for n in locked if n in tested}
+    assert not {"pytest", "mypy", "ruff", "moto", "hypothesis", "schemathesis"} & set(locked), "no tools in production"
+
+
+def test_the_list_has_every_package():
+    """Broken where a package is left out of what an auditor gets."""
+    supply = load_supply()
+    lock = (ROOT / "requirements.lock").read_text(encoding="utf-8")
+    listed = json.loads(supply.write_list(lock))
+    assert {one["name"]: one["version"] for one in listed["components"]} == read_versions(ROOT / "requirements.lock")
+    archive = {"archive_info": {"hashes": {"sha256": "0" * 64}}}
+    one = {"metadata": {"name": "A_b.c", "version": "1.0"}, "download_info": archive}
+    own = {"metadata": {"name": "garmentq", "version": "0"}, "download_info": {}}
+    assert supply.write_lock({"install": [one, own]}).splitlines()[-1] == f"a-b-c==1.0 --hash=sha256:{'0' * 64}"
