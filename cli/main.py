@@ -27,7 +27,7 @@ COMMANDS = {
     "query": "Search completed jobs by their results.",
     "match": "Compare two patterns panel by panel.",
     "cancel": "Stop a job.",
-    "retry": "Queue an ended job again.",
+    "retry": "Queue ended jobs again.",
     "segment": "Separate skin, hair, shoes and garments of a person's scan, and find the body under the clothes.",
     "inspect": "Show how a file is understood, before anything is run.",
     "templates": "List, show, import and export template patterns.",

@@ -6,26 +6,42 @@ from pathlib import Path
 
 import click
 
+from ..service.states import State
 from .options import json_option, known_home_option
+
+ENDS = (State.FAILED.value, State.DEAD.value, State.CANCELLED.value)
 
 
 @click.command("retry")
-@click.argument("jobs", nargs=-1, required=True, metavar="JOB...")
+@click.argument("jobs", nargs=-1, metavar="[JOB...]")
+@click.option("--state", type=click.Choice(ENDS), help="All jobs that ended so, instead of single ones.")
+@click.option("--error", metavar="CODE", help="Of those only the ones that ended with this code.")
 @known_home_option
 @json_option
-def command(jobs: tuple[str, ...], home: Path | None, as_json: bool) -> None:
-    """Queue an ended job again.
+def command(jobs: tuple[str, ...], state: str | None, error: str | None, home: Path | None, as_json: bool) -> None:
+    """Queue ended jobs again.
 
-    It has all its attempts once more, and goes on from its last checkpoint. Of a family only what did not succeed is
+    Each has all its attempts once more, and goes on from its last checkpoint. Of a family only what did not succeed is
     run again.
 
     \b
     Example:
       garmentq retry 3685ecfd4f81
+      garmentq retry --state dead
+      garmentq retry --state failed --error job.crashed
     """
     from ..service.backend import open_backend
+    from ..service.query import MOST, JobQuery
     from ..service.settings import read_settings
     from .family import change_families
+    from .terminal import note
 
+    if bool(jobs) == (state is not None) or (error is not None and state is None):
+        raise click.UsageError("Give jobs, or --state, and --error with it.")
     backend = open_backend(read_settings(home=home))
+    if state is not None:
+        given = {"state": state} | ({} if error is None else {"error": error})
+        found = backend.find_jobs(JobQuery({}, [f"{name} = '{value}'" for name, value in given.items()], limit=MOST))
+        jobs = tuple(job.id for job in found)
+        note(f"{len(jobs)} jobs ended so")
     change_families(backend, jobs, backend.retry, {}, as_json)

@@ -88,3 +88,18 @@ def test_what_a_person_stopped_stays_down(cli, scans, monkeypatch):
     monkeypatch.setattr(embedded, "ensure_services", lambda *given: started.append(given) or [])
     done = cli("run", scans / "a.ply", "--body", "builtin:female")
     assert done.returncode == exits.UNREACHABLE and "service.stopped" in done.stderr and len(started) == 1
+
+
+def test_many_dead_jobs_are_tried_again_at_once(cli, scans, database):
+    """Broken where an outage's hundred jobs need a command each, or one that ended otherwise is run again."""
+    from garmentq.service.jobs import claim, fail
+
+    jobs = [cli("submit", scans / name, "--body", "builtin:female").stdout.strip() for name in ("a.ply", "b.ply")]
+    for job, code in zip(jobs, ("job.crashed", "scan.truncated"), strict=True):
+        fail(database, claim(database, job, "w", 30.0), code, "x", bad_input=False)
+    assert cli("retry").returncode == cli("retry", jobs[0], "--state", "dead").returncode == 2
+    assert cli("retry", "--state", "dead", "--json").stdout == ""
+    done = cli("retry", "--state", "failed", "--error", "job.crashed", "--json")
+    assert [json.loads(line)["job"] for line in done.stdout.splitlines()] == [jobs[0]]
+    assert (find_job(database, jobs[0]).state, find_job(database, jobs[1]).state) == ("queued", "failed")
+    assert cli("retry", "--state", "failed").returncode == 0 and find_job(database, jobs[1]).state == "queued"
