@@ -60,10 +60,12 @@ def check_once(database, row):
 
 
 def ask(app, path: str):
-    """Ask the HTTP API once."""
+    """Ask the HTTP API once, as the local user."""
+    key = {"authorization": f"Bearer {app.state.rooms.local_token}"}
 
     async def get():
-        async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://127.0.0.1") as client:
+        transport = httpx.ASGITransport(app)
+        async with httpx.AsyncClient(transport=transport, base_url="http://127.0.0.1", headers=key) as client:
             return await client.get(path)
 
     return asyncio.run(get())
