@@ -23,6 +23,10 @@ level becomes the one that counts."""
 STEP = 0.01
 """Widening by which the lengths' derivatives are taken [m]."""
 
+MOST = 0.2
+"""Largest widening of a line [m]: between bodies at the ends of the range drafts lack half of that; more is a search
+that lost its line, and no result."""
+
 WEAKEST = 1e-3
 """Singular value, relative to the largest, below which a combination of widenings changes no ease."""
 
@@ -117,7 +121,7 @@ def keep_ease(pattern: Pattern, laid: Laid, rules: Mapping[str, np.ndarray]) -> 
         now = laid.foresee(tried)
         change = np.array(list(now.values()))
         worst = float(np.abs(change).max(initial=0.0))
-        if worst < least and _can_be_cut(tried):
+        if worst < least and np.abs(widths).max() <= MOST and _can_be_cut(tried):
             best, least = tried, worst
         if worst < MET:
             break
