@@ -53,7 +53,7 @@ def outline_of(block, layer, dialect):
 
 
 @pytest.mark.parametrize("dialect", DIALECTS)
-@pytest.mark.parametrize("name", ["tshirt", "trousers", "pencil_skirt"])
+@pytest.mark.parametrize("name", ["tshirt", *(pytest.param(n, marks=pytest.mark.nightly) for n in NAMES[5:10])])
 def test_dxf_says_what_the_pieces_are(name, dialect):
     """Broken where a reader finds other outlines, notches beside vertices or outwards, or a record too much."""
     text, drawing = drawing_of(name, dialect)
@@ -130,7 +130,7 @@ def test_a_half_piece_has_its_mirror_line():
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("fold", [False, True])
+@pytest.mark.parametrize("fold", [pytest.param(False, marks=pytest.mark.nightly), True])
 def test_every_template_is_written_in_every_format(name, fold):
     """Broken where a template has no PDF, SVG or DXF, or the same pieces give other bytes."""
     pieces = pieces_of(name, fold=fold)
@@ -171,7 +171,7 @@ def test_the_test_squares_measure_what_they_say():
     assert middles[3] - middles[2] == pytest.approx(50.8, abs=0.1)
 
 
-@pytest.mark.parametrize("name", ["a4", "letter", "a3"])
+@pytest.mark.parametrize("name", ["a4", pytest.param("letter", marks=pytest.mark.nightly)])
 def test_pasted_sheets_are_the_whole_sheet(name):
     """Broken where a sheet is cut at another place than where it is pasted, or one with a line on it is left out."""
     paper, dpi = find_paper(name), 50.8  # 2 pixels a millimetre

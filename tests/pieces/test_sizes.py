@@ -50,7 +50,7 @@ def test_girth_grows_by_the_step():
 
 
 @pytest.mark.parametrize("dialect", ["aama", "clo", "gerber"])
-@pytest.mark.parametrize("name", ["tshirt", "trousers"])
+@pytest.mark.parametrize("name", ["tshirt", pytest.param("trousers", marks=pytest.mark.nightly)])
 def test_rules_move_the_base_onto_the_nest(name, dialect):
     """Broken where a rule table and the nest disagree: every point with a rule, moved, is a vertex of the nest."""
     _, sizes = sizes_of(name)
