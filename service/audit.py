@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from sqlalchemy import delete, select
 
-from .database import Database, clock
+from .database import Database, change_rows, clock
 from .models import AuditRow
 
 
@@ -64,6 +64,4 @@ def list_accesses(database: Database, limit: int = 100, key: str | None = None) 
 def forget_accesses(database: Database) -> int:
     """Remove what is older than `KEPT_DAYS`; return how many rows."""
     with database.write() as session:
-        old = session.scalars(select(AuditRow.id).where(AuditRow.at < clock() - KEPT_DAYS * 86400.0)).all()
-        session.execute(delete(AuditRow).where(AuditRow.id.in_(old)))
-        return len(old)
+        return change_rows(session, delete(AuditRow).where(AuditRow.at < clock() - KEPT_DAYS * 86400.0))

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, cast
 
-from sqlalchemy import Connection, CursorResult, Engine, Float, Update, create_engine, event, inspect, text
+from sqlalchemy import Connection, CursorResult, Delete, Engine, Float, Update, create_engine, event, inspect, text
 from sqlalchemy.engine import make_url
 from sqlalchemy.exc import ArgumentError, DatabaseError, OperationalError
 from sqlalchemy.ext.compiler import compiles
@@ -181,8 +181,8 @@ def serialise(session: Session, key: str) -> None:
         session.execute(text("select pg_advisory_xact_lock(hashtextextended(:key, 0))"), {"key": key})
 
 
-def change_rows(session: Session, statement: Update) -> int:
-    """Run an UPDATE, and return how many rows it changed; rows that the session holds are not refreshed."""
+def change_rows(session: Session, statement: Update | Delete) -> int:
+    """Run an UPDATE or DELETE, and return how many rows it touched; rows that the session holds are not refreshed."""
     changed = session.execute(statement.execution_options(synchronize_session=False))
     return cast(CursorResult[Any], changed).rowcount
 

@@ -23,6 +23,7 @@ from celery import Celery, bootsteps, signals
 from celery.platforms import SecurityWarning
 
 from ..core.errors import GarmentqError
+from ..service.audit import forget_accesses
 from ..service.clocks import Leaps, read_clock, set_right
 from ..service.database import Database, DatabaseUnreachable, open_database
 from ..service.families import advance
@@ -56,6 +57,9 @@ LIFE_SECONDS = 5.0
 IDLE_CHECK_SECONDS = 5.0
 """Longest period of the look whether an embedded worker may go home [s]."""
 
+FORGET_ACCESSES_SECONDS = 3600.0
+"""How often old rows of the audit log are removed [s]: they are kept for days."""
+
 
 class Duties(bootsteps.StartStopStep):
     """Dispatch and reap from the parent's event loop, where this worker holds the duty."""
@@ -69,7 +73,7 @@ class Duties(bootsteps.StartStopStep):
         self.name = f"{socket.gethostname()}:{os.getpid()}:{uuid.uuid4().hex[:6]}"
         self.app = parent.app
         self.rounds = parent.timer.call_repeatedly(self.settings.poll_seconds, self._round)
-        self.showed = 0.0
+        self.showed, self.forgot = 0.0, -FORGET_ACCESSES_SECONDS
         self.leaps = Leaps(self.settings.lease_seconds)
         self.began = time.monotonic()
         if parent.app.garmentq_goes_home and self.settings.idle_seconds:
@@ -99,6 +103,9 @@ class Duties(bootsteps.StartStopStep):
                 advance(self.database)
                 remind(self.database, self.settings.republish_seconds, lambda: count_messages(self.app) == 0)
                 dispatch(self.database, lambda job, queue: publish(self.app, job, queue))
+                if time.monotonic() - self.forgot > FORGET_ACCESSES_SECONDS:
+                    self.forgot = time.monotonic()
+                    forget_accesses(self.database)
         except DatabaseUnreachable as error:
             self.leaps.note_outage()
             log.warning("a round of the dispatcher failed: %s", error)

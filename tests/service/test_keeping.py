@@ -10,6 +10,7 @@ import time
 import pytest
 from garmentq.core.pattern import Edge, Panel, Pattern
 from garmentq.core.simulate import Fabric
+from garmentq.service import audit
 from garmentq.service.backup import BackupRefused, make_backup, restore_backup
 from garmentq.service.deletion import PersonUnknown, delete_jobs, delete_person, find_old
 from garmentq.service.families import JobNotEnded
@@ -17,7 +18,7 @@ from garmentq.service.home import HomeBusy, sweep, take_home, use_home
 from garmentq.service.jobs import JobUnknown, claim, fail, find_job
 from garmentq.service.kinds.recover import Recover
 from garmentq.service.kinds.rows import add_pattern
-from garmentq.service.models import JobRow, PanelRow, PatternRow, ScanRow
+from garmentq.service.models import AuditRow, JobRow, PanelRow, PatternRow, ScanRow
 from garmentq.service.results import store_result
 from garmentq.service.verify import verify_store
 from garmentq_standin import make_recovery
@@ -203,3 +204,14 @@ def test_no_text_of_an_error_is_refused_by_a_database(settings, database, queue_
     job = queue_job()
     assert recovery.run_job(settings, database, job, lambda: False) == "failed"
     assert find_job(database, job).error_message == "a?b?c?d?[2J"
+
+
+def test_old_accesses_are_forgotten(database):
+    """Broken where the audit log keeps personal data for longer than it says, or loses what is younger."""
+    ages = {"old": audit.KEPT_DAYS + 1.0, "young": audit.KEPT_DAYS - 1.0}
+    with database.write() as session:
+        for subject, days in ages.items():
+            at = time.time() - 86400.0 * days
+            session.add(AuditRow(at=at, key="", action="deleted", subject=subject, address="", request=""))
+    assert audit.forget_accesses(database) == 1
+    assert [access.subject for access in audit.list_accesses(database)] == ["young"]
