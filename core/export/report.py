@@ -16,6 +16,7 @@ from ..simulate import FabricEstimate
 from ..verdict import worst_verdict
 from .drawing import SCALE, pattern_drawing
 from .page import page_html
+from .pieces_section import pieces_html
 from .views import STOPS, render_views
 
 VERDICTS = {
@@ -97,6 +98,7 @@ def report_html(recovery: Recovery) -> str:
         _pictures(recovery),
         _gates(recovery),
         _pattern(recovery),
+        pieces_html(recovery.pattern),
         _fabric(recovery),
         _numbers(recovery),
         _settings(recovery),
