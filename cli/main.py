@@ -22,7 +22,7 @@ COMMANDS = {
     "status": "Show the jobs, or one of them.",
     "logs": "Show what happened to a job.",
     "result": "Show what a job found.",
-    "export": "Copy a job's files into a folder, or write its pattern for production.",
+    "export": "Copy a job's files into a folder, or write its garment in another format.",
     "sizes": "Grade a result's pattern to other sizes.",
     "query": "Search completed jobs by their results.",
     "match": "Compare two patterns panel by panel.",

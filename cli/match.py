@@ -39,8 +39,8 @@ def command(first: str, second: str, pairs: Path | None, as_csv: bool, home: Pat
     import tempfile
 
     from ..core.errors import keep_printable
-    from ..core.measure.matching_files import match_files, read_pairs
     from ..service.backend import open_backend
+    from ..service.matching import match_files, read_pairs
     from ..service.settings import read_settings
     from .terminal import print_csv, print_json, print_table
 

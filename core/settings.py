@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from .errors import BadInput
-from .pattern.parts.cut import Cut, parse_parts
 from .simulate.fabric import Fabric
 
 METHODS = ("deform", "inverse", "hybrid")
@@ -50,7 +49,8 @@ class RecoverySettings:
             begins, from 0), each with its mirror image; `symmetry` says what holds anyway.
         free: What grading and fit may do beyond the default, or None: `symmetry` lets left and right differ. A garment
             that is cut symmetric is found better with symmetry kept: noise and folds are not.
-        parts: Choices of parts of the cut that overrule what the scan shows, `neckline=v,sleeve=long`, or None.
+        parts: Choices of parts of the cut that overrule what the scan shows, `neckline=v,sleeve=long`, or None. Left
+            out of a stored request where it is None: equal orders of releases that did not have it are the same job.
         cloth: Labels of a dressed person's other clothes, separated by commas, or None: they hide the body as the
             garment does, and are not taken for skin.
     """
@@ -71,7 +71,7 @@ class RecoverySettings:
     lock: str | None = None
     free: str | None = None
     cloth: str | None = None
-    parts: str | None = None
+    parts: str | None = field(default=None, metadata={"is_left_out": True})
 
     def __post_init__(self) -> None:
         """Check every value.
@@ -98,6 +98,8 @@ class RecoverySettings:
         if self.free in self.locks:
             raise SettingsBad(f"'{self.free}' cannot be locked and free.")
         if self.parts is not None:
+            from .pattern.parts.cut import Cut  # not for everybody who has settings: patterns bring numba
+
             Cut().choose(self.chosen_parts)
         if not 0.0 < self.colour_tolerance <= 442.0:
             raise SettingsBad(f"colour_tolerance {self.colour_tolerance} is outside 0 to 442 (black to white).")
@@ -109,6 +111,8 @@ class RecoverySettings:
         Raises:
             PartUnknown: where one is not `PART=CHOICE`.
         """
+        from .pattern.parts.cut import parse_parts
+
         return parse_parts(self.parts or "")
 
     @property

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query
 
 from ...core.errors import NotFound
-from ...core.measure.matching_files import match_files
+from ..matching import match_files
 from ..results import export_files
 from ..templates import read_template
 from .access import Reader, Rooms, RoomsOf, find_own

@@ -43,7 +43,8 @@ def pack_request(request: Any) -> dict[str, Any]:
 
 def _pack(value: Any) -> Any:
     if is_dataclass(value) and not isinstance(value, type):
-        return {field.name: _pack(getattr(value, field.name)) for field in fields(value)}
+        found = {field.name: (getattr(value, field.name), field.metadata.get("is_left_out")) for field in fields(value)}
+        return {name: _pack(one) for name, (one, is_left_out) in found.items() if one is not None or not is_left_out}
     if isinstance(value, list | tuple):
         return [_pack(one) for one in value]
     if isinstance(value, Mapping):

@@ -78,8 +78,10 @@ def test_the_main_road(chosen, tmp_path):
         found = client.get("/v1/query", params={"where": "surface_rms_mm.t2s < 9", "garment": "skirt"}).json()["jobs"]
         assert [row["job"] for row in found] == [job]
         assert client.get("/v1/queue").json()["states"] == {"queued": 1, "succeeded": 1}
-        assert client.get("/readyz").json() == {"database": "ok", "store": "ok"}
-        assert "garmentq_jobs{" in client.get("/metrics").text
+        ready = client.get("/readyz").json()
+        assert (ready["database"], ready["store"]) == ("ok", "ok") and "no worker is up" in ready["troubles"][0]
+        scraper = make_key(database, "scraper", "metrics")
+        assert "garmentq_jobs{" in client.get("/metrics", headers=scraper).text
         assert client.get(page, headers=theirs).status_code == 404
         assert list((chosen.home / "incoming").iterdir()) == []
     database.dispose()

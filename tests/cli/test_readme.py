@@ -43,7 +43,21 @@ NEW = (
 )  # fmt: skip
 """Commands on whole persons."""
 
-ELSEWHERE = ("bench", "inspect", "segment", "serve", "worker", "up", "keys", "db", "logs", "result", "export", "doctor")
+ELSEWHERE = (
+    "bench",
+    "inspect",
+    "segment",
+    "serve",
+    "worker",
+    "up",
+    "keys",
+    "db",
+    "logs",
+    "result",
+    "export",
+    "sizes",
+    "doctor",
+)
 """Commands that other tests run: they take long, never end, or need a job's id."""
 
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from garmentq.core.measure import compare_patterns
 from garmentq.core.measure.comparison import PairsBad, compare_files
-from garmentq.core.measure.matching_files import PairsUnreadable, read_pairs
 from garmentq.core.pattern import Pattern, load_template, write_pattern
+from garmentq.service.matching import PairsUnreadable, read_pairs
 
 
 @pytest.fixture(scope="module")

@@ -33,7 +33,9 @@ def server():
 def kept(request, tmp_path, monkeypatch):
     """Give each kind of store, empty."""
     if request.param == "folder":
-        return open_store(make_settings(tmp_path))
+        opened = open_store(make_settings(tmp_path))
+        opened.prepare()
+        return opened
     server = request.getfixturevalue("server")
     monkeypatch.setenv("AWS_ACCESS_KEY_ID", "x")
     monkeypatch.setenv("AWS_SECRET_ACCESS_KEY", "y")

@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import BadInput
-from ..limited import Bounds, call_limited
+from ..core.errors import BadInput
+from ..core.limited import Bounds, call_limited
 
 BOUNDS = Bounds(memory_bytes=1024**3, cpu_seconds=30, wall_seconds=120.0)
 """What a comparison may cost: two patterns of ten panels take 3 s."""
