@@ -109,7 +109,12 @@ def fair_curves(pattern: Pattern, base: Pattern, held: Collection[Corner] = ()) 
 
 
 def _across_seams(pattern: Pattern) -> Iterator[SmoothJoin]:
-    """Yield both ends of every seam, with the corners of the two panels that it joins there."""
+    """Yield both ends of every seam, with the corners of the two panels that it joins there.
+
+    Left out are those where two straight seams meet, as a shoulder's and a sleeve's do: a sleeve is set at an angle,
+    and the seam on top of it stays straight, so that its halves can be cut as one.
+    """
+    sewn = {ref for seam in pattern.seams for ref in (seam.a, seam.b)}
     for seam in pattern.seams:
         if seam.gathered:
             continue
@@ -118,8 +123,13 @@ def _across_seams(pattern: Pattern) -> Iterator[SmoothJoin]:
         (a0, a1), (b0, b1) = ends
         pairs = ((a0, b1), (a1, b0)) if seam.reversed else ((a0, b0), (a1, b1))
         for corners in pairs:
-            if corners[0] != corners[1]:
-                yield SmoothJoin(corners, (seam.a, seam.b))
+            join = SmoothJoin(corners, (seam.a, seam.b))
+            edges = [edge for edge, _ in _boundary_ends(pattern, join)]
+            is_straight = all(
+                edge in sewn and pattern.panel(edge.panel).edges[edge.edge].kind == "line" for edge in edges
+            )
+            if corners[0] != corners[1] and not is_straight:
+                yield join
 
 
 def _boundary_ends(pattern: Pattern, join: SmoothJoin) -> Iterator[tuple[EdgeRef, bool]]:

@@ -18,8 +18,9 @@ datasets. A body's front and back share straight seams too, and are never one pi
 SAME = 1e-4
 """Two sides of a seam that differ by less [m] lie upon each other once joined: scissors cut no better."""
 
-GRAIN = np.deg2rad(10.0)
-"""Halves whose grainlines differ by more once joined are not joined: one of them would be cut off the warp."""
+GRAIN = np.deg2rad(45.0)
+"""Halves whose grainlines differ by more once joined are not joined. A half sleeve's runs along the arm, its top seam
+at up to 20 degrees to that; the joined sleeve has its grainline in the middle, as a sleeve's is drawn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +42,8 @@ def join_halves(pattern: Pattern) -> tuple[Group, ...]:
     """Return the panels of a pattern, those joined that are halves of one piece, each in the axes of its first panel.
 
     Halves are joined at a seam of two straight edges of one length, not gathered, where the outline stays simple and
-    the grainlines agree. Of several such seams the highest on the wearer is taken: the top of a sleeve, not below it.
+    the grainlines agree within `GRAIN`. Of several such seams the highest on the wearer is taken: the top of a sleeve,
+    not below it.
     """
     groups = {panel.name: _alone(panel) for panel in pattern.panels}
     for seam in sorted(pattern.seams, key=lambda one: -_height(pattern, one.a)):
@@ -84,7 +86,8 @@ def _join(first: Group, i: int, second: Group, j: int) -> Group | None:
         return None
     angle = np.arctan2(along[1], along[0]) - np.arctan2(own[1], own[0])
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    if abs((a.grainline - b.grainline - angle + np.pi / 2) % np.pi - np.pi / 2) > GRAIN:
+    apart = (a.grainline - b.grainline - angle + np.pi / 2) % np.pi - np.pi / 2
+    if abs(apart) > GRAIN:
         return None
     move = (start + end) / 2 - turn @ ((own_start + own_end) / 2)
     keep, others = [(i + 1 + k) % na for k in range(na)], [(j + 2 + k) % nb for k in range(nb - 2)]
@@ -93,6 +96,7 @@ def _join(first: Group, i: int, second: Group, j: int) -> Group | None:
         a,
         points=np.concatenate([a.points[keep], b.points[others] @ turn.T + move]),
         edges=tuple(a.edges[k] for k in edges) + tuple(b.edges[k] for k in more),
+        grainline=a.grainline - apart / 2.0,
         notches=(),
     )
     try:

@@ -23,6 +23,7 @@ from garmentq.core.pattern import (
     seam_mismatch,
     unplanned_corners,
 )
+from garmentq.core.pattern.fairness import find_smooth_joins
 
 WIDTH, HEIGHT = 0.5, 0.6
 
@@ -72,6 +73,26 @@ def test_smooth_patterns_stay_as_they_are() -> None:
     assert fair_curves(dipped, dipped) is dipped
     template = load_template("tshirt")
     assert fair_curves(template, template) is template
+
+
+def test_straight_seams_stay_straight() -> None:
+    """Fails if a sleeve that is set at an angle got a bowed seam on top, or its armhole a corner at the shoulder."""
+    base = load_template("tshirt")
+    joins = find_smooth_joins(base)
+    across = [{name for name, _ in join.corners} for join in joins if join.seam]
+    assert {"front", "back"} in across and {"sleeve_front_left", "sleeve_back_left"} in across
+    assert {"front", "sleeve_front_left"} not in across
+    turned = {}
+    for panel in base.panels:
+        angle = 0.15 if panel.name in ("sleeve_front_left", "sleeve_back_right") else -0.15
+        if "sleeve" in panel.name:
+            shear = np.array([[1.0, 0.0], [angle, 1.0]])
+            turned[panel.name] = panel.points @ shear.T
+    fair = fair_curves(base.with_points(turned), base)
+    for seam in base.seams:
+        if {seam.a.panel, seam.b.panel} == {"sleeve_front_left", "sleeve_back_left"}:
+            kinds = {fair.panel(ref.panel).edges[ref.edge].kind for ref in (seam.a, seam.b)}
+            assert kinds == {"line"}
 
 
 def test_what_is_held_does_not_bend() -> None:

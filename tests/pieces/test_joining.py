@@ -1,0 +1,42 @@
+"""Half sleeves of a recovered pattern become one sleeve."""
+
+from __future__ import annotations
+
+import numpy as np
+from garmentq.core.pattern import load_template
+from garmentq.core.pieces.joining import join_halves
+
+SLOPE = 0.3
+"""Slope of a top seam against the warp that a recovery may leave, 17 degrees."""
+
+
+def test_halves_are_joined_on_top_whatever_its_slope() -> None:
+    """Fails if a sloping top seam left the sleeve to be joined below the arm, or its grainline lay to one side."""
+    pattern = load_template("tshirt")
+    moved = {}
+    for panel in pattern.panels:
+        if "sleeve" in panel.name:
+            outwards = np.sign(panel.points[:, 0].mean())  # the arm's side: both halves hang down along it
+            moved[panel.name] = panel.points - [0.0, SLOPE] * (outwards * panel.points[:, :1])
+    sloped = pattern.with_points(moved)
+    groups = [group for group in join_halves(sloped) if len(group.places) == 2]
+    assert [sorted(place.panel for place in group.places) for group in groups] == [
+        ["sleeve_back_left", "sleeve_front_left"], ["sleeve_back_right", "sleeve_front_right"],
+    ]  # fmt: skip
+    for group in groups:
+        kept = {(ref.panel, ref.edge) for ref in group.sources}
+        tops = [
+            seam for seam in sloped.seams if seam.a.panel.startswith("sleeve") and seam.b.panel.startswith("sleeve")
+        ]
+        own = [seam for seam in tops if seam.a.panel in {place.panel for place in group.places}]
+        heights = {seam: max(sloped.panel(seam.a.panel).points[seam.a.edge, 1], -9.0) for seam in own}
+        top = max(own, key=heights.__getitem__)
+        assert (top.a.panel, top.a.edge) not in kept and (top.b.panel, top.b.edge) not in kept
+        grains = []
+        for place in group.places:
+            grain = sloped.panel(place.panel).grainline
+            along = place.rotation @ np.array([-np.sin(grain), np.cos(grain)])
+            grains.append(along * np.sign(along @ [-np.sin(group.net.grainline), np.cos(group.net.grainline)]))
+        middle = (grains[0] + grains[1]) / np.linalg.norm(grains[0] + grains[1])
+        assert abs(middle @ [-np.sin(group.net.grainline), np.cos(group.net.grainline)]) > 1.0 - 1e-9
+        assert np.degrees(np.arccos(np.clip(grains[0] @ grains[1], -1.0, 1.0))) > 15.0
