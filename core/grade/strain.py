@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..mesh import signed_areas
+from ..mesh import self_intersections, signed_areas
 from ..pattern import Garment
 from .flattening import garment_stretch, narrow_panels
 
@@ -33,7 +33,8 @@ def hidden_folds(coarse: Garment, fine: Garment, registered: np.ndarray) -> np.n
     """Give by how much the coarse mesh cuts the registered cloth's folds short, as a stretch, shape [face_count, 2, 2].
 
     With C and D the squared stretches of the fine mesh, averaged, and of the coarse one, it is the symmetric H for
-    which H C H = D; clipped to `MOST_HIDDEN` and to no lengthening.
+    which H C H = D; clipped to `MOST_HIDDEN` and to no lengthening. Around cloth that passes through itself it is 1:
+    what crosses there was crumpled by the registration, or is another layer, and no fold of the scan.
     """
     square = _mean_square(coarse, fine, garment_stretch(fine, registered))
     found = _mean_square(coarse, coarse, garment_stretch(coarse, coarse.nodes))
@@ -41,7 +42,19 @@ def hidden_folds(coarse: Garment, fine: Garment, registered: np.ndarray) -> np.n
     back = np.linalg.inv(root)
     hidden = back @ _power(root @ found @ root, 0.5) @ back
     values, axes = np.linalg.eigh(hidden)
-    return _join(np.clip(values, MOST_HIDDEN, 1.0), axes)
+    folds = _join(np.clip(values, MOST_HIDDEN, 1.0), axes)
+    folds[_find_crossed(coarse, fine, registered)] = np.eye(2)
+    return folds
+
+
+def _find_crossed(coarse: Garment, fine: Garment, registered: np.ndarray) -> np.ndarray:
+    """Find the coarse faces around which faces of the registered fine mesh cross, bool, shape [face_count]."""
+    middles, near = coarse.rest.mean(axis=1), np.zeros(len(coarse.uv), dtype=bool)
+    for face in self_intersections(registered, fine.faces):
+        there = np.flatnonzero(coarse.panel_of_face == fine.panel_of_face[face])
+        away = np.linalg.norm(middles[there] - fine.rest[face].mean(axis=0), axis=1)
+        near[coarse.uv_faces[there[int(np.argmin(away))]]] = True
+    return np.asarray(near[coarse.uv_faces].any(axis=1))
 
 
 def _mean_square(coarse: Garment, fine: Garment, stretch: np.ndarray) -> np.ndarray:

@@ -9,9 +9,21 @@ import pytest
 from garmentq.core.body import Body, builtin_body
 from garmentq.core.errors import Cancelled
 from garmentq.core.grade import SlideSettings, slide_seams, sliding
+from garmentq.core.grade.strain import hidden_folds
 from garmentq.core.hooks import Hooks
 from garmentq.core.mesh import face_areas, vertex_normals
-from garmentq.core.pattern import Edge, EdgeRef, Garment, Panel, Pattern, Seam, mesh_pattern, panel_area, seam_mismatch
+from garmentq.core.pattern import (
+    Edge,
+    EdgeRef,
+    Garment,
+    Panel,
+    Pattern,
+    Seam,
+    mesh_pattern,
+    panel_area,
+    resample,
+    seam_mismatch,
+)
 from garmentq.core.segment import Contour, Target, find_loops
 
 SIDE, FLARE, TOP, SKIRT, HEIGHT = 0.22, 0.34, 0.2, 0.3, 1.0
@@ -107,6 +119,22 @@ def test_cloth_in_folds_between_coarse_nodes_is_not_lost(body, height, count):
     longer = face_areas(pleated.nodes, start.faces).sum() / face_areas(start.nodes, start.faces).sum()
     assert longer > 1.04
     assert areas(found.pattern).sum() / areas(start.pattern).sum() == pytest.approx(longer, abs=0.01)
+
+
+def test_crumpled_cloth_hides_no_folds():
+    """Broken where cloth that a registration pushed through itself counts as folds: panels grow by what is no cloth."""
+    start, coarse = fold(TOP, 3000), fold(TOP, 300)
+    wave = 0.006 * np.sin(24 * np.arctan2(start.nodes[:, 0], start.nodes[:, 2]))
+    nodes = start.nodes + wave[:, None] * vertex_normals(start.nodes, start.faces)
+    low = start.nodes[:, 1] < np.quantile(start.nodes[:, 1], 0.2)
+    crumpled = nodes + low[:, None] * np.random.default_rng(0).normal(0.0, 0.01, nodes.shape)
+    found = coarse.at(resample(start, crumpled, coarse))
+    hidden = hidden_folds(found, start, crumpled)
+    heights = start.nodes[:, 1]
+    middle = coarse.nodes[coarse.faces].mean(axis=1)[:, 1]
+    is_low = middle < np.quantile(heights, 0.1)
+    np.testing.assert_array_equal(hidden[is_low], np.broadcast_to(np.eye(2), hidden[is_low].shape))
+    assert np.linalg.eigvalsh(hidden[middle > np.quantile(heights, 0.5)])[:, 0].mean() < 0.97
 
 
 def test_what_is_isometric_stays(body, target):
