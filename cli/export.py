@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from ..core.formats.registry import DIALECTS, FORMATS
-from .options import gather, json_option, known_home_option, timeout_option, workers_option
+from .options import gather, json_option, known_home_option, out_option, timeout_option, workers_option
 
 LARGEST_TABLE = 1 << 20
 """Most bytes of a table of allowances or sizes."""
@@ -49,9 +49,7 @@ def production_options(function: Callable[..., Any]) -> Callable[..., Any]:
 @click.argument("names", nargs=-1)
 @click.option("--as", "form", type=click.Choice(tuple(FORMATS)), help="Write it in another format.")
 @production_options
-@click.option(
-    "--out", "-o", type=click.Path(file_okay=False, path_type=Path), default=Path("."), help="Folder.  [default: here]"
-)
+@out_option
 @known_home_option
 @json_option
 @click.pass_context
@@ -94,7 +92,7 @@ def command(
 
 @dataclass(frozen=True)
 class Place:
-    """Say where files go, in which home their job is, and how they are told of."""
+    """Describe where files go, in which home their job is, and how they are told of."""
 
     out: Path
     home: Path | None

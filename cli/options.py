@@ -38,6 +38,9 @@ verbose_option = click.option("--verbose", is_flag=True, help="Show every metric
 workers_option = click.option(
     "--workers", type=click.IntRange(1, 256), help="Jobs at a time, if a worker has to be started.  [default: cores]"
 )
+out_option = click.option(
+    "--out", "-o", type=click.Path(file_okay=False, path_type=Path), default=Path("."), help="Folder.  [default: here]"
+)
 timeout_option = click.option(
     "--timeout", type=click.FloatRange(min=0.0), help="Stop waiting after this many seconds; the job continues."
 )

@@ -45,7 +45,7 @@ def command(host: str, port: int, max_upload_mb: int | None, home: Path | None) 
 
 
 def announce(settings: ServiceSettings, host: str, port: int) -> None:
-    """Say where the API is, who may ask, and what keeps its jobs from running."""
+    """Describe where the API is, who may ask, and what keeps its jobs from running."""
     from ..service.api.guard import is_loopback
     from ..service.database import open_database
     from ..service.keys import has_keys

@@ -6,13 +6,12 @@ import csv
 import io
 import json
 import re
-from pathlib import Path
 from typing import Any
 
 import click
 
 from .export import Place, ProductionOptions, production_options, read_options, read_table, write_production
-from .options import json_option, known_home_option
+from .options import json_option, known_home_option, out_option
 
 
 @click.command("sizes")
@@ -21,9 +20,7 @@ from .options import json_option, known_home_option
 @click.option("--range", "span", default="-2..2", show_default=True, help="Steps below and above the wearer's size.")
 @click.option("--table", help="A file of sizes instead: name,bust,waist,hip,height in cm, CSV or JSON.")
 @production_options
-@click.option(
-    "--out", "-o", type=click.Path(file_okay=False, path_type=Path), default=Path("."), help="Folder.  [default: here]"
-)
+@out_option
 @known_home_option
 @json_option
 @click.pass_context

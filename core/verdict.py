@@ -8,7 +8,7 @@ from enum import StrEnum
 
 
 class Verdict(StrEnum):
-    """Say what a result may be used for, from best to worst."""
+    """Describe what a result may be used for, from best to worst."""
 
     PASS = "pass"
     """As it is."""

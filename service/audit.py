@@ -12,7 +12,7 @@ from .models import AuditRow
 
 @dataclass(frozen=True)
 class Access:
-    """Tell of one request that changed or took something: when [s since 1970], whose key, what, from where."""
+    """Describe one request that changed or took something: when [s since 1970], whose key, what, from where."""
 
     at: float
     key: str

@@ -53,7 +53,7 @@ def find_silence(database: Database, duty: str, seconds: float) -> float | None:
 
 
 class Leaps:
-    """Tell whether leases may be believed: not until one lease after the database was away, or its clock leapt ahead.
+    """Return whether leases may be believed: not until one lease after the database was away, or its clock leapt ahead.
 
     Their owners could not renew them, or had no chance to yet.
     """

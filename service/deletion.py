@@ -35,7 +35,7 @@ class JobShared(BadInput):
 
 @dataclass(frozen=True)
 class Deleted:
-    """Tell what is gone.
+    """Describe what is gone.
 
     Attributes:
         jobs: Ids of the jobs.

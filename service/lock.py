@@ -26,13 +26,7 @@ def share_lock(path: Path) -> int | None:
     Returns:
         The descriptor to keep open.
     """
-    descriptor = _open(path)
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        os.close(descriptor)
-        return None
-    return descriptor
+    return _take(path, fcntl.LOCK_SH)
 
 
 def take_lock(path: Path) -> int | None:
@@ -41,9 +35,14 @@ def take_lock(path: Path) -> int | None:
     Returns:
         The descriptor to keep open.
     """
+    return _take(path, fcntl.LOCK_EX)
+
+
+def _take(path: Path, kind: int) -> int | None:
+    """Take a lock of a kind without waiting; return the descriptor to keep open, or None where it cannot be had."""
     descriptor = _open(path)
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
     except BlockingIOError:
         os.close(descriptor)
         return None

@@ -149,7 +149,7 @@ class LockRow(Base):
 
 
 class OutageRow(Base):
-    """Tell what a host's workers wait for, by its error's code; `seen` is renewed as long as they do."""
+    """Describe what a host's workers wait for, by its error's code; `seen` is renewed as long as they do."""
 
     __tablename__ = "outages"
     place: Mapped[str] = mapped_column(String(255), primary_key=True)

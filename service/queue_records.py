@@ -42,7 +42,7 @@ class Worker:
 
 @dataclass(frozen=True)
 class Outage:
-    """Tell what the workers of a host wait for: an error's code, and since when [s since 1970].
+    """Describe what the workers of a host wait for: an error's code, and since when [s since 1970].
 
     The host's name is shown to the scope `admin` only.
     """

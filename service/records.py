@@ -170,7 +170,7 @@ class Key:
 
 @dataclass(frozen=True)
 class Delay:
-    """Tell why a queued job rests: an outage's code, and until when [s since 1970]."""
+    """Describe why a queued job rests: an outage's code, and until when [s since 1970]."""
 
     __pydantic_config__: ClassVar = CLOSED
     code: str

@@ -35,7 +35,7 @@ class Fault:
 
 @dataclass(frozen=True)
 class Verified:
-    """Tell what was looked at, and what is wrong with it."""
+    """Describe what was looked at, and what is wrong with it."""
 
     files: int
     size: int

@@ -79,7 +79,7 @@ def _groups(pattern: Pattern, chosen: np.ndarray) -> list[list[int]]:
 
 
 def _half_thickness(body: Body, name: str) -> float:
-    """Give half the height of an upper arm of a body in its T-pose [m], within 1 cm of its middle."""
+    """Return half the height of an upper arm of a body in its T-pose [m], within 1 cm of its middle."""
     shoulder, elbow = body.joint(f"{name}_shoulder"), body.joint(f"{name}_elbow")
     middle = 0.5 * (shoulder + elbow)
     near = (np.abs(body.vertices[:, 0] - middle[0]) < 0.01) & (np.abs(body.vertices[:, 1] - middle[1]) < 0.1)
@@ -89,7 +89,7 @@ def _half_thickness(body: Body, name: str) -> float:
 def _ends(
     garment: Garment, place: np.ndarray, group: list[int], loops: tuple[np.ndarray, ...]
 ) -> tuple[np.ndarray, np.ndarray] | None:
-    """Give a sleeve's places at cap and cuff [m], shape [n, 2] each, or None where a group has not both."""
+    """Return a sleeve's places at cap and cuff [m], shape [n, 2] each, or None where a group has not both."""
     inside = np.isin(garment.panel_of_uv, group)
     count = np.bincount(garment.uv_node)
     own = np.bincount(garment.uv_node[inside], minlength=len(count))

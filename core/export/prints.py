@@ -22,7 +22,7 @@ MIRROR = np.diag([-1.0, 1.0])
 
 @dataclass(frozen=True)
 class PrintPlace:
-    """Say where a panel lies in a print: print = panel @ rotation.T + translation.
+    """Describe where a panel lies in a print: print = panel @ rotation.T + translation.
 
     Attributes:
         panel: Index of the panel in the pattern.

@@ -32,7 +32,7 @@ WHOLE = 0.01
 
 @dataclass(frozen=True)
 class SewnMesh:
-    """Hold one state of a garment and its cloth.
+    """Describe one state of a garment and its cloth.
 
     Attributes:
         name: `simulation`, `graded`, `redrape` or `detail`.

@@ -20,7 +20,7 @@ from .usd_mesh import can_write_usd
 
 @dataclass(frozen=True)
 class Textured:
-    """Hold what was written, and how much of the cloth the scan shows.
+    """Describe what was written, and how much of the cloth the scan shows.
 
     Attributes:
         files: The files.

@@ -39,7 +39,7 @@ LEAST_RANGE_MM = 5.0
 
 @dataclass(frozen=True)
 class View:
-    """Hold one row of pictures: each a PNG as base64 text, by what it shows."""
+    """Describe one row of pictures: each a PNG as base64 text, by what it shows."""
 
     title: str
     pictures: dict[str, str]

@@ -12,7 +12,7 @@ SLIT, CHECK = 4, 82
 
 
 class Closing(StrEnum):
-    """Say how a closed outline ends."""
+    """Describe how a closed outline ends."""
 
     FLAG = "flag"
     REPEATED = "repeated"

@@ -37,7 +37,7 @@ class Layer(StrEnum):
 
 @dataclass(frozen=True)
 class Line:
-    """Hold one polygon line: its layer, points [m], shape [n, 2], and whether it is closed."""
+    """Describe one polygon line: its layer, points [m], shape [n, 2], and whether it is closed."""
 
     layer: Layer
     points: np.ndarray
@@ -46,7 +46,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Text:
-    """Hold one line of text.
+    """Describe one line of text.
 
     Attributes:
         text: In ASCII.

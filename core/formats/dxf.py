@@ -37,7 +37,7 @@ Rules = dict[str, list[tuple[np.ndarray, int]]]
 
 @dataclass(frozen=True)
 class Block:
-    """Hold one piece as a block: the piece, its block's name, and its size's name."""
+    """Describe one piece as a block: the piece, its block's name, and its size's name."""
 
     piece: Piece
     name: str

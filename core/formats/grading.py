@@ -25,7 +25,7 @@ HEIGHTS = ("nape_height", "armpit_height", "waist_height", "hip_height", "crotch
 
 @dataclass(frozen=True)
 class Size:
-    """Hold one size.
+    """Describe one size.
 
     Attributes:
         name: Upper case letters and digits, unique.

@@ -28,7 +28,7 @@ class SizeLine:
 
 @dataclass(frozen=True)
 class ExportOptions:
-    """Say what is to be written, and how.
+    """Describe what is to be written, and how.
 
     Attributes:
         format: One of `FORMATS`.

@@ -20,7 +20,7 @@ NARROWEST, WIDEST = 200.0, 5000.0
 
 @dataclass(frozen=True)
 class Paper:
-    """Hold a paper's name, width and height [mm]; a roll's height is as long as needed, and 0 here."""
+    """Describe a paper's name, width and height [mm]; a roll's height is as long as needed, and 0 here."""
 
     name: str
     width: float

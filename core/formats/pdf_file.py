@@ -14,7 +14,7 @@ LONGEST = 14400.0
 
 @dataclass(frozen=True)
 class Page:
-    """Hold one page.
+    """Describe one page.
 
     Attributes:
         width, height: Its size [mm].

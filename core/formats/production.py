@@ -23,7 +23,7 @@ STEM = "pieces"
 
 @dataclass(frozen=True)
 class Production:
-    """Hold a garment that is to be written for production.
+    """Describe a garment that is to be written for production.
 
     Attributes:
         worn: The garment with its pattern, cloth and wearer.

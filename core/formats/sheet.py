@@ -15,7 +15,7 @@ GAP = 0.01
 
 @dataclass(frozen=True)
 class Sheet:
-    """Hold where the pieces lie on a sheet.
+    """Describe where the pieces lie on a sheet.
 
     Attributes:
         pieces: What is laid out.

@@ -9,7 +9,7 @@ from .papers import Paper
 
 @dataclass(frozen=True)
 class Tile:
-    """Hold one sheet of paper of a tiling: its row from the top and column from the left, from 0."""
+    """Describe one sheet of paper of a tiling: its row from the top and column from the left, from 0."""
 
     row: int
     column: int
@@ -26,7 +26,7 @@ class Tile:
 
 @dataclass(frozen=True)
 class Tiling:
-    """Hold how a sheet is cut up: what each sheet of paper shows [mm], and the sheets that show something."""
+    """Describe how a sheet is cut up: what each sheet of paper shows [mm], and the sheets that show something."""
 
     paper: Paper
     window: tuple[float, float]

@@ -39,7 +39,7 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Choice:
-    """Hold the base pattern that was chosen for a target.
+    """Describe the base pattern that was chosen for a target.
 
     Attributes:
         template: Its name.

@@ -1,4 +1,4 @@
-"""Tell a scan's neckline, in front and behind, by the shape of its contour."""
+"""Find a scan's neckline, in front and behind, by the shape of its contour."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ BOAT = 0.6
 
 @dataclass(frozen=True)
 class NecklineFit:
-    """Say how well one neckline fits a contour.
+    """Describe how well one neckline fits a contour.
 
     Attributes:
         throat: The neckline, of the contour's depth and bow.
@@ -47,7 +47,7 @@ class NecklineFit:
 
 @dataclass(frozen=True)
 class NecklineFits:
-    """Hold the fits of all necklines to a scan's contour, in front and behind, best first."""
+    """Describe the fits of all necklines to a scan's contour, in front and behind, best first."""
 
     front: tuple[NecklineFit, ...]
     back: tuple[NecklineFit, ...]

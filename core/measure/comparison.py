@@ -25,7 +25,7 @@ MM = 1e3
 
 
 class Pairing(StrEnum):
-    """Say why two panels are compared."""
+    """Describe why two panels are compared."""
 
     GIVEN = "given"
     NAME = "name"
@@ -40,7 +40,7 @@ class PairsBad(BadInput):
 
 @dataclass(frozen=True)
 class PanelDifference:
-    """Hold how two panels differ.
+    """Describe how two panels differ.
 
     Attributes:
         first, second: Their names.
@@ -60,7 +60,7 @@ class PanelDifference:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Hold how two patterns differ.
+    """Describe how two patterns differ.
 
     Attributes:
         pairs: Each pair of panels, in the order of the second pattern.

@@ -12,7 +12,7 @@ Metrics = Mapping[str, float | None]
 
 
 class Product(StrEnum):
-    """Say what of a result is judged: a drape in unrest says nothing about the detail mesh."""
+    """Describe what of a result is judged: a drape in unrest says nothing about the detail mesh."""
 
     DETAIL = "detail"
     PATTERN = "pattern"

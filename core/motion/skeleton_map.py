@@ -151,13 +151,13 @@ def _bones(places: dict[str, np.ndarray], axes: np.ndarray) -> np.ndarray:
 
 
 def _tell_names(found: dict[str, int], names: tuple[str, ...]) -> tuple[str, ...]:
-    """Say which joints were taken for ours, where any is called otherwise."""
+    """Describe which joints were taken for ours, where any is called otherwise."""
     foreign = [f"{name} is {names[index]}" for name, index in found.items() if names[index].lower() != name]
     return (f"Joints by other names: {', '.join(foreign)}.",) if foreign else ()
 
 
 def _tell_unit(leg: float) -> str:
-    """Say what the file's unit seems to be from a leg's length in it, by which the motion is scaled either way."""
+    """Describe what the file's unit seems to be from a leg's length in it, by which the motion is scaled either way."""
     likely = [unit for unit, many in UNITS.items() if LEGS[0] <= leg / many <= LEGS[1]]
     taken = f"{likely[0]} by that" if likely else "a unit that is not known"
     return (

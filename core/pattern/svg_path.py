@@ -8,7 +8,7 @@ from .pattern import Edge
 
 
 def edge_path(edge: Edge, drawn: np.ndarray) -> str:
-    """Give the SVG path command of an edge.
+    """Return the SVG path command of an edge.
 
     Args:
         edge: Its kind.

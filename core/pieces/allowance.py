@@ -31,7 +31,7 @@ FREE = tuple(use for use in EdgeUse if use not in (EdgeUse.DART, EdgeUse.FOLD))
 
 @dataclass(frozen=True)
 class Allowances:
-    """Hold the width of the seam allowance of every kind of edge [m]."""
+    """Describe the width of the seam allowance of every kind of edge [m]."""
 
     widths: Mapping[EdgeUse, float] = field(default_factory=lambda: WIDTHS)
 

@@ -20,7 +20,7 @@ STEEPEST = np.cos(np.deg2rad(70.0))
 
 @dataclass(frozen=True)
 class Side:
-    """Hold one edge on its way to the cut line.
+    """Describe one edge on its way to the cut line.
 
     Attributes:
         edge: Its index in the piece.
@@ -59,7 +59,7 @@ class Side:
 
 @dataclass(frozen=True)
 class Corner:
-    """Say how two offset edges are joined.
+    """Describe how two offset edges are joined.
 
     Attributes:
         before: What becomes of the end of the first: points up to the corner [m], shape [n, 2].
@@ -133,7 +133,7 @@ def _mitre(first: Side, second: Side, before: np.ndarray, after: np.ndarray) -> 
 
 @dataclass(frozen=True)
 class Fold:
-    """Hold one end of the line along which a hem is turned up.
+    """Describe one end of the line along which a hem is turned up.
 
     Attributes:
         corner: Where it meets the side on the sew line [m], shape [2].

@@ -25,7 +25,7 @@ at up to 20 degrees to that; the joined sleeve has its grainline in the middle, 
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """Hold panels of a pattern that are cut as one.
+    """Describe panels of a pattern that are cut as one.
 
     Attributes:
         net: Their common outline.

@@ -18,7 +18,7 @@ CLOTH_GAP = 0.01
 
 @dataclass(frozen=True)
 class Lay:
-    """Say how much cloth the pieces of a garment need, laid side by side along the warp.
+    """Describe how much cloth the pieces of a garment need, laid side by side along the warp.
 
     Attributes:
         width: Usable width of the cloth [m].

@@ -33,7 +33,7 @@ ORDER = ("body", "front", "back", "leg", "skirt", "sleeve", "band", "cuff", "col
 
 @dataclass(frozen=True)
 class Style:
-    """Say what pieces are labelled with.
+    """Describe what pieces are labelled with.
 
     Attributes:
         name: What the style is called.
@@ -48,7 +48,7 @@ class Style:
 
 @dataclass(frozen=True)
 class PieceSettings:
-    """Say how pieces are made.
+    """Describe how pieces are made.
 
     Attributes:
         allowances: Width of the seam allowance by kind of edge.

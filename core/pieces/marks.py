@@ -17,7 +17,7 @@ SAME = 1e-6
 
 @dataclass(frozen=True)
 class Mark:
-    """Hold a notch of an edge before it has a place: fraction of the edge's length, purpose, 1 or 2 cuts."""
+    """Describe a notch of an edge before it has a place: fraction of the edge's length, purpose, 1 or 2 cuts."""
 
     at: float
     purpose: NotchPurpose

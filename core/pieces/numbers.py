@@ -11,7 +11,7 @@ from .piece import Piece, PieceSet
 
 @dataclass(frozen=True)
 class PieceNumbers:
-    """Hold the numbers of one piece.
+    """Describe the numbers of one piece.
 
     Attributes:
         name: The piece's.

@@ -23,7 +23,7 @@ Span = tuple[int, int]
 
 @dataclass(frozen=True)
 class Offset:
-    """Hold a cut line, and where each fold of a hem meets it.
+    """Describe a cut line, and where each fold of a hem meets it.
 
     Attributes:
         cut: The cut line.

@@ -11,7 +11,7 @@ from ..pattern import EdgeRef, Panel
 
 
 class EdgeUse(StrEnum):
-    """Say what becomes of an edge of a piece; the names are those of an allowance table."""
+    """Describe what becomes of an edge of a piece; the names are those of an allowance table."""
 
     SEAM = "seam"
     GATHERED = "gathered"
@@ -34,7 +34,7 @@ TURNED = (EdgeUse.CUFF, EdgeUse.HEM, EdgeUse.LEG, EdgeUse.WAIST)
 
 
 class NotchPurpose(StrEnum):
-    """Say what a notch marks."""
+    """Describe what a notch marks."""
 
     MATCH = "match"
     GATHER = "gather"
@@ -45,7 +45,7 @@ class NotchPurpose(StrEnum):
 
 @dataclass(frozen=True)
 class PieceEdge:
-    """Say what an edge of a piece is in the pattern.
+    """Describe what an edge of a piece is in the pattern.
 
     Attributes:
         use: What becomes of it.
@@ -65,7 +65,7 @@ class PieceEdge:
 
 @dataclass(frozen=True)
 class PanelPlace:
-    """Say where a panel of the pattern lies in a piece: piece = panel @ rotation.T + translation.
+    """Describe where a panel of the pattern lies in a piece: piece = panel @ rotation.T + translation.
 
     Attributes:
         panel: Name of the panel.
@@ -107,7 +107,7 @@ class Notch:
 
 @dataclass(frozen=True)
 class CutLine:
-    """Hold where a piece is cut: a closed polygon, counter-clockwise.
+    """Describe where a piece is cut: a closed polygon, counter-clockwise.
 
     Attributes:
         points: Vertices [m], shape [n, 2]; the last is not the first again.
@@ -123,7 +123,7 @@ class CutLine:
 
 @dataclass(frozen=True)
 class Piece:
-    """Hold one piece of cloth, ready to be cut.
+    """Describe one piece of cloth, ready to be cut.
 
     Attributes:
         name: Upper case letters, digits, `_` and `-` only, at most 20, unique.
@@ -166,7 +166,7 @@ class PieceSide:
 
 @dataclass(frozen=True)
 class SeamWalk:
-    """Hold one seam as it is sewn.
+    """Describe one seam as it is sewn.
 
     Attributes:
         name: What the seam is called.
@@ -185,7 +185,7 @@ class SeamWalk:
 
 @dataclass(frozen=True)
 class PieceSet:
-    """Hold all pieces of a garment.
+    """Describe all pieces of a garment.
 
     Attributes:
         name: What the style is called, for people.

@@ -30,7 +30,7 @@ class ColoursMissing(BadInput):
 
 @dataclass(frozen=True)
 class ColouredScan:
-    """Hold a scan's surface with the colours of its file; nothing of it is repaired or cut.
+    """Describe a scan's surface with the colours of its file; nothing of it is repaired or cut.
 
     Attributes:
         vertices: Positions [m], y up, shape [vertex_count, 3].

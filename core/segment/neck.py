@@ -19,7 +19,7 @@ SAMPLES = 96
 
 @dataclass(frozen=True)
 class NeckLines:
-    """Hold the two lines of a neck opening, each the mean of its left and its right half.
+    """Describe the two lines of a neck opening, each the mean of its left and its right half.
 
     Attributes:
         front, back: From the side neck point, (half width, 0), to the middle, (0, depth): distance from the middle

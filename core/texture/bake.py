@@ -40,7 +40,7 @@ class TexelBad(BadInput):
 
 @dataclass(frozen=True)
 class BakedTexture:
-    """Hold a square texture of all panels of a garment.
+    """Describe a square texture of all panels of a garment.
 
     Attributes:
         image: RGB bytes from the top, shape [size, size, 3]; white where neither cloth nor its gutter is.

@@ -17,7 +17,7 @@ OUTSIDE = 1e-9
 
 @dataclass(frozen=True)
 class Texels:
-    """Hold the texels of a square texture that show cloth, or the ground beside its border.
+    """Describe the texels of a square texture that show cloth, or the ground beside its border.
 
     Attributes:
         row: Row from the top, shape [n].

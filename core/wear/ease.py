@@ -45,7 +45,7 @@ class Ease:
 
 @dataclass(frozen=True)
 class Figure:
-    """Hold a body as a tailor measures it, taken once for many garments.
+    """Describe a body as a tailor measures it, taken once for many garments.
 
     Attributes:
         tape: Lies about the body in its T-pose.

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Exported:
-    """Hold the pieces that were written, and what it cost."""
+    """Describe the pieces that were written, and what it cost."""
 
     pieces: PieceSet
     clock: Clock

@@ -36,7 +36,7 @@ def serving(settings, limits: ApiLimits = LIMITS, is_open: bool = True) -> Itera
 
 
 def local_user(settings) -> dict[str, str]:
-    """Give the header of the local user of a service without keys."""
+    """Return the header of the local user of a service without keys."""
     return {"authorization": f"Bearer {make_local_token(settings.home)}"}
 
 

@@ -26,7 +26,7 @@ from garmentq_standin import make_recovery
 
 @pytest.fixture
 def done(database, store, queue_job, tmp_path):
-    """Give a function that makes a job of a name with a result."""
+    """Return a function that makes a job of a name with a result."""
 
     def make(name: str, text: str = "<svg/>") -> str:
         job = queue_job(name)
@@ -56,7 +56,7 @@ def flip(store, sha256):
 
 
 def keys_of(database, store, job):
-    """Give the hashes of a job's result files."""
+    """Return the hashes of a job's result files."""
     from garmentq.service.results import list_files
 
     return [row.sha256 for row in list_files(database, job)]

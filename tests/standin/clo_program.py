@@ -23,7 +23,7 @@ class DialogOpened(Exception):
 
 @dataclass
 class PatternWindow:
-    """Hold the scene: what the calls do to it.
+    """Describe the scene: what the calls do to it.
 
     Attributes:
         imports: Which document's seams an import keeps: `all`, `no_seams`, or `refused`.

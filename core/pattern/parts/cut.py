@@ -89,7 +89,7 @@ class Waistband(StrEnum):
 
 @dataclass(frozen=True)
 class Cut:
-    """Say how a garment is cut; `parts.draft_cut` drafts it.
+    """Describe how a garment is cut; `parts.draft_cut` drafts it.
 
     Attributes:
         bodice: The trunk above the waist.

@@ -43,7 +43,7 @@ SQUARE_SLANT = 0.1
 
 @dataclass(frozen=True)
 class Throat:
-    """Say how a neckline is cut at one face of a garment.
+    """Describe how a neckline is cut at one face of a garment.
 
     Attributes:
         kind: Its line.

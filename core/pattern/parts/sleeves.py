@@ -17,7 +17,7 @@ from .cut import Sleeve
 
 @dataclass(frozen=True)
 class SleeveCut:
-    """Say how a sleeve is cut.
+    """Describe how a sleeve is cut.
 
     Attributes:
         droop: Angle below the horizontal of its upper edge in the draft [rad].

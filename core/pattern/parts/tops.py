@@ -21,7 +21,7 @@ FACES = ("front", "back")
 
 @dataclass(frozen=True)
 class Shoulder:
-    """Hold the upper ends of a bodice's front and back.
+    """Describe the upper ends of a bodice's front and back.
 
     Attributes:
         neck: Side neck point [m].
