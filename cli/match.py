@@ -50,7 +50,7 @@ def command(first: str, second: str, pairs: Path | None, as_csv: bool, home: Pat
         files = [_find_file(backend, word, Path(folder) / str(at)) for at, word in enumerate((first, second))]
         found = match_files(files[0], files[1], given)
     heads = ["first", "second", "paired by", "turning rad", "area %", "outline mm"]
-    rows = [list(pair.values()) for pair in found["pairs"]]
+    rows = [list(pair.values())[: len(heads)] for pair in found["pairs"]]
     if as_json:
         print_json(found)
     elif as_csv:

@@ -25,20 +25,25 @@ class PairsUnreadable(BadInput):
     code = "match.pairs_unreadable"
 
 
-def match_files(first: Path, second: Path, given: Mapping[str, str]) -> dict[str, Any]:
+def match_files(
+    first: Path, second: Path, given: Mapping[str, str], only_given: bool = False, outlines: bool = False
+) -> dict[str, Any]:
     """Compare two pattern files in a limited process.
 
     Args:
         first, second: The files.
         given: Names of the second's panels by the first's, for those that a user paired.
+        only_given: Pair no others.
+        outlines: Add each pattern's outlines [m], by the panels' names.
 
     Returns:
-        The fields of `Comparison` as JSON values.
+        The fields of `Comparison` as JSON values, and what `compare_files` adds.
 
     Raises:
         BadInput: where a file is no pattern, or a pair is bad.
     """
-    arguments = {"first": str(first.absolute()), "second": str(second.absolute()), "given": dict(given)}
+    arguments: dict[str, Any] = {"first": str(first.absolute()), "second": str(second.absolute()), "given": dict(given)}
+    arguments |= {"only_given": only_given, "outlines": outlines}
     return call_limited("garmentq.core.measure.comparison:compare_files", arguments, BOUNDS).result
 
 

@@ -46,6 +46,16 @@ class SewnMesh:
     nodes: np.ndarray
     fabric: Fabric
 
+    @property
+    def vertices(self) -> np.ndarray:
+        """Return the positions [m], shape [node_count, 3]."""
+        return self.nodes
+
+    @property
+    def faces(self) -> np.ndarray:
+        """Return the triangles, shape [face_count, 3]."""
+        return self.garment.faces
+
     @cached_property
     def normals(self) -> np.ndarray:
         """Unit normals of the welded nodes, shape [node_count, 3]."""

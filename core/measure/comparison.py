@@ -8,15 +8,20 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..errors import BadInput
 from ..pattern import Panel, Pattern, load_pattern, panel_area, panel_outline
 from .matching import match_panels, turn_over
-from .outlines import outline_rms
+from .outlines import fit_outline
 from .true_pattern import TruePanel, TruePattern
 from .turning import turning_distance
 
 SEGMENTS = 24
 """Segments of each curve: the chord error on a 50 cm curve is 0.1 mm."""
+
+DRAWN_SEGMENTS = 12
+"""Segments of each curve that is drawn: its chord error on a 50 cm curve is half a millimetre, a pixel of a page."""
 
 ROUNDING = 1e-6
 """Turning distances that differ by less [rad] are equal: a panel that is its own mirror image is not turned over."""
@@ -48,6 +53,9 @@ class PanelDifference:
         turning: Turning distance [rad], 0 for similar shapes (Arkin et al. 1991).
         area_percent: How much larger the first is than the second [%].
         outline_mm: RMS distance of the outlines after the best rigid fit [mm], the first turned over where that helps.
+        turned_over: Whether the first is turned over: x becomes -x, before it is moved.
+        angle: How far the best fit turns the first, counter-clockwise about the origin [rad].
+        shift: Where it brings the origin then [m].
     """
 
     first: str
@@ -56,6 +64,9 @@ class PanelDifference:
     turning: float
     area_percent: float
     outline_mm: float
+    turned_over: bool
+    angle: float
+    shift: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -72,7 +83,9 @@ class Comparison:
     only_second: tuple[str, ...]
 
 
-def compare_patterns(first: Pattern, second: Pattern, given: Mapping[str, str] | None = None) -> Comparison:
+def compare_patterns(
+    first: Pattern, second: Pattern, given: Mapping[str, str] | None = None, only_given: bool = False
+) -> Comparison:
     """Compare two patterns.
 
     Args:
@@ -80,6 +93,7 @@ def compare_patterns(first: Pattern, second: Pattern, given: Mapping[str, str] |
         second: The other.
         given: Names of the second's panels by the first's, for panels that stand for each other whatever their names
             and shapes. The others are paired by name, then by shape (`match_panels`).
+        only_given: Pair no others.
 
     Raises:
         PairsBad: where a given pair names a panel that is not there, or one twice.
@@ -89,7 +103,7 @@ def compare_patterns(first: Pattern, second: Pattern, given: Mapping[str, str] |
     pairs = [(a, b, Pairing.GIVEN) for a, b in given.items()]
     ours = replace(first, panels=tuple(panel for panel in first.panels if panel.name not in given), seams=())
     theirs = _as_truth(panel for panel in second.panels if panel.name not in given.values())
-    for pair in match_panels(ours, theirs):
+    for pair in () if only_given else match_panels(ours, theirs):
         pairs.append((pair.ours.name, pair.truth.name, Pairing.NAME if pair.by_name else Pairing.SHAPE))
     places = {panel.name: place for place, panel in enumerate(second.panels)}
     pairs.sort(key=lambda pair: places[pair[1]])
@@ -100,13 +114,30 @@ def compare_patterns(first: Pattern, second: Pattern, given: Mapping[str, str] |
     )
 
 
-def compare_files(first: str, second: str, given: Mapping[str, str]) -> dict[str, Any]:
+def compare_files(
+    first: str, second: str, given: Mapping[str, str], only_given: bool = False, outlines: bool = False
+) -> dict[str, Any]:
     """Read two pattern files in a limited process, and compare them.
+
+    Args:
+        first, second: The files.
+        given, only_given: As `compare_patterns` has them.
+        outlines: Add each pattern's outlines, as `first_outlines` and `second_outlines`.
 
     Raises:
         BadInput: where one is none, or a given pair is bad.
     """
-    return asdict(compare_patterns(load_pattern(Path(first)), load_pattern(Path(second)), given))
+    patterns = [load_pattern(Path(first)), load_pattern(Path(second))]
+    found = asdict(compare_patterns(patterns[0], patterns[1], given, only_given))
+    if outlines:
+        for name, pattern in zip(("first_outlines", "second_outlines"), patterns, strict=True):
+            found[name] = {panel.name: draw_outline(panel) for panel in pattern.panels}
+    return found
+
+
+def draw_outline(panel: Panel) -> list[list[float]]:
+    """Return a panel's outline as points [m], to a thousandth of a millimetre."""
+    return [[round(x, 6), round(y, 6)] for x, y in panel_outline(panel, DRAWN_SEGMENTS).tolist()]
 
 
 def _check_pairs(first: Pattern, second: Pattern, given: Mapping[str, str]) -> None:
@@ -130,7 +161,12 @@ def _describe(first: Panel, second: Panel, why: Pairing) -> PanelDifference:
     """Compare two panels by their outlines, the first turned over where it then turns more alike."""
     ours, theirs = panel_outline(first, SEGMENTS), panel_outline(second, SEGMENTS)
     turning, over = turning_distance(ours, theirs), turning_distance(turn_over(ours), theirs)
-    if over < turning - ROUNDING:
+    is_over = over < turning - ROUNDING
+    if is_over:
         turning, ours = over, turn_over(ours)
     area = 100.0 * (panel_area(first) / panel_area(second) - 1.0)
-    return PanelDifference(first.name, second.name, why, turning, area, MM * outline_rms(ours, theirs))
+    fit = fit_outline(ours, theirs)
+    rotation, shift = fit.motion.rotation, fit.motion.translation
+    angle = float(np.arctan2(rotation[1, 0], rotation[0, 0]))
+    names, place = (first.name, second.name), (float(shift[0]), float(shift[1]))
+    return PanelDifference(*names, why, turning, area, MM * fit.rms, is_over, angle, place)

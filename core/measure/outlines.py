@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from ..mesh import ClosedCurve, fit_rigid, resample_polyline
+from ..mesh import ClosedCurve, RigidMotion, fit_rigid, resample_polyline
 
 EDGE_SAMPLES = 50
 """Points on each edge: 2 cm apart on the longest side of trousers."""
@@ -31,8 +32,26 @@ def edge_rms(ours: Sequence[np.ndarray], truth: Sequence[np.ndarray]) -> float:
     return float(np.sqrt(np.mean(np.sum((fit_rigid(source, target).apply(source) - target) ** 2, axis=1))))
 
 
+@dataclass(frozen=True)
+class OutlineFit:
+    """Describe how one closed outline lies best on another.
+
+    Attributes:
+        rms: Symmetric closest-point RMS distance [m].
+        motion: What brings the first there.
+    """
+
+    rms: float
+    motion: RigidMotion
+
+
 def outline_rms(ours: np.ndarray, truth: np.ndarray) -> float:
     """Measure the symmetric closest-point RMS [m] of two closed outlines after the best rigid fit."""
+    return fit_outline(ours, truth).rms
+
+
+def fit_outline(ours: np.ndarray, truth: np.ndarray) -> OutlineFit:
+    """Find the rigid motion that brings a closed outline [m], shape [n, 2], best onto another."""
     own, other = ClosedCurve(ours), ClosedCurve(truth)
     rough, rough_target = own.resample(100), other.resample(100)
     starts = []
@@ -43,7 +62,7 @@ def outline_rms(ours: np.ndarray, truth: np.ndarray) -> float:
     best = min(starts, key=lambda start: start[0])[1]
     source, target = own.resample(400), other.resample(400)
     moved = _settle(fit_rigid(rough, best).apply(source), target, FINAL_SWEEPS)
-    return _symmetric_rms(moved, target)
+    return OutlineFit(_symmetric_rms(moved, target), fit_rigid(source, moved))
 
 
 def _settle(moved: np.ndarray, target: np.ndarray, sweeps: int) -> np.ndarray:

@@ -138,7 +138,10 @@ class Keys(_Answer):
 
 
 class Pair(_Answer):
-    """Say how two panels differ: how they were paired, turning distance [rad], area of the first over the second's."""
+    """Say how two panels differ: how they were paired, turning distance [rad], area of the first over the second's.
+
+    The best fit turns the first over (x becomes -x) where `turned_over`, then by `angle`, and moves it by `shift`.
+    """
 
     first: str
     second: str
@@ -146,6 +149,9 @@ class Pair(_Answer):
     turning: float
     area_percent: float
     outline_mm: float
+    turned_over: bool
+    angle: float
+    shift: tuple[float, float]
 
 
 class Match(_Answer):
@@ -154,6 +160,8 @@ class Match(_Answer):
     pairs: list[Pair]
     only_first: list[str]
     only_second: list[str]
+    first_outlines: dict[str, list[tuple[float, float]]] | None = None
+    second_outlines: dict[str, list[tuple[float, float]]] | None = None
 
 
 class Health(_Answer):

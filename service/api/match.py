@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tempfile
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,6 +13,7 @@ from ...core.errors import NotFound
 from ..matching import match_files
 from ..results import export_files
 from ..templates import read_template
+from ..uploads import find_upload
 from .access import Reader, Rooms, RoomsOf, find_own
 from .answers import Match
 from .problems import RequestBad, show_answer
@@ -19,7 +21,8 @@ from .problems import RequestBad, show_answer
 router = APIRouter(tags=["results"])
 
 PAIR = {
-    "first": "front", "second": "front", "paired_by": "name", "turning": 0.012, "area_percent": -1.4, "outline_mm": 3.1
+    "first": "front", "second": "front", "paired_by": "name", "turning": 0.012, "area_percent": -1.4, "outline_mm": 3.1,
+    "turned_over": False, "angle": 0.02, "shift": [0.001, -0.003],
 }  # fmt: skip
 
 
@@ -33,8 +36,14 @@ def match(
     rooms: RoomsOf,
     caller: Reader,
     pair: Annotated[list[str], Query(max_length=200, examples=[["front:back"]])] = [],  # noqa: B006
+    only_given: bool = False,
+    outlines: bool = False,
 ) -> Any:
-    """Compare the patterns of two jobs or templates; `pair=A:B` pairs panel A of the first with B of the second."""
+    """Compare the patterns of two jobs, templates or uploads to /v1/patterns (by their sha256).
+
+    `pair=A:B` pairs panel A of the first with B of the second; the others are paired by name, then by shape, or not at
+    all with `only_given`. With `outlines` the answer has every panel's outline [m], to be drawn.
+    """
     given = {}
     for words in pair:
         ours, colon, theirs = words[:600].partition(":")
@@ -43,12 +52,19 @@ def match(
         given[ours] = theirs
     with tempfile.TemporaryDirectory() as folder:
         files = [_find_file(rooms, caller, word, Path(folder) / str(at)) for at, word in enumerate((first, second))]
-        return match_files(files[0], files[1], given)
+        return match_files(files[0], files[1], given, only_given, outlines)
 
 
 def _find_file(rooms: Rooms, caller: Reader, word: str, folder: Path) -> Path:
-    """Write the pattern of a job that the caller sees, else of a template, into a folder; return the file."""
+    """Write the pattern of a job that the caller sees, an upload of its, else of a template into a folder.
+
+    Returns:
+        The file.
+    """
     folder.mkdir()
+    if re.fullmatch("[0-9a-f]{64}", word):
+        kept = find_upload(rooms.database, caller.key, word, "patterns")
+        return rooms.store.copy(kept.sha256, folder / "pattern.json")
     try:
         job = find_own(rooms, caller, word).id
     except NotFound:

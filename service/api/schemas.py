@@ -133,10 +133,22 @@ class JobsIn(BaseModel):
     below: bool = Field(False, description="Also return all jobs below them.")
 
 
+FABRIC: Any = {
+    "name": "mine", "title": "our poplin", "density": 0.12, "thickness": 0.00025, "friction": 0.6, "H00": 800.0,
+    "H01": 60.0, "H11": 1200.0, "H22": 120.0, "k": 1.6e-5,
+    "sources": {
+        "density": "measured: by our scales", "thickness": "measured: under 100 Pa", "friction": "assumed: 0.3 to 0.9",
+        "H00": "measured: on our bench", "H01": "assumed: 5 to 20 % of H00", "H11": "measured: on our bench",
+        "H22": "measured: on our bench", "k": "derived: from a cantilever",
+    },
+}  # fmt: skip
+"""A fabric of a user's own."""
+
+
 class FabricIn(BaseModel):
     """Return a fabric in SI units: H [N/m], k [N m], density [kg/m2], thickness [m], and the source of each number."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"example": FABRIC})
     name: FabricName
     title: Text = ""
     density: Number

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from garmentq.core.measure import compare_patterns
 from garmentq.core.measure.comparison import PairsBad, compare_files
-from garmentq.core.pattern import Pattern, load_template, write_pattern
+from garmentq.core.mesh import ClosedCurve
+from garmentq.core.pattern import Pattern, load_template, panel_outline, write_pattern
 from garmentq.service.matching import PairsUnreadable, read_pairs
 
 
@@ -90,3 +91,29 @@ def test_bad_pairs_are_refused(content: bytes, tmp_path: Path) -> None:
     file.write_bytes(content)
     with pytest.raises(PairsUnreadable):
         read_pairs(file)
+
+
+def test_the_best_fit_is_told(skirt: Pattern) -> None:
+    """Fails if the fit that is drawn were another than the one that is measured, or a mirror image drawn unturned."""
+    front, back = skirt.panels
+    angle, shift = 0.4, np.array([0.3, -0.1])
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    moved = replace(skirt, panels=(replace(front, points=front.points @ turn.T + shift), back))
+    pair = compare_patterns(skirt, moved, {front.name: front.name}, only_given=True).pairs[0]
+    assert (pair.angle, *pair.shift) == pytest.approx((angle, *shift), abs=1e-5) and not pair.turned_over
+    assert pair.outline_mm == pytest.approx(0.0, abs=1e-2)
+    sleeve = load_template("tshirt").panels[-1]
+    other = replace(sleeve, points=sleeve.points * [-1.0, 1.0])
+    shape = replace(skirt, panels=(sleeve,), seams=())
+    found = compare_patterns(shape, replace(shape, panels=(other,))).pairs[0]
+    where = panel_outline(sleeve, 24) * ([-1.0, 1.0] if found.turned_over else [1.0, 1.0])
+    turn = np.array([[np.cos(found.angle), -np.sin(found.angle)], [np.sin(found.angle), np.cos(found.angle)]])
+    away = ClosedCurve(panel_outline(other, 24)).distance(where @ turn.T + found.shift)
+    assert 1e3 * np.sqrt(np.mean(away**2)) <= 2.0 * found.outline_mm + 0.1
+
+
+def test_nothing_else_is_paired(skirt: Pattern) -> None:
+    """Fails if a single pair were compared together with all others, or outlines were not those of the panels."""
+    front = skirt.panels[0].name
+    found = compare_patterns(skirt, skirt, {front: front}, only_given=True)
+    assert [pair.first for pair in found.pairs] == [front] and len(found.only_first) == len(skirt.panels) - 1

@@ -1,0 +1,80 @@
+"""A program's client of the HTTP API: what `RemoteBackend` asks for commands, and all else that there is a route for.
+
+with Client("http://127.0.0.1:8080", key="gq_...") as service:
+    found = service.match("3685ecfd4f81", "tshirt", pairs={"front": "front"})
+    print([pair["outline_mm"] for pair in found["pairs"]])
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+from urllib.parse import quote
+
+from .connection import ServiceUnreachable
+from .deletion import Deleted
+from .remote import RemoteBackend
+
+
+class Client(RemoteBackend):
+    """Ask a service for all that it has a route for. Every refusal is a `GarmentqError` with the service's code."""
+
+    def match(
+        self,
+        first: str,
+        second: str,
+        pairs: Mapping[str, str] | None = None,
+        only_given: bool = False,
+        outlines: bool = False,
+    ) -> dict[str, Any]:
+        """Compare two patterns panel by panel, as JSON values.
+
+        Args:
+            first, second: Jobs, templates, or uploaded patterns by their hash.
+            pairs: Names of the second's panels by the first's, where they are known.
+            only_given: Compare those alone, and pair no others.
+            outlines: Also return every panel's outline [m].
+        """
+        params: dict[str, Any] = {"first": first, "second": second}
+        params["pair"] = [f"{one}:{other}" for one, other in (pairs or {}).items()]
+        params |= {"only_given": only_given, "outlines": outlines}
+        return self._ask_object("GET", "/v1/match", params=params)
+
+    def read_wearer(self, job: str) -> dict[str, Any]:
+        """Return the wearer as a job saw it: source, joints [m] by name, parameters."""
+        return self._ask_object("GET", f"/v1/bodies/of/{quote(job, safe='')}")
+
+    def read_export(self, job: str, name: str) -> bytes:
+        """Return a file that the newest export of a job's result has under a name."""
+        return self._send("GET", f"/v1/jobs/{quote(job, safe='')}/exports/{quote(name, safe='')}").content
+
+    def read_archive(self, job: str) -> bytes:
+        """Return all files of a job as one .zip; `export_files` checks each against its hash."""
+        return self._send("GET", f"/v1/jobs/{quote(job, safe='')}/result.zip").content
+
+    def delete_job(self, job: str) -> Deleted:
+        """Delete an ended job with all below it and all that reads its results."""
+        return Deleted(**self._ask_object("DELETE", f"/v1/jobs/{quote(job, safe='')}", tries=1))
+
+    def forget_upload(self, kind: str, sha256: str) -> Deleted:
+        """Forget an upload, one of `scans`, `bodies`, `labels`, `patterns`, `motions`; jobs keep what they name."""
+        return Deleted(**self._ask_object("DELETE", f"/v1/{kind}/{quote(sha256, safe='')}", tries=1))
+
+    def read_metrics(self) -> str:
+        """Return the service's own numbers in the text form of Prometheus."""
+        return self._send("GET", "/metrics").text
+
+    def read_api(self) -> dict[str, Any]:
+        """Return the OpenAPI document."""
+        return self._ask_object("GET", "/openapi.json")
+
+    def _ask_object(self, method: str, url: str, **options: Any) -> dict[str, Any]:
+        """Return a JSON object.
+
+        Raises:
+            ServiceUnreachable: where the answer is something else.
+        """
+        found = self._ask(method, url, **options)
+        if not isinstance(found, dict):
+            raise ServiceUnreachable("what answers is no garmentq service: its answer cannot be read.")
+        return found

@@ -1,0 +1,84 @@
+"""Open a stored result for a program: of a folder, of a job of a home, or of a service by its address."""
+
+from __future__ import annotations
+
+import os
+import re
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
+
+from .backend import Backend, open_backend
+from .derived import InputWrong
+from .local_token import find_local_token
+from .settings import ServiceSettings, read_settings
+
+if TYPE_CHECKING:
+    from ..core.export.stored_result import StoredResult
+
+PLACE = re.compile(
+    r"^(?P<base>https?://[^/?#]+(?:/[^?#]*?)??)/(?:v1/jobs|jobs|results)/(?P<job>[0-9a-f]{4,16})(?:[/?#]|$)"
+)
+"""Addresses of a job: its route, or a page of it."""
+
+
+def open_result(source: str | Path, *, key: str | None = None, home: str | Path | None = None) -> StoredResult:
+    """Open a garment's result.
+
+    Args:
+        source: A folder with a result's files; else a job's id or a beginning of it, in the home or, where GARMENTQ_URL
+            is set, of that service; or a job's address, `http://host:8080/results/3685ecfd4f81` or
+            `http://host:8080/v1/jobs/3685ecfd4f81`.
+        key: Token of an API key. None: that of GARMENTQ_API_KEY, unless GARMENTQ_URL names another service than the
+            address; else that of the home, for a service on this machine.
+        home: The home; None: that of GARMENTQ_HOME.
+
+    Returns:
+        The result: `pattern`, `mesh("detail").vertices`, `fabric`, `body`, `metrics`, `plot()`.
+
+    Raises:
+        JobUnknown: where there is no such folder or job.
+        InputWrong: where the job's result is no garment.
+        ResultOld: where it was stored by another version.
+        ServiceUnreachable: where the service does not answer.
+    """
+    from ..core.export.stored_result import load_result
+
+    text, settings = str(source), read_settings(home=home)
+    if isinstance(source, Path) or Path(text).is_dir():
+        return load_result(Path(source))
+    if found := PLACE.match(text):
+        from .remote import RemoteBackend
+
+        token = _find_key(found["base"], settings) if key is None else key
+        return _read(RemoteBackend(found["base"], token), found["job"])
+    return _read(open_backend(settings), text)
+
+
+def _find_key(url: str, settings: ServiceSettings) -> str:
+    """Return the token for a service; one that was given for another is not shown to it."""
+    known = os.environ.get("GARMENTQ_URL", "")
+    own = os.environ.get("GARMENTQ_API_KEY", "")
+    if own and (not known or urlsplit(known)[:2] == urlsplit(url)[:2]):
+        return own
+    return find_local_token(url, settings.home)
+
+
+def _read(backend: Backend, job: str) -> StoredResult:
+    """Read the result of a job, of which only the files that are read are copied."""
+    from ..core.export.stored_result import FILES, load_result
+    from ..core.wear import WORN
+
+    try:
+        report = backend.find_job(job)
+        names = {file.name for file in backend.list_artifacts(report.id)}
+        if report.children and WORN not in names:
+            below = ", ".join(f"{child.name} {child.job}" for child in report.children)
+            raise InputWrong(f"job {report.id} is a job '{report.kind}'; open one of the jobs below it: {below}.")
+        with tempfile.TemporaryDirectory(prefix="garmentq-result-") as folder:
+            wanted = [name for name in FILES if name in names] or [WORN]
+            backend.export_files(report.id, Path(folder), wanted)
+            return load_result(Path(folder))
+    finally:
+        backend.close()
