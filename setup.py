@@ -3,7 +3,7 @@
 from setuptools import find_namespace_packages, setup
 
 ROOMS = ("core", "service", "workers", "cli", "migrations")
-DATA = ["*.npz", "*.json", "*.html", "*.css", "*.mako", "*.ini", "py.typed"]
+DATA = ["*.npz", "*.json", "*.html", "*.css", "*.js", "*.svg", "*.txt", "*.mako", "*.ini", "py.typed"]
 
 packages = ["garmentq"] + [
     f"garmentq.{name}"

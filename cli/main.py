@@ -34,7 +34,7 @@ COMMANDS = {
     "bodies": "List the built-in bodies, and write one as a mesh.",
     "materials": "List, show, import, export and delete fabrics.",
     "worker": "Run a worker until it is told to stop.",
-    "serve": "Serve the HTTP API until told to stop.",
+    "serve": "Serve the HTTP API and its pages until told to stop.",
     "keys": "Make, list and revoke API keys.",
     "audit": "Show who changed, took or deleted what over HTTP.",
     "up": "Start the embedded broker and worker.",

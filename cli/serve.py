@@ -21,10 +21,11 @@ if TYPE_CHECKING:
 @click.option("--max-upload-mb", type=click.IntRange(1, 512), help="Largest upload [MiB].  [default: 512]")
 @home_option
 def command(host: str, port: int, max_upload_mb: int | None, home: Path | None) -> None:
-    """Serve the HTTP API until told to stop.
+    """Serve the HTTP API and its pages until told to stop.
 
-    The description of every route is at /docs. Without keys only this machine may ask; an address that others reach
-    needs a key first (`garmentq keys create`). Workers run apart: `garmentq worker`, or `garmentq up`.
+    The link that it prints signs your browser in. The description of every route is at /docs. Without keys only this
+    machine may ask; an address that others reach needs a key first (`garmentq keys create`). Workers run apart:
+    `garmentq worker`, or `garmentq up`.
 
     \b
     Example:
@@ -48,18 +49,21 @@ def announce(settings: ServiceSettings, host: str, port: int) -> None:
     """Describe where the API is, who may ask, and what keeps its jobs from running."""
     from ..service.api.guard import is_loopback
     from ..service.database import open_database
-    from ..service.keys import has_keys
+    from ..service.keys import LOCAL, has_keys
     from ..service.reaper import list_workers
+    from ..service.sessions import begin_session
     from ..service.settings import hide_password
     from .terminal import note
 
     database = open_database(settings)
     try:
         is_lonely, is_keyless = not list_workers(database), is_loopback(host) and not has_keys(database)
+        link = f"?link={begin_session(database, LOCAL, is_link=True)}" if is_keyless else ""
     finally:
         database.dispose()
     of = hide_password(settings.database_url) or settings.home
     note(f"the API of {of} is at http://{host}:{port}, its description at /docs")
+    note(f"its pages: http://{host}:{port}/signin{link}{' (once, within 10 minutes)' if link else ''}")
     if is_keyless:
         note(f"there are no keys: programs of this user show the token in {settings.home / 'api.token'}")
     if is_lonely:

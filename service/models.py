@@ -316,6 +316,17 @@ class AuditRow(Base):
     request: Mapped[str] = mapped_column(String(64))
 
 
+class SessionRow(Base):
+    """Keep a browser's session, or a link that begins one, by its token's hash; `key` is empty for the local user."""
+
+    __tablename__ = "sessions"
+    hash: Mapped[str] = mapped_column(String(64), primary_key=True)
+    key: Mapped[str] = mapped_column(String(16))
+    is_link: Mapped[bool] = mapped_column(default=False)
+    created: Mapped[float]
+    expires: Mapped[float] = mapped_column(index=True)
+
+
 class OwnerRow(Base):
     """Name a key that may see a job, having submitted it; what several keys submitted is one job, seen by each."""
 

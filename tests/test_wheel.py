@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 ROOMS = ("core", "service", "workers", "cli", "migrations")
-DATA = {".npz", ".json", ".html", ".css", ".mako", ".ini", ".py", ".typed"}
+DATA = {".npz", ".json", ".html", ".css", ".js", ".svg", ".txt", ".mako", ".ini", ".py", ".typed"}
 LEFT_OUT = {"__pycache__"}
 
 

@@ -15,6 +15,7 @@ from ... import __version__
 from ...core.errors import Unavailable
 from ..database import open_database
 from ..local_token import make_local_token
+from ..pages import routes as pages
 from ..settings import ServiceSettingBad, ServiceSettings
 from ..stores import open_store
 from . import batches, events, health, jobs, keys, match, materials, questions, results, templates, uploads
@@ -53,6 +54,7 @@ def make_app(settings: ServiceSettings, limits: ApiLimits | None = None, is_open
     for module in (uploads, batches, jobs, events, results, questions, match, templates, materials, keys):
         app.include_router(module.router, prefix="/v1", dependencies=[Depends(refuse_unknown)])
     app.include_router(health.router)
+    app.include_router(pages.router)
     add_handlers(app)
     app.add_middleware(Guard, limits=limits, is_open=is_open)
     app.add_route("/docs", lambda request: show_page(app), include_in_schema=False)

@@ -16,6 +16,7 @@ from ...core.errors import GarmentqError
 from ..audit import is_recorded, record_access
 from ..keys import Caller, admit
 from ..logs import REQUEST
+from ..sessions import admit_session, check_csrf
 from .limits import ApiLimits
 from .problems import answer_error, make_problem, refuse
 
@@ -35,6 +36,12 @@ HEAD_BYTES = 32 * 1024
 
 CALLER = "garmentq.caller"
 """Where a request's caller stands, for the routes."""
+
+CSRF_HEADER = b"x-csrf-token"
+"""What a page sends along with each change, besides its session's cookie."""
+
+SAFE = ("GET", "HEAD")
+"""Methods that change nothing."""
 
 HEADERS = (
     (b"x-content-type-options", b"nosniff"),
@@ -95,10 +102,15 @@ class Guard:
             return None
         rooms, address = scope["app"].state.rooms, _address(scope)
         try:
-            token = _find_token(scope)
-            rooms.meter.check_address(address, token)
-            scope[CALLER] = await run_in_threadpool(admit, rooms.database, token, rooms.local_token)
-            rooms.meter.note_key(token)
+            token, session = _find_token(scope), find_session(scope)
+            if token is None and session is not None:
+                scope[CALLER] = await run_in_threadpool(admit_session, rooms.database, session, bool(rooms.local_token))
+                if scope["method"] not in SAFE:
+                    check_csrf(session, find_header(scope, CSRF_HEADER))
+            else:
+                rooms.meter.check_address(address, token)
+                scope[CALLER] = await run_in_threadpool(admit, rooms.database, token, rooms.local_token)
+                rooms.meter.note_key(token)
             rooms.meter.take(scope[CALLER].key)
         except GarmentqError as error:
             if error.code == "key.bad":
@@ -206,6 +218,25 @@ def _find_token(scope: Message) -> str | None:
             kind, _, token = value.decode("latin-1").partition(" ")
             return token.strip() if kind.lower() == "bearer" and token.strip() else None
     return None
+
+
+def find_header(scope: Message, wanted: bytes) -> str:
+    """Return the value of a request's header by its name in small letters; empty where it has none."""
+    return next((value.decode("latin-1") for name, value in scope["headers"] if name == wanted), "")
+
+
+def find_session(scope: Message) -> str | None:
+    """Return the token in the cookie of a browser that signed in, or None."""
+    for one in find_header(scope, b"cookie").split(";"):
+        name, _, value = one.strip().partition("=")
+        if name == name_cookie(scope["scheme"]) and value:
+            return value
+    return None
+
+
+def name_cookie(scheme: str) -> str:
+    """Return the name of the session's cookie; with the prefix a browser takes it from this host by https alone."""
+    return "__Host-garmentq" if scheme == "https" else "garmentq"
 
 
 def _is_near(scope: Message) -> bool:

@@ -21,6 +21,9 @@ MEDIA = "application/problem+json"
 STATUSES = {
     "key.missing": 401,
     "key.bad": 401,
+    "session.ended": 401,
+    "session.link_used": 401,
+    "session.csrf": 403,
     "key.scope_missing": 403,
     "key.priority": 403,
     "job.in_use": 409,

@@ -1,0 +1,52 @@
+"""Routes of pages: an error is a page too, and who has not signed in is asked to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Coroutine
+from typing import Any
+from urllib.parse import quote
+
+from fastapi import APIRouter, Request, Response
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import RedirectResponse
+from fastapi.routing import APIRoute
+
+from ...core.errors import GarmentqError
+from ..api.problems import OURS, RequestBad, error_status
+from .markup import html
+from .session import SignInNeeded
+from .shell import draw_shell
+
+
+class PageRoute(APIRoute):
+    """Answer with a page, whatever happens on the way to it."""
+
+    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
+        """Return the handler of a request."""
+        inner = super().get_route_handler()
+
+        async def answer(request: Request) -> Response:
+            try:
+                return await inner(request)
+            except SignInNeeded:
+                asked = request.url.path + (f"?{request.url.query}" if request.url.query else "")
+                return RedirectResponse(f"/signin?next={quote(asked, safe='')}", 303)
+            except RequestValidationError:
+                return draw_error(RequestBad("the address does not fit; go back to the page that named it."))
+            except GarmentqError as error:
+                return draw_error(error)
+
+        return answer
+
+
+def make_router() -> APIRouter:
+    """Return a router of pages."""
+    return APIRouter(route_class=PageRoute, include_in_schema=False)
+
+
+def draw_error(error: GarmentqError) -> Response:
+    """Return the page that says what is wrong, and the next step."""
+    message = type(error)().message if error.code.startswith(OURS) else error.message
+    content = html('<h1>This did not work</h1><p class="error" role="alert">{}</p><p><code>{}</code></p>'
+                   '<p><a href="/">All jobs</a></p>', message, error.code)  # fmt: skip
+    return draw_shell("Error", content, status=error_status(error))

@@ -1,0 +1,166 @@
+"""Signing in and out: a key, the home's token or a link of `garmentq serve` becomes a session's cookie."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated, Any
+from urllib.parse import parse_qs
+
+from fastapi import APIRouter, Depends, Request, Response
+from fastapi.responses import RedirectResponse
+from starlette.concurrency import run_in_threadpool
+
+from ...core.errors import GarmentqError
+from ..api.access import Rooms, RoomsOf
+from ..api.guard import find_session, name_cookie
+from ..api.problems import error_status
+from ..keys import LOCAL, Caller, KeyBad, KeyMissing, admit
+from ..sessions import (
+    SESSION_SECONDS,
+    LinkUsed,
+    SessionEnded,
+    admit_session,
+    begin_session,
+    check_csrf,
+    end_session,
+    make_csrf,
+    take_link,
+)
+from .markup import Html, html
+from .shell import Visitor, draw_shell
+
+router = APIRouter(include_in_schema=False)
+
+LOCAL_PATH = re.compile(r"/(?![/\\])[A-Za-z0-9/_.~?=&,:%+-]{0,500}")
+"""Where a browser may be sent after signing in: a page of this service."""
+
+
+class SignInNeeded(GarmentqError):
+    """The page is for those who signed in; do so at /signin."""
+
+    code = "session.missing"
+
+
+def get_visitor(request: Request, rooms: RoomsOf) -> Visitor:
+    """Return who looks at a page, and count it as a request of theirs.
+
+    Raises:
+        SignInNeeded: where nobody has signed in, or the session has ended.
+        ScopeMissing: where their key may not read.
+    """
+    token = find_session(request.scope)
+    if token is None:
+        raise SignInNeeded()
+    try:
+        caller = admit_session(rooms.database, token, bool(rooms.local_token))
+    except SessionEnded:
+        raise SignInNeeded() from None
+    rooms.meter.take(caller.key)
+    caller.must("read")
+    return Visitor(caller, make_csrf(token))
+
+
+VisitorOf = Annotated[Visitor, Depends(get_visitor)]
+
+
+@router.get("/signin")
+def show_signin(request: Request, rooms: RoomsOf, link: str = "", next: str = "/") -> Response:
+    """Return the form; a link of `garmentq serve` signs in at once, and once."""
+    if not link:
+        return _draw_form(rooms, next)
+    try:
+        if not rooms.local_token:
+            raise LinkUsed()
+        rooms.meter.check_address(_address(request), link)
+        take_link(rooms.database, link)
+        return _begin(request, rooms, LOCAL, next)
+    except GarmentqError as error:
+        _note(request, rooms, error)
+        return _draw_form(rooms, next, error)
+
+
+@router.post("/signin")
+async def sign_in(request: Request, rooms: RoomsOf) -> Response:
+    """Begin a session for who has a key, or the token of a home without keys."""
+    given = parse_qs((await request.body()).decode("utf-8", "replace"))
+    token, target = given.get("token", [""])[0].strip(), given.get("next", ["/"])[0]
+    return await run_in_threadpool(_sign_in, request, rooms, token, target)
+
+
+@router.post("/signout")
+async def sign_out(request: Request, rooms: RoomsOf) -> Response:
+    """End the session."""
+    given = parse_qs((await request.body()).decode("utf-8", "replace"))
+    answer = RedirectResponse("/signin", 303)
+    if (token := find_session(request.scope)) is not None:
+        try:
+            check_csrf(token, given.get("csrf", [""])[0])
+        except GarmentqError as error:
+            return _draw_form(rooms, "/", error)
+        await run_in_threadpool(end_session, rooms.database, token)
+        answer.delete_cookie(name_cookie(request.url.scheme), **_flags(request))
+    return answer
+
+
+def _sign_in(request: Request, rooms: Rooms, token: str, target: str) -> Response:
+    try:
+        _refuse_foreign(request)
+        rooms.meter.check_address(_address(request), token or None)
+        caller = admit(rooms.database, token or None, rooms.local_token)
+    except GarmentqError as error:
+        _note(request, rooms, error)
+        return _draw_form(rooms, target, error)
+    rooms.meter.note_key(token)
+    return _begin(request, rooms, caller, target)
+
+
+def _refuse_foreign(request: Request) -> None:
+    """Refuse a form that another site's page sent: nobody is signed in as somebody else."""
+    if request.headers.get("sec-fetch-site", "same-origin") not in ("same-origin", "none"):
+        raise SignInNeeded("sign in on the page of this service.")
+
+
+def _note(request: Request, rooms: Rooms, error: GarmentqError) -> None:
+    if error.code in (KeyBad.code, LinkUsed.code):
+        rooms.meter.note_wrong(_address(request))
+
+
+def _begin(request: Request, rooms: Rooms, caller: Caller, target: str) -> Response:
+    session = begin_session(rooms.database, caller)
+    answer = RedirectResponse(target if LOCAL_PATH.fullmatch(target) else "/", 303)
+    seconds = int(SESSION_SECONDS)
+    answer.set_cookie(name_cookie(request.url.scheme), session, max_age=seconds, **_flags(request))
+    return answer
+
+
+def _flags(request: Request) -> dict[str, Any]:
+    """Return how the cookie is kept: no script reads it, and no other site's page sends it."""
+    return {"path": "/", "httponly": True, "samesite": "strict", "secure": request.url.scheme == "https"}
+
+
+def _address(request: Request) -> str:
+    return request.client.host if request.client else ""
+
+
+def _draw_form(rooms: Rooms, target: str, error: GarmentqError | None = None) -> Response:
+    refused, status = Html(), 200
+    if error is not None:
+        message = "enter a key." if isinstance(error, KeyMissing) else error.message
+        refused, status = html('<p class="error" role="alert">{}</p>', message), error_status(error)
+    told = html(TOLD) if rooms.local_token else Html()
+    form = html(FORM, refused=refused, target=target if LOCAL_PATH.fullmatch(target) else "/", told=told)
+    return draw_shell("Sign in", form, status=status)
+
+
+FORM = """<section class="signin"><h1>Sign in</h1>{refused}
+<form method="post" action="/signin">
+<input type="hidden" name="next" value="{target}">
+<label for="token">API key or local token</label>
+<input id="token" name="token" type="password" autocomplete="current-password" required autofocus spellcheck="false">
+<button type="submit" class="primary">Sign in</button>
+</form>
+<p>A key begins with <code>gq_</code>; <code>garmentq keys create NAME</code> makes one. Your browser keeps a session of
+12 hours, not the key.</p>{told}</section>"""
+
+TOLD = """<p>A service without keys takes the token in the file <code>api.token</code> of its home, or the link that
+<code>garmentq serve</code> prints.</p>"""

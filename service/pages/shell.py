@@ -1,0 +1,95 @@
+"""What all pages share: head, navigation, style and script, and what a browser may do on them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from fastapi.responses import HTMLResponse
+
+from ..keys import Caller
+from .markup import Html, html, join
+
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
+    "font-src 'none'; frame-ancestors 'none'; base-uri 'none'; form-action 'self'"
+)
+"""A page's Content-Security-Policy: files of this service alone, nothing inline, no other host."""
+
+PLACES = (("/", "Jobs"), ("/docs", "API"))
+"""The navigation: address and title of each page that needs no job."""
+
+
+@dataclass(frozen=True)
+class Visitor:
+    """Describe who looks at a page.
+
+    Attributes:
+        caller: What they may.
+        csrf: What their pages send along with each change.
+    """
+
+    caller: Caller
+    csrf: str
+
+
+def draw_shell(
+    title: str,
+    content: Html,
+    visitor: Visitor | None = None,
+    scripts: Sequence[str] = (),
+    here: str = "",
+    status: int = 200,
+) -> HTMLResponse:
+    """Return a page.
+
+    Args:
+        title: Of the page; escaped here.
+        content: What stands in its `<main>`.
+        visitor: Who looks at it; None: nobody signed in, so there is no navigation.
+        scripts: Modules that it loads, by their names in `static`.
+        here: The address in `PLACES` that it belongs to.
+        status: The answer's status.
+
+    The referrer's policy lets a form tell its origin to this service, and nothing to any other.
+    """
+    links = [
+        html('<a href="{}"{}>{}</a>', url, Html(' aria-current="page"' if url == here else ""), name)
+        for url, name in PLACES
+    ]
+    page = html(
+        TEMPLATE,
+        title=title,
+        csrf=html('<meta name="csrf-token" content="{}">', visitor.csrf) if visitor else Html(),
+        scripts=join(html('<script type="module" src="/static/{}"></script>', name) for name in scripts),
+        navigation=html(NAVIGATION, links=join(links), csrf=visitor.csrf) if visitor else Html(),
+        content=content,
+    )
+    return HTMLResponse(page, status, {"content-security-policy": POLICY, "referrer-policy": "same-origin"})
+
+
+TEMPLATE = """<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<title>{title} – garmentq</title>
+{csrf}
+<link rel="icon" href="/static/icon.svg" type="image/svg+xml">
+<link rel="stylesheet" href="/static/style.css">
+{scripts}
+</head>
+<body>
+<a class="skip" href="#main">Skip to content</a>
+<header class="top"><a class="brand" href="/">garmentq</a>{navigation}</header>
+<main id="main" tabindex="-1">
+{content}
+</main>
+</body>
+</html>
+"""
+
+NAVIGATION = """<nav aria-label="Pages">{links}</nav>
+<form class="signout" method="post" action="/signout"><input type="hidden" name="csrf" value="{csrf}">
+<button type="submit">Sign out</button></form>"""

@@ -1,0 +1,74 @@
+"""`/static/NAME`: style, scripts and pictures of the pages, out of this package and nowhere else."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from fastapi import APIRouter, Request, Response
+
+from ..api.problems import refuse
+
+router = APIRouter(include_in_schema=False)
+
+FOLDER = Path(__file__).parent / "static"
+
+TYPES = {
+    ".css": "text/css; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".svg": "image/svg+xml",
+}
+"""What is served, by its extension; what else lies in the folder is not."""
+
+VENDORED = "vendor/"
+"""Files with their version in their name, which never change."""
+
+SMALL = 1024
+"""A file below this is not worth packing [bytes]: it fits into one packet."""
+
+
+@dataclass(frozen=True)
+class StaticFile:
+    """Hold one file as it is sent.
+
+    Attributes:
+        content: Its bytes.
+        packed: The same by gzip; empty where that is not worth it.
+        etag: Says whether a browser has it already.
+        media: Its type.
+    """
+
+    content: bytes
+    packed: bytes
+    etag: str
+    media: str
+
+
+@cache
+def load_files() -> dict[str, StaticFile]:
+    """Read every file of the folder once, by its name below it; a name that is not there is no path to anything."""
+    return {path.relative_to(FOLDER).as_posix(): _load(path) for path in FOLDER.rglob("*") if path.suffix in TYPES}
+
+
+def _load(path: Path) -> StaticFile:
+    content = path.read_bytes()
+    packed = gzip.compress(content, 9, mtime=0) if len(content) > SMALL else b""
+    return StaticFile(content, packed, f'"{hashlib.sha256(content).hexdigest()[:32]}"', TYPES[path.suffix])
+
+
+@router.get("/static/{name:path}")
+def send_file(name: str, request: Request) -> Response:
+    """Return a file, packed where the browser takes that."""
+    file = load_files().get(name)
+    if file is None:
+        raise refuse(404, "request.no_such_page", "there is no such file.")
+    lasting = "public, max-age=31536000, immutable" if name.startswith(VENDORED) else "no-cache"
+    headers = {"etag": file.etag, "cache-control": lasting, "vary": "accept-encoding"}
+    if file.etag in request.headers.get("if-none-match", ""):
+        return Response(status_code=304, headers=headers)
+    if file.packed and "gzip" in request.headers.get("accept-encoding", ""):
+        return Response(file.packed, headers=headers | {"content-encoding": "gzip"}, media_type=file.media)
+    return Response(file.content, headers=headers, media_type=file.media)

@@ -1,0 +1,108 @@
+"""Sessions of browsers: who signed in, until when. Only the hash of a session's token is kept, as of a key's."""
+
+from __future__ import annotations
+
+import hashlib
+import hmac
+import secrets
+
+from sqlalchemy import delete, select
+
+from ..core.errors import GarmentqError
+from .database import Database, clock
+from .keys import LOCAL, TOKEN_BYTES, Caller, KeyBad, admit_key, has_keys, hash_token
+from .models import SessionRow
+
+SESSION_SECONDS = 12 * 3600.0
+"""How long a session lasts [s]: a long working day; then the key is asked for again."""
+
+LINK_SECONDS = 600.0
+"""How long a link that signs in may be used [s]: it is printed on a terminal and opened at once."""
+
+
+class SessionEnded(GarmentqError):
+    """The session has ended; sign in again at /signin."""
+
+    code = "session.ended"
+
+
+class CsrfBad(GarmentqError):
+    """The request did not come from a page of this service; load the page again and repeat it."""
+
+    code = "session.csrf"
+
+
+class LinkUsed(GarmentqError):
+    """The link was used before, or is too old; `garmentq serve` prints a new one, and a key or token signs in too."""
+
+    code = "session.link_used"
+
+
+def begin_session(database: Database, caller: Caller, is_link: bool = False) -> str:
+    """Begin a session, or make a link that begins one, and return its token, which is given here and never again.
+
+    Sessions that are over are forgotten.
+    """
+    token = secrets.token_urlsafe(TOKEN_BYTES)
+    seconds = LINK_SECONDS if is_link else SESSION_SECONDS
+    with database.write() as session:
+        session.execute(delete(SessionRow).where(SessionRow.expires <= clock()))
+        row = {"hash": hash_token(token), "key": caller.key, "is_link": is_link}
+        session.add(SessionRow(**row, created=clock(), expires=clock() + seconds))
+    return token
+
+
+def admit_session(database: Database, token: str, is_open: bool) -> Caller:
+    """Authenticate the token of a session.
+
+    Args:
+        database: Whose sessions count.
+        token: What the browser's cookie holds.
+        is_open: Whether the service knows a local user while it has no keys.
+
+    Raises:
+        SessionEnded: where there is none, it is over, or its key is no more.
+    """
+    asked = select(SessionRow.key).where(SessionRow.hash == hash_token(token), ~SessionRow.is_link)
+    with database.read() as session:
+        key = session.scalar(asked.where(SessionRow.expires > clock()))
+    if key is None or (not key and (not is_open or has_keys(database))):
+        raise SessionEnded()
+    try:
+        return admit_key(database, key) if key else LOCAL
+    except KeyBad:
+        raise SessionEnded("the key that signed in was revoked or has expired; sign in with another.") from None
+
+
+def take_link(database: Database, token: str) -> None:
+    """Use up a link that signs the local user in.
+
+    Raises:
+        LinkUsed: where it cannot be used, or not again.
+    """
+    meant = delete(SessionRow).where(SessionRow.hash == hash_token(token), SessionRow.is_link)
+    with database.write() as session:
+        taken = session.execute(meant.where(SessionRow.expires > clock()).returning(SessionRow.hash)).all()
+    if len(taken) != 1 or has_keys(database):
+        raise LinkUsed()
+
+
+def end_session(database: Database, token: str) -> None:
+    """End a session; nothing happens where there is none."""
+    with database.write() as session:
+        session.execute(delete(SessionRow).where(SessionRow.hash == hash_token(token)))
+
+
+def make_csrf(token: str) -> str:
+    """Return what a session's pages send along with each change: only who knows the session's token can make it."""
+    return hmac.new(token.encode(), b"csrf", hashlib.sha256).hexdigest()
+
+
+def check_csrf(token: str, given: str) -> None:
+    """Check what came along with a change.
+
+    Raises:
+        CsrfBad: where it is not the session's.
+    """
+    if not hmac.compare_digest(make_csrf(token).encode(), given.encode("utf-8", "replace")):
+        raise CsrfBad()

@@ -1,0 +1,164 @@
+"""Pages in a real browser, of a real service, of a home with a real stored result."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "api"))
+
+from api_client import address, serving  # noqa: F401
+from garmentq.core.export import write_recovery
+from garmentq.service.api.limits import ApiLimits
+from garmentq.service.jobs import claim
+from garmentq.service.kinds.recover import Recover
+from garmentq.service.local_token import make_local_token
+from garmentq.service.results import store_result
+from garmentq.service.services import Services, open_services
+from garmentq.service.settings import ServiceSettings
+from garmentq.service.submission import Order, submit
+from garmentq_home import (  # noqa: F401
+    blank_database,
+    database,
+    database_kind,
+    database_url,
+    make_settings,
+    settings,
+    store,
+)
+
+CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+FLAGS = (
+    "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--disable-quic", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync",
+)  # fmt: skip
+"""WebGL by software, and no request of the browser's own."""
+
+WAIT_MS = 60_000
+"""A deadline that only a hang reaches, however loaded the machine is [ms]."""
+
+
+@dataclass(frozen=True)
+class Site:
+    """Describe a served home.
+
+    Attributes:
+        url: Where it is, `http://127.0.0.1:PORT`.
+        services: The open home, for what a worker would do.
+        token: What signs the local user in.
+        result: Id of a job with a real result: a tube of two panels, four meshes, on a post.
+        keep: Submit a recovery under a name and store it as a worker would; gives the job's id.
+    """
+
+    url: str
+    services: Services
+    token: str
+    result: str
+    keep: Callable[..., str]
+
+    @property
+    def settings(self) -> ServiceSettings:
+        """Return the home's settings."""
+        return self.services.settings
+
+
+def find_chromium() -> str | None:
+    """Return the browser: GARMENTQ_CHROMIUM, else what the system has."""
+    chosen = os.environ.get("GARMENTQ_CHROMIUM") or next(filter(shutil.which, CHROMIUM), None)
+    return shutil.which(chosen) if chosen else None
+
+
+@pytest.fixture(scope="session")
+def chromium():
+    """Start the browser once."""
+    path = find_chromium()
+    if path is None:
+        pytest.skip("no chromium found: `apt-get install chromium`, or set GARMENTQ_CHROMIUM to its path")
+    sync_api = pytest.importorskip("playwright.sync_api")
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=list(FLAGS))
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="session")
+def site(tmp_path_factory, blank_database, tube_recovery) -> Iterator[Site]:  # noqa: F811
+    """Serve a home with one result; tests that change it add jobs of their own."""
+    folder = tmp_path_factory.mktemp("site")
+    home = folder / "home"
+    home.mkdir(mode=0o700)
+    shutil.copy(blank_database, home / "garmentq.db")
+    services = open_services(make_settings(home, writer="garmentq.core.export:write_recovery"))
+
+    def keep(name: str, recovery=None) -> str:
+        recovery = recovery or make_recovery(tube_recovery)
+        job = queue_scan(services, folder, name, recovery)
+        held = claim(services.database, job, "test", 600.0)
+        write_recovery(recovery, out := folder / f"out-{job}")
+        store_result(services.database, services.store, held, Recover(), recovery, out)
+        return job
+
+    with serving(services.settings, ApiLimits()) as url:
+        yield Site(url, services, make_local_token(home), keep("tube"), keep)
+    services.database.dispose()
+
+
+def make_recovery(tube_recovery):
+    """Give a recovery with all four meshes, each told from the others by its size."""
+    found = tube_recovery()
+    nodes = found.garment.nodes
+    meshes = {"simulation": nodes * 1.02, "redraped": nodes * 1.03}
+    return tube_recovery(meshes=type(found.meshes)(found.meshes.graded, found.meshes.detail, **meshes))
+
+
+def queue_scan(services: Services, folder: Path, name: str, recovery) -> str:
+    """Submit the scan of a recovery as a file of its own."""
+    import trimesh
+
+    (folder / name).mkdir()
+    scan = folder / name / "scan.ply"
+    mesh = trimesh.Trimesh(recovery.scan.vertices, recovery.scan.faces, process=False)
+    mesh.metadata["name"] = name
+    scan.write_bytes(mesh.export(file_type="ply") + b"")
+    body = folder / name / "body.ply"
+    trimesh.Trimesh(recovery.body.vertices, recovery.body.faces, process=False).export(body)
+    return submit(services.database, services.store, Order(scan, body, name=name, force=True)).job
+
+
+@pytest.fixture
+def context(chromium, site) -> Iterator:
+    """Open a browser window of its own, signed in as the local user; fails on what no page may do."""
+    opened = chromium.new_context(base_url=site.url, viewport={"width": 1280, "height": 900})
+    opened.set_default_timeout(WAIT_MS)
+    faults: list[str] = []
+    host = urlsplit(site.url).netloc
+
+    def watch(page) -> None:
+        page.on("console", lambda said: faults.append(said.text) if said.type == "error" else None)
+        page.on("pageerror", lambda error: faults.append(str(error)))
+
+    def look(request) -> None:
+        if urlsplit(request.url).scheme in ("http", "https", "ws", "wss") and urlsplit(request.url).netloc != host:
+            faults.append(f"a request to {request.url}")
+
+    opened.on("page", watch)
+    opened.on("request", look)
+    answer = opened.request.post("/signin", form={"token": site.token})
+    assert answer.ok
+    opened.faults = faults
+    yield opened
+    opened.close()
+    assert faults == []
+
+
+@pytest.fixture
+def page(context):
+    """Open one page of it."""
+    return context.new_page()
