@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from .curves import edge_length, place_on_chord, relative_to_chord, unit_length, unit_points
+from .curves import edge_length, place_on_chord, relative_to_chord, split_edge, unit_length, unit_points
 from .pattern import Edge, EdgeRef, Panel, Pattern, Seam
 
 PLACEMENT_DEPTH = 0.25
@@ -132,6 +132,15 @@ def mirror(outline: Outline, swap: bool = True) -> Outline:
     return Outline(_flip(ends[-1]), tuple(strokes))
 
 
+def walk_back(outline: Outline) -> tuple[Stroke, ...]:
+    """Return the strokes of a line walked from its end to its start."""
+    starts = [outline.start, *(stroke.end for stroke in outline.strokes[:-1])]
+    return tuple(
+        replace(s, end=start, handles=s.handles[::-1], notch=None if s.notch is None else 1.0 - s.notch)
+        for start, s in zip(starts[::-1], outline.strokes[::-1], strict=True)
+    )
+
+
 def _other_side(text: str) -> str:
     swapped = {"left": "right", "right": "left"}
     return ".".join(swapped.get(word, word) for word in text.split("."))
@@ -164,6 +173,24 @@ def _edge(start: Point, stroke: Stroke) -> Edge:
         return Edge("line", label=stroke.label, contour=stroke.contour)
     handles = relative_to_chord(np.array(stroke.handles), np.array(start), np.array(stroke.end))
     return Edge("cubic", handles, stroke.label, stroke.contour)
+
+
+def cut_stroke(start: Point, stroke: Stroke, share: float, names: tuple[str, str]) -> tuple[Stroke, Stroke]:
+    """Cut a stroke that begins at `start` [m] at a share of its length; both parts draw the same curve.
+
+    `names` are the labels of the two parts; a stroke on an open contour stays on it, and a notch goes.
+    """
+    edge, a, b = _edge(start, stroke), np.array(start), np.array(stroke.end)
+    cut, *parts = split_edge(edge, share)
+    middle = place_on_chord(cut[None], a, b)[0]
+    handles = [
+        tuple(to_point(h) for h in place_on_chord(part.handles, *ends)) if part.kind != "line" else ()
+        for part, ends in zip(parts, ((a, middle), (middle, b)), strict=True)
+    ]
+    return (
+        Stroke(to_point(middle), handles[0], names[0], stroke.contour),
+        Stroke(stroke.end, handles[1], names[1], stroke.contour),
+    )
 
 
 def stroke_points(start: Point, stroke: Stroke, segments: int) -> np.ndarray:

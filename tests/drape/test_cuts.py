@@ -81,7 +81,17 @@ def hang(name: str, gender: str, poses: tuple[str, ...]) -> None:
     "name",
     [
         "tshirt+neckline=boat,sleeve=cap",
+        "tshirt+neckline=v,sleeve_head=raglan",
+        "tshirt+collar=stand",
+        "long_sleeve_tshirt+sleeve_head=set-in,yoke=back",
         "dress+neckline=v,skirt=half-circle,waist=seam",
+        "dress+shaping=princess",
+        "dress+shaping=princess,skirt=gored,waist=seam",
+        "sleeved_dress+shaping=darts,skirt=straight,waist=seam",
+        "pencil_skirt+shaping=darts",
+        "pencil_skirt+skirt=tiered",
+        "skirt+skirt=full-circle,yoke=hip",
+        "trousers+legs=wide,waistband=band",
     ],
 )
 def test_a_cut_hangs(name: str) -> None:

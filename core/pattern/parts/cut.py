@@ -50,6 +50,37 @@ class Sleeve(StrEnum):
     LONG = "long"
 
 
+class SleeveHead(StrEnum):
+    """How the upper end of a sleeve meets the bodice."""
+
+    FLAT = "flat"
+    SET_IN = "set-in"
+    RAGLAN = "raglan"
+
+
+class Shaping(StrEnum):
+    """What takes the trunk's hollow at the waist out of the cloth, beside the side seams."""
+
+    NONE = "none"
+    DARTS = "darts"
+    PRINCESS = "princess"
+
+
+class Yoke(StrEnum):
+    """A piece of its own above the rest of a part: across the shoulders, or around the hips."""
+
+    NONE = "none"
+    BACK = "back"
+    HIP = "hip"
+
+
+class Collar(StrEnum):
+    """What is sewn to a neckline."""
+
+    NONE = "none"
+    STAND = "stand"
+
+
 class Skirt(StrEnum):
     """A skirt by the shape of its panels."""
 
@@ -57,9 +88,11 @@ class Skirt(StrEnum):
     STRAIGHT = "straight"
     PENCIL = "pencil"
     A_LINE = "a-line"
+    GORED = "gored"
     HALF_CIRCLE = "half-circle"
     FULL_CIRCLE = "full-circle"
     GATHERED = "gathered"
+    TIERED = "tiered"
 
 
 class Legs(StrEnum):
@@ -96,10 +129,14 @@ class Cut:
         neckline, back_neckline: Of the front and of the back.
         sleeve: Of each arm.
         skirt: Below the waist.
-        panels: Panels of a skirt all around, 2 or 4.
+        panels: Panels of a skirt all around, 2 or 4; gored ones have 6.
         legs: Below the waist instead of a skirt, in one piece with a bodice where there is one.
-        waistband: Of a skirt without a bodice.
+        waistband: Of a skirt or legs without a bodice.
         waist: Whether a bodice and its skirt are cut in one piece or sewn to each other.
+        sleeve_head: How each sleeve meets the bodice.
+        shaping: Of bodice and skirt at the waist.
+        yoke: Across the back of a bodice, or around the hips above a skirt.
+        collar: On the neckline.
         neck_depth, back_depth: Of a neckline below the side neck point [m]; None: as the neckline is usually cut.
     """
 
@@ -114,6 +151,10 @@ class Cut:
     neck_depth: float | None = None
     back_depth: float | None = None
     waist: Waist = Waist.NONE
+    sleeve_head: SleeveHead = SleeveHead.FLAT
+    shaping: Shaping = Shaping.NONE
+    yoke: Yoke = Yoke.NONE
+    collar: Collar = Collar.NONE
 
     @property
     def category(self) -> str:
@@ -158,12 +199,16 @@ class Cut:
 
     def has_place_for(self, part: str) -> bool:
         """Check whether a garment of the cut's kind can have another choice of a part: trousers have no neckline."""
-        if part in ("neckline", "back_neckline", "sleeve"):
+        if part in ("neckline", "back_neckline", "sleeve", "sleeve_head", "collar"):
             return self.bodice is not Bodice.NONE
         if part == "waist":
             return self.bodice is not Bodice.NONE and self.skirt is not Skirt.NONE
         if part == "waistband":
-            return self.skirt is not Skirt.NONE and self.bodice is Bodice.NONE
+            return self.bodice is Bodice.NONE
+        if part == "shaping":
+            return self.legs is Legs.NONE
+        if part == "yoke":
+            return self.bodice is not Bodice.NONE or self.skirt is not Skirt.NONE
         return part not in PARTS or str(getattr(self, part)) != "none"
 
 
@@ -176,6 +221,10 @@ PARTS: dict[str, type[StrEnum]] = {
     "legs": Legs,
     "waistband": Waistband,
     "waist": Waist,
+    "sleeve_head": SleeveHead,
+    "shaping": Shaping,
+    "yoke": Yoke,
+    "collar": Collar,
 }
 """The parts of a cut by name, each with its choices."""
 

@@ -8,7 +8,7 @@ from ..division import divide_edges
 from ..measures import BodyMeasures
 from ..outline import sew_by_label
 from ..pattern import Panel, Pattern
-from .cut import Bodice, Cut, Legs, PartsConflict, Skirt, Waist, Waistband
+from .cut import Bodice, Collar, Cut, Legs, PartsConflict, Shaping, Skirt, SleeveHead, Waist, Waistband, Yoke
 from .legs import draw_legs, draw_suit
 from .skirts import SWEEP, draw_skirt
 from .tops import draw_shoulder, draw_top
@@ -26,8 +26,16 @@ def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None =
         PartsConflict: where two parts cannot be sewn to each other; the message names them.
     """
     m, category = measures or BodyMeasures(), cut.category
-    if cut.waistband is Waistband.BAND and (cut.bodice is not Bodice.NONE or cut.legs is not Legs.NONE):
-        raise PartsConflict("a band finishes the waist of a skirt; choose waistband=none.")
+    if cut.waistband is Waistband.BAND and cut.bodice is not Bodice.NONE:
+        raise PartsConflict("a band finishes the waist of a skirt or legs; choose waistband=none.")
+    if cut.legs is not Legs.NONE and (cut.shaping is not Shaping.NONE or cut.yoke is not Yoke.NONE):
+        raise PartsConflict("legs are drafted without darts and yokes; choose shaping=none and yoke=none.")
+    if cut.yoke is Yoke.HIP and (
+        cut.skirt is Skirt.NONE or (cut.bodice is not Bodice.NONE and cut.waist is Waist.NONE)
+    ):
+        raise PartsConflict("a hip yoke is a skirt's; choose a skirt, below a bodice with waist=seam.")
+    if cut.bodice is Bodice.NONE and (cut.collar is not Collar.NONE or cut.sleeve_head is not SleeveHead.FLAT):
+        raise PartsConflict("a collar and a sleeve's head need a bodice; choose one, or leave them out.")
     if cut.waist is Waist.SEAM and (cut.bodice is Bodice.NONE or cut.skirt is Skirt.NONE):
         raise PartsConflict("a waist seam joins a bodice and a skirt; choose both, or waist=none.")
     if cut.bodice is Bodice.NONE:

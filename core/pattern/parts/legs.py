@@ -11,10 +11,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..curves import edge_length
 from ..measures import BodyMeasures
 from ..outline import Outline, Point, Stroke, length, mirror, place_panel, smooth, to_point
 from ..pattern import Panel
-from .cut import Cut, Legs, PartsConflict
+from .cut import Cut, Legs, PartsConflict, Waistband
+from .skirts import draw_band
 from .tops import FACES, Shoulder, draw_shoulder
 
 CREASE_FROM_MIDDLE = 0.12
@@ -87,7 +89,23 @@ def draw_legs(cut: Cut, m: BodyMeasures) -> list[Panel]:
         for leg, drawn in (("left", named), ("right", mirror(named))):
             across = CREASE_FROM_MIDDLE - crease if leg == "left" else crease - CREASE_FROM_MIDDLE
             panels.append(place_panel(f"{side}_{leg}", drawn, base, label="leg", across=across))
+    if cut.waistband is Waistband.BAND:
+        panels = [_hold(panel) for panel in panels]
+        for side in FACES:
+            waist = next(panel for panel in panels if panel.name == f"{side}_left")
+            held = next(i for i, edge in enumerate(waist.edges) if edge.label.startswith("band"))
+            panels.append(draw_band(side, edge_length(waist, held), base + top))
     return panels
+
+
+def _hold(panel: Panel) -> Panel:
+    """Return a leg's panel with its waist sewn to a band."""
+    face, leg = panel.name.split("_")
+    edges = tuple(
+        replace(edge, label=f"band.{face}.{leg}", contour="") if edge.contour == "waist" else edge
+        for edge in panel.edges
+    )
+    return replace(panel, edges=edges)
 
 
 def _leg(

@@ -2,12 +2,14 @@
 
 Straight, pencil and A-line skirts are the basic skirt block of W. Aldrich, Metric Pattern Cutting for Women's Wear,
 without its darts: the waist is shaped at the side seams. Circle skirts are sectors of a ring whose inner arc is the
-waist; of n panels each has an n-th of the whole angle.
+waist; of n panels each has an n-th of the whole angle. Gathered and tiered skirts are rectangles (H. Joseph-Armstrong,
+Patternmaking for Fashion Design), each wider than what it is gathered into.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from ..measures import BodyMeasures
@@ -16,15 +18,18 @@ from ..outline import (
     Point,
     Stroke,
     arc_handles,
+    cut_stroke,
     length,
     mirror,
     place_panel,
     smooth,
     unfold,
     unfold_closed,
+    walk_back,
 )
 from ..pattern import Panel
-from .cut import Bodice, Cut, PartsConflict, Skirt, Waistband
+from .cut import Bodice, Cut, PartsConflict, Shaping, Skirt, Waistband, Yoke
+from .shaping import MIDDLE_SHARE, Waistline
 
 BAND = 0.04
 """Width of a waistband [m]: as stiff as two layers of cloth, and it still follows the waist."""
@@ -39,37 +44,108 @@ CIRCLE_LENGTH = 0.50
 GATHERS = 1.5
 """Width of a gathered skirt's upper edge by that of what it is gathered into: a medium fullness."""
 
+TIERS = (0.16, 0.18, 0.20)
+"""Heights of a tiered skirt's rectangles [m]: each is longer than the one above, as eyes expect of what hangs lower."""
+
+YOKE_DEPTH = 0.11
+"""Height of a hip yoke [m]: to the hip bones, above the widest place."""
+
+YOKE_REACH = 0.62
+"""How far a hip yoke's lower edge is from the waist's girth to the hip's: the share that bodies have at that height."""
+
+DART_DEPTH = {"front": 0.09, "back": 0.13}
+"""Length of a skirt's darts [m]: the belly lies higher than the seat."""
+
+DARTED = (Skirt.STRAIGHT, Skirt.PENCIL, Skirt.A_LINE)
+"""Skirts that darts shape; others are wider below the waist than any body."""
+
+
+@dataclass(frozen=True)
+class UpperEdge:
+    """Describe what a skirt's upper edge is.
+
+    Attributes:
+        name: What the seam is called by that holds it; empty where the edge is open.
+        quarter: Length of a quarter of what it is sewn to [m].
+        divided: Whether that quarter is cut where a dart ends.
+        height: Above the feet [m].
+    """
+
+    name: str
+    quarter: float
+    divided: bool
+    height: float
+
+    def strokes(self, face: str, start: Point, stroke: Stroke) -> list[Stroke]:
+        """Return a stroke that begins at the side seam [m] as half of the edge, divided as what it is sewn to is."""
+        if not self.name:
+            return [replace(stroke, contour="waist")]
+        if not self.divided:
+            return [replace(stroke, label=f"{self.name}.{face}.left")]
+        labels = (f"{self.name}.{face}.side.left", f"{self.name}.{face}.left")
+        return list(cut_stroke(start, stroke, 1.0 - MIDDLE_SHARE, labels))
+
 
 def draw_skirt(cut: Cut, m: BodyMeasures) -> list[Panel]:
-    """Draw the panels of a skirt and of its waistband; below a bodice, of a skirt to be sewn to it.
+    """Draw the panels of a skirt, of its hip yoke and of its waistband; below a bodice, of a skirt to be sewn to it.
 
     Raises:
-        PartsConflict: where the skirt has not so many panels, or a gathered one nothing to be gathered into.
+        PartsConflict: where the skirt has not so many panels, a gathered one nothing to be gathered into, or darts or a
+            yoke are asked for that it has no place for.
     """
+    _check(cut)
+    waist = half_waist(cut, m) / 2
+    name = "band" if cut.waistband is Waistband.BAND else "waist" if cut.bodice is not Bodice.NONE else ""
+    divided = cut.shaping is not Shaping.NONE or cut.skirt is Skirt.GORED
+    edge = UpperEdge(name, waist, divided, m.waist_height)
+    panels = []
+    if cut.waistband is Waistband.BAND:
+        panels = [draw_band(face, waist, edge.height, edge.divided) for face in ("front", "back")]
+    if cut.yoke is Yoke.HIP:
+        low = waist + YOKE_REACH * ((m.hip + 0.04) / 4 - waist)
+        panels = [_hip_yoke(face, edge, low) for face in ("front", "back")] + panels
+        edge = UpperEdge("hipyoke", low, False, edge.height - YOKE_DEPTH)
+    if cut.skirt in SWEEP:
+        return _circle(SWEEP[cut.skirt], edge) + panels
+    if cut.skirt is Skirt.TIERED:
+        return _tiers(edge) + panels
+    if cut.skirt is Skirt.GORED:
+        return _six_gores(edge, cut, m) + panels
+    return (_two_panels if cut.panels == 2 else _four_panels)(edge, cut, m) + panels
+
+
+def _check(cut: Cut) -> None:
+    """Check that a skirt's parts have what they are sewn to."""
+    sewn = cut.waistband is Waistband.BAND or cut.bodice is not Bodice.NONE
     if cut.panels not in (2, 4):
         raise PartsConflict(f"a skirt of {cut.panels} panels is not drafted; choose 2 or 4.")
-    waist = half_waist(cut, m) / 2
-    if cut.skirt is Skirt.GATHERED and not _is_sewn(cut):
-        raise PartsConflict("a gathered skirt needs something to be gathered into; add waistband=band or waist=seam.")
-    if cut.skirt in SWEEP:
-        panels = _circle(SWEEP[cut.skirt], waist, cut, m.waist_height)
-    elif cut.panels == 4:
-        panels = _gored(waist, cut, m)
-    else:
-        panels = _two_panels(waist, cut, m)
-    if cut.waistband is Waistband.BAND:
-        panels += [_band(side, waist, m.waist_height) for side in ("front", "back")]
-    return panels
+    if cut.skirt in (*SWEEP, Skirt.TIERED) and cut.panels != 2:
+        raise PartsConflict(f"a {cut.skirt} skirt is drafted of 2 panels.")
+    if cut.skirt in (Skirt.GATHERED, Skirt.TIERED) and not sewn and cut.yoke is not Yoke.HIP:
+        raise PartsConflict(
+            f"a {cut.skirt} skirt needs something to be gathered into; add waistband=band, waist=seam or yoke=hip."
+        )
+    if cut.yoke is Yoke.HIP and cut.skirt in (*DARTED, Skirt.GORED):
+        raise PartsConflict(f"a {cut.skirt} skirt is not drafted on a yoke; choose a gathered, tiered or circle one.")
+    if cut.bodice is Bodice.NONE and cut.yoke is Yoke.BACK:
+        raise PartsConflict("a back yoke is a bodice's; choose yoke=hip.")
+    if cut.bodice is not Bodice.NONE:
+        if cut.skirt is Skirt.GORED and cut.shaping is Shaping.NONE:
+            raise PartsConflict("gores meet a bodice's darts or princess seams; add shaping=darts or shaping=princess.")
+        return
+    if cut.shaping is Shaping.PRINCESS:
+        raise PartsConflict("princess seams begin at the shoulders; of a skirt choose skirt=gored, or shaping=darts.")
+    if cut.shaping is Shaping.DARTS and cut.skirt not in DARTED:
+        raise PartsConflict(f"a {cut.skirt} skirt has nothing for darts to take in.")
 
 
 def half_waist(cut: Cut, m: BodyMeasures) -> float:
-    """Return half of the waist's girth [m]: body + 2 cm where the skirt is held there, + 10 cm below a bodice."""
-    return (m.waist + (0.02 if cut.bodice is Bodice.NONE else 0.10)) / 2
+    """Return half of the waist's girth [m]: body + 2 cm where the skirt is held there.
 
-
-def _is_sewn(cut: Cut) -> bool:
-    """Check whether a skirt's upper edge is sewn to a band or a bodice."""
-    return cut.waistband is Waistband.BAND or cut.bodice is not Bodice.NONE
+    Below a bodice + 10 cm, and + 6 cm where that is shaped to the waist.
+    """
+    ease = 0.02 if cut.bodice is Bodice.NONE else 0.10 if cut.shaping is Shaping.NONE else 0.06
+    return (m.waist + ease) / 2
 
 
 def _silhouette(cut: Cut, waist: float, m: BodyMeasures) -> list[Point]:
@@ -77,11 +153,9 @@ def _silhouette(cut: Cut, waist: float, m: BodyMeasures) -> list[Point]:
 
     Allowances: waist + 2 cm (held there). A-line: hip + 5 cm, hem 1.30 m wide, 54 cm long; of four panels hip + 6 cm,
     hem 1.72 m, 58 cm. Pencil: hip + 4 cm, 50 cm long, the hem 6 cm narrower than the hip line. Straight: the same with
-    a hem as wide as the hip line. Gathered: a rectangle of one and a half waists, and at least of a hip + 4 cm.
+    a hem as wide as the hip line.
     """
     hip_line = m.hip_height - m.waist_height
-    if cut.skirt is Skirt.GATHERED:
-        return [(GATHERS * waist, -0.54), (GATHERS * waist, hip_line), (GATHERS * waist, 0.0)]
     if cut.skirt is Skirt.A_LINE and cut.panels == 4:
         return [(0.37, -0.58), ((m.hip + 0.06) / 4, hip_line), (waist, 0.0)]
     if cut.skirt is Skirt.A_LINE:
@@ -91,67 +165,164 @@ def _silhouette(cut: Cut, waist: float, m: BodyMeasures) -> list[Point]:
     return [(hip - narrower, -0.50), (hip, hip_line), (waist, 0.0)]
 
 
-def _upper(cut: Cut) -> str:
-    """Return what the seam of a skirt's upper edge is called by."""
-    return "band" if cut.waistband is Waistband.BAND else "waist"
+def _rectangle(edge: UpperEdge, m: BodyMeasures) -> list[Point]:
+    """Return the side of a gathered skirt: a rectangle of one and a half times what it is gathered into."""
+    wide = GATHERS * edge.quarter
+    return [(wide, -0.54), (wide, min(m.hip_height - edge.height, -0.1)), (wide, 0.0)]
 
 
-def _waist_line(cut: Cut, waist: float, dip: float, rise: float, face: str) -> Stroke:
-    """Draw half a waist from the side to the middle: open and dipping there, or straight and sewn to a band."""
-    if _is_sewn(cut):
-        return Stroke((0.0, 0.0), label=f"{_upper(cut)}.{face}.left")
-    return Stroke((0.0, -dip), ((waist * 0.6, rise - dip), (waist * 0.3, -dip)), contour="waist")
+def _waist_line(edge: UpperEdge, line: Waistline, dip: float, rise: float, face: str) -> list[Stroke]:
+    """Draw half a waist from the side to the middle: sewn and straight, open and dipping there, or darted."""
+    if line.dart:
+        apex = -DART_DEPTH[face]
+        across = walk_back(Outline((0.0, 0.0), line.strokes(face, 0.0, apex)))
+        return [_rename(stroke, edge) for stroke in across]
+    if edge.name:
+        return edge.strokes(face, (line.half, 0.0), Stroke((0.0, 0.0)))
+    wide = line.half
+    return edge.strokes(face, (wide, 0.0), Stroke((0.0, -dip), ((wide * 0.6, rise - dip), (wide * 0.3, -dip))))
 
 
-def _two_panels(waist: float, cut: Cut, m: BodyMeasures) -> list[Panel]:
+def _rename(stroke: Stroke, edge: UpperEdge) -> Stroke:
+    """Return a stroke of a darted waist as one of the skirt's own edge: its darts apart from the bodice's."""
+    if stroke.label.startswith("dart."):
+        return replace(stroke, label=f"skirt{stroke.label}")
+    if not edge.name:
+        return replace(stroke, label="", contour="waist")
+    return replace(stroke, label=stroke.label.replace("waist", edge.name, 1))
+
+
+def _own_darts(edge: UpperEdge, cut: Cut, hip: float) -> Waistline:
+    """Return a skirt's waist: with darts of its own where it is shaped by them."""
+    if cut.shaping is Shaping.DARTS and cut.skirt in DARTED:
+        own = Waistline.of(cut, edge.quarter + (hip - edge.quarter) / 2, edge.quarter)
+        return replace(own, dart=min(own.dart, 0.03))
+    return Waistline(edge.quarter, 0.0, 0.0)
+
+
+def _two_panels(edge: UpperEdge, cut: Cut, m: BodyMeasures) -> list[Panel]:
     """Draw front and back.
 
     An open waist dips by 12 mm at the middle and an A-line hem by 15 mm, so that both meet the slanted side seams
     nearly at a right angle and the hem hangs level.
     """
-    points = _silhouette(cut, waist, m)
+    gathered = cut.skirt is Skirt.GATHERED
+    points = _rectangle(edge, m) if gathered else _silhouette(cut, edge.quarter, m)
+    line = Waistline(points[-1][0], 0.0, 0.0) if gathered else _own_darts(edge, cut, points[1][0])
+    points[-1] = (line.half, 0.0)
     dip = 0.015 if cut.skirt is Skirt.A_LINE else 0.0
     panels = []
     for face in ("front", "back"):
         strokes = smooth(points, ["side.0.left", "side.1.left"])
-        strokes.append(_waist_line(cut, waist, 0.012, 0.002, face))
-        panels.append(place_panel(face, unfold(Outline(points[0], tuple(strokes)), "hem", dip=dip), m.waist_height))
+        strokes += _waist_line(edge, line, 0.012, 0.002, face)
+        panels.append(place_panel(face, unfold(Outline(points[0], tuple(strokes)), "hem", dip=dip), edge.height))
     return panels
 
 
-def _gored(waist: float, cut: Cut, m: BodyMeasures) -> list[Panel]:
+def _four_panels(edge: UpperEdge, cut: Cut, m: BodyMeasures) -> list[Panel]:
     """Draw left and right of front and back, sewn at the centre; a third of an A-line panel's flare lies there."""
-    points = _silhouette(cut, waist, m)
+    gathered = cut.skirt is Skirt.GATHERED
+    points = _rectangle(edge, m) if gathered else _silhouette(cut, edge.quarter, m)
+    line = Waistline(points[-1][0], 0.0, 0.0) if gathered else _own_darts(edge, cut, points[1][0])
+    points[-1] = (line.half, 0.0)
     hip_line, (wide, low) = points[1][1], points[0]
     centre = (-0.06, low - 0.02) if cut.skirt is Skirt.A_LINE else (0.0, low)
     panels = []
     for face in ("front", "back"):
-        top = _waist_line(cut, waist, 0.010, 0.001, face)
         outline = Outline(
             (wide, low),
             (
                 *smooth(points, ["side.0.left", "side.1.left"]),
-                top,
+                *_waist_line(edge, line, 0.010, 0.001, face),
                 Stroke((0.0, hip_line), label=f"centre.{face}.0"),
                 Stroke(centre, label=f"centre.{face}.1"),
                 Stroke((wide, low), contour="hem"),
             ),
         )
-        panels.append(place_panel(f"{face}_left", outline, m.waist_height))
-        panels.append(place_panel(f"{face}_right", mirror(outline), m.waist_height))
+        panels.append(place_panel(f"{face}_left", outline, edge.height))
+        panels.append(place_panel(f"{face}_right", mirror(outline), edge.height))
     return panels
 
 
-def _circle(sweep: float, waist: float, cut: Cut, height: float) -> list[Panel]:
-    """Draw front and back of a circle skirt, each half of the sector; waist and hem are concentric, so it hangs level.
+GORE_FLARE = 0.03
+"""By how much each side of a gore's seam stands out at the hem [m]: six gores share the flare among six seams."""
 
-    Raises:
-        PartsConflict: where it is to have other panels than two.
+
+GORE_RISE = 0.02
+"""How much higher a gored hem ends at the side than at the gore seams [m], so that it hangs level."""
+
+
+def _six_gores(edge: UpperEdge, cut: Cut, m: BodyMeasures) -> list[Panel]:
+    """Draw a centre and two side gores in front and behind, as wide at waist and hip as an A-line skirt of two panels.
+
+    The surplus between hip and waist lies in the gore seam by `DART_SHARE`, in the side seam by the rest.
     """
-    if cut.panels != 2:
-        raise PartsConflict("a circle skirt is drafted of 2 panels.")
+    shaped = replace(cut, skirt=Skirt.A_LINE, shaping=Shaping.DARTS)
+    (wide, low), (hip, hip_line), _ = _silhouette(shaped, edge.quarter, m)
+    line = _own_darts(edge, shaped, hip)
+    sides = [(wide, low + GORE_RISE), (hip, hip_line), (line.half, 0.0)]
+    gaps = [(-GORE_FLARE, low), (0.0, hip_line), (line.dart / 2, 0.0)]
+    panels = []
+    for face in ("front", "back"):
+        seam = [f"gore.{face}.0.left", f"gore.{face}.1.left"]
+        inner = smooth([(line.centre - gap, y) for gap, y in gaps], seam)
+        outer = smooth([(line.centre + gap, y) for gap, y in gaps], seam)
+        top = _waist_line(edge, line, 0.0, 0.0, face)  # side, both sides of the dart, middle
+        start, end = (line.centre - gaps[0][0], low), (line.centre + gaps[0][0], low)
+        middle = Outline(start, (*inner, top[-1]))
+        beside = Outline(
+            end,
+            (
+                Stroke(sides[0], contour="hem"),
+                *smooth(sides, ["side.0.left", "side.1.left"]),
+                top[0],
+                *walk_back(Outline(end, tuple(outer))),
+            ),
+        )
+        panels.append(place_panel(face, unfold(middle, "hem", dip=0.008), edge.height))
+        panels.append(place_panel(f"{face}_side_left", beside, edge.height))
+        panels.append(place_panel(f"{face}_side_right", mirror(beside), edge.height))
+    return panels
+
+
+def _tiers(edge: UpperEdge) -> list[Panel]:
+    """Draw front and back of each tier: rectangles, each gathered by `GATHERS` into the one above."""
+    panels, above = [], edge
+    for number, high in enumerate(TIERS):
+        wide = GATHERS * above.quarter
+        for face in ("front", "back"):
+            last = number == len(TIERS) - 1
+            bottom = (
+                Stroke((wide, -high), contour="hem")
+                if last
+                else Stroke((wide, -high), label=f"tier{number}.{face}.left")
+            )
+            strokes = (
+                bottom,
+                Stroke((wide, 0.0), label=f"side.{number}.left"),
+                *above.strokes(face, (wide, 0.0), Stroke((0.0, 0.0))),
+            )
+            outline = unfold_closed(Outline((0.0, -high), strokes))
+            panels.append(place_panel(f"tier{number}_{face}", outline, above.height))
+        above = UpperEdge(f"tier{number}", wide, False, above.height - high)
+    return panels
+
+
+def _hip_yoke(face: str, edge: UpperEdge, low: float) -> Panel:
+    """Draw front or back of a hip yoke, whose lower quarter is `low` [m]."""
+    strokes = (
+        Stroke((low, -YOKE_DEPTH), label=f"hipyoke.{face}.left"),
+        Stroke((edge.quarter, 0.0), label="yokeside.left"),
+        *edge.strokes(face, (edge.quarter, 0.0), Stroke((0.0, 0.0))),
+    )
+    outline = unfold_closed(Outline((0.0, -YOKE_DEPTH), strokes))
+    return place_panel(f"yoke_{face}", outline, edge.height)
+
+
+def _circle(sweep: float, edge: UpperEdge) -> list[Panel]:
+    """Draw front and back of a circle skirt, each half of the sector; waist and hem are concentric."""
     half = sweep / 4
-    radius = waist / _cubic_arc(half)
+    radius = edge.quarter / _cubic_arc(half)
     outer = radius + CIRCLE_LENGTH
 
     def at(distance: float, angle: float) -> Point:
@@ -163,13 +334,12 @@ def _circle(sweep: float, waist: float, cut: Cut, height: float) -> list[Panel]:
         Stroke(at(outer, b), arc_handles(at(outer, a), at(outer, b), b - a), contour="hem") for a, b in pairwise(cuts)
     ]
     strokes.append(Stroke(at(radius, half), label="side.left"))
-    top, handles = at(radius, 0.0), arc_handles(at(radius, half), at(radius, 0.0), -half)
+    start, top = at(radius, half), at(radius, 0.0)
+    arc = Stroke(top, arc_handles(start, top, -half))
     panels = []
     for face in ("front", "back"):
-        sewn = _is_sewn(cut)
-        label, contour = (f"{_upper(cut)}.{face}.left", "") if sewn else ("", "waist")
-        outline = unfold_closed(Outline(at(outer, 0.0), (*strokes, Stroke(top, handles, label, contour))))
-        panels.append(place_panel(face, outline, height))
+        outline = unfold_closed(Outline(at(outer, 0.0), (*strokes, *edge.strokes(face, start, arc))))
+        panels.append(place_panel(face, outline, edge.height))
     return panels
 
 
@@ -179,16 +349,16 @@ def _cubic_arc(angle: float) -> float:
     return length(Outline(start, (Stroke(end, arc_handles(start, end, angle), label="arc"),)), "arc")
 
 
-def _band(face: str, waist: float, height: float) -> Panel:
-    """Draw half a waistband, long enough for waist + 2 cm; of four panels its seam is cut at the centre."""
-    outline = Outline(
-        (-waist, 0.0),
-        (
-            Stroke((0.0, 0.0), label=f"band.{face}.right"),
-            Stroke((waist, 0.0), label=f"band.{face}.left"),
-            Stroke((waist, BAND), label="bandside.left"),
-            Stroke((-waist, BAND), contour="waist"),
-            Stroke((-waist, 0.0), label="bandside.right"),
-        ),
+def draw_band(face: str, half: float, height: float, divided: bool = False) -> Panel:
+    """Draw half a waistband, `half` to each side of the middle [m]; its seam is cut at the centre, and at darts."""
+    edge = UpperEdge("band", half, divided, height)
+    down = edge.strokes(face, (half, 0.0), Stroke((0.0, 0.0)))
+    out = Outline((0.0, 0.0), walk_back(Outline((half, 0.0), tuple(down))))
+    strokes = (
+        *mirror(out).strokes,
+        *out.strokes,
+        Stroke((half, BAND), label="bandside.left"),
+        Stroke((-half, BAND), contour="waist"),
+        Stroke((-half, 0.0), label="bandside.right"),
     )
-    return place_panel(f"band_{face}", outline, height, label="band")
+    return place_panel(f"band_{face}", Outline((-half, 0.0), strokes), height, label="band")

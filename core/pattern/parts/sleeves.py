@@ -1,7 +1,9 @@
-"""Draft sleeves in halves that lie in the plane of front and back, their cap the armhole's own curve.
+"""Draft sleeves in halves that lie in the plane of front and back; both are cut as one piece, folded along the arm.
 
-A half sleeve is the front or back of a T-shirt's sleeve laid beside the bodice (the flat block without cap height of
-W. Aldrich, Metric Pattern Cutting for Women's Wear, for jersey and easy-fitting garments).
+A flat sleeve is the front or back of a T-shirt's laid beside the bodice, its cap the armhole's own curve (the flat
+block of W. Aldrich, Metric Pattern Cutting for Women's Wear, for jersey and easy-fitting garments). A set-in sleeve has
+a cap of its own, a third of the armhole high and eased into it (her one-piece sleeve block). A raglan sleeve goes on to
+the neck: the bodice ends at a line from the neckline to the underarm, and what lies above it belongs to the sleeve.
 """
 
 from __future__ import annotations
@@ -10,9 +12,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..outline import Outline, Point, Stroke, mirror, place_panel, to_point
+from ..outline import Outline, Point, Stroke, length, mirror, place_panel
 from ..pattern import Panel
-from .cut import Sleeve
+from .cut import PartsConflict, Sleeve
+
+CAP_HEIGHT = 1.0 / 3.0
+"""Height of a set-in cap by the length of its armhole."""
+
+CAP_EASE = 0.04
+"""By how much a set-in cap is longer than its armhole: 2 cm of a shirt's or dress's 45, less than a jacket's 3."""
+
+FULL_CAP = 0.6
+"""Length of the handles of a set-in cap by its half width: the cap then rises over the shoulder's end like a bell."""
 
 
 @dataclass(frozen=True)
@@ -43,22 +54,100 @@ wrist bone; it would start its drape beside the stretched-out arm instead of aro
 of 22 cm passes the hand."""
 
 
-def half_sleeves(
-    side: str, under: Point, tip: Point, scye: tuple[Point, ...], height: float, cut: SleeveCut
+@dataclass(frozen=True)
+class SleeveFrame:
+    """The plane of a half sleeve: along the arm from the cap's top, and down across it.
+
+    Attributes:
+        top: Where the cap's top stands [m].
+        cut: The sleeve's cut.
+    """
+
+    top: Point
+    cut: SleeveCut
+
+    def at(self, along: float, down: float) -> Point:
+        """Return the point `along` the arm from the cap's top and `down` across it [m]."""
+        c, s = float(np.cos(self.cut.droop)), float(np.sin(self.cut.droop))
+        return (self.top[0] + along * c - down * s, self.top[1] - along * s - down * c)
+
+    def cuff(self) -> tuple[Stroke, Stroke]:
+        """Return the strokes from the underarm along the lower seam to the cuff, and along the cuff to the fold."""
+        low, top = self.at(self.cut.length, self.cut.cuff_half), self.at(self.cut.length, 0.0)
+        return Stroke(low, label="undersleeve.left"), Stroke(top, contour="cuff.left")
+
+
+def half_sleeves(side: str, tip: Point, cap: tuple[Stroke, ...], height: float, cut: SleeveCut) -> list[Panel]:
+    """Draw the left half sleeve of one side in the body's plane and mirror it.
+
+    Args:
+        side: `front` or `back`.
+        tip: Where the cap begins at the shoulder [m].
+        cap: From there to the underarm.
+        height: Of the draft's origin [m].
+        cut: The sleeve's cut.
+    """
+    frame = SleeveFrame(tip, cut)
+    return _place(side, Outline(tip, (*cap, *frame.cuff(), Stroke(tip, label="oversleeve.left"))), height, cut)
+
+
+def raglan_sleeves(
+    side: str, tip: Point, neck: Point, upper: tuple[Stroke, ...], height: float, cut: SleeveCut
 ) -> list[Panel]:
-    """Draw the left half sleeve of one side in the body's plane and mirror it; the cap is the armhole's own curve."""
-    along = np.array([np.cos(cut.droop), -np.sin(cut.droop)])
-    top = np.array(tip) + cut.length * along
-    low = top + cut.cuff_half * np.array([along[1], -along[0]])
-    outline = Outline(
-        tip,
-        (
-            Stroke(under, scye[::-1], label=f"scye.{side}.left", notch=0.55),
-            Stroke(to_point(low), label="undersleeve.left"),
-            Stroke(to_point(top), label="", contour="cuff.left"),
-            Stroke(tip, label="oversleeve.left"),
-        ),
-    )
+    """Draw the left half of a raglan sleeve and mirror it.
+
+    Args:
+        side: `front` or `back`.
+        tip: The shoulder's tip, where the shoulder seam goes on along the arm [m].
+        neck: The side neck point [m].
+        upper: From there along the neckline and down the raglan line to the underarm.
+        height: Of the draft's origin [m].
+        cut: The sleeve's cut.
+    """
+    over = (Stroke(tip, label="oversleeve.left"), Stroke(neck, label="shoulder.left"))
+    return _place(side, Outline(neck, (*upper, *SleeveFrame(tip, cut).cuff(), *over)), height, cut)
+
+
+def set_in_caps(tip: Point, cut: SleeveCut, armholes: tuple[float, float]) -> tuple[Stroke, Stroke]:
+    """Draw the caps of a set-in sleeve's front and back half, from the top to the underarm.
+
+    Both are one S-shaped cubic: level at the top, and running into the lower seam at a right angle. Their height and
+    width are the same, so that the lower seams are; the width is that which gives the longer half its length, and the
+    other's handles are drawn back until it has its own.
+
+    Args:
+        tip: Where the cap begins at the shoulder [m].
+        cut: The sleeve's cut.
+        armholes: Lengths of the armhole's front and back [m].
+
+    Raises:
+        PartsConflict: where the sleeve ends within its cap.
+    """
+    from scipy.optimize import brentq  # a mere reader of templates does not pay for it
+
+    high = CAP_HEIGHT * sum(armholes)
+    if cut.length < high + 0.02:
+        raise PartsConflict("this sleeve ends above the underarm, within a set-in cap; choose sleeve_head=flat.")
+    frame = SleeveFrame(tip, cut)
+
+    def cap(wide: float, bow: float) -> Stroke:
+        return Stroke(
+            frame.at(high, wide), (frame.at(0.0, bow * wide), frame.at(high, (1.0 - bow) * wide)), label="cap"
+        )
+
+    def excess(stroke: Stroke, armhole: float) -> float:
+        return length(Outline(tip, (stroke,)), "cap") - (1.0 + CAP_EASE) * armhole
+
+    full = max(armholes)
+    wide = brentq(lambda w: excess(cap(w, FULL_CAP), full), 0.02, 2 * full, xtol=1e-12)
+    bows = [
+        FULL_CAP if own == full else brentq(lambda b, own=own: excess(cap(wide, b), own), 0.05, FULL_CAP)
+        for own in armholes
+    ]
+    return cap(wide, bows[0]), cap(wide, bows[1])
+
+
+def _place(side: str, outline: Outline, height: float, cut: SleeveCut) -> list[Panel]:
     # The warp runs along the arm; a grainline is a line, so its angle is given within a quarter turn of +y.
     grain = np.pi / 2 - cut.droop
     left = place_panel(f"sleeve_{side}_left", outline, height, grain if side == "front" else -grain, "sleeve")

@@ -6,17 +6,37 @@ the same plane, so that a flattened body in T-pose fits between.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..measures import BodyMeasures
-from ..outline import Outline, Point, Stroke, place_panel, smooth, unfold, unfold_closed
+from ..outline import (
+    Outline,
+    Point,
+    Stroke,
+    cut_stroke,
+    length,
+    place_panel,
+    smooth,
+    unfold,
+    unfold_closed,
+    walk_back,
+)
 from ..pattern import Panel
-from .cut import Bodice, Cut, Legs, PartsConflict, Skirt, Sleeve, Waist
+from .collars import collar_stand, sew_collar
+from .cut import Bodice, Collar, Cut, Legs, PartsConflict, Shaping, Skirt, Sleeve, SleeveHead, Waist, Yoke
 from .necklines import Throat, draw_neckline, side_neck
+from .shaping import APEX_BELOW, GODET, Waistline, draw_princess
 from .skirts import half_waist
-from .sleeves import SLEEVES, half_sleeves
+from .sleeves import SLEEVES, half_sleeves, raglan_sleeves, set_in_caps
 
 FACES = ("front", "back")
+
+RAGLAN_SHARE = (0.35, 0.5)
+"""Share of half a neckline, in front and behind, that a raglan sleeve takes: its seam then runs to the underarm at a
+slant, from the hollow of the collarbone in front and from beside the nape behind."""
+
+YOKE_SHARE = 0.6
+"""Share of the back's armhole below its yoke: 8 to 9 cm below the shoulder, as shirts have it."""
 
 
 @dataclass(frozen=True)
@@ -28,43 +48,87 @@ class Shoulder:
         tip: Shoulder's tip [m].
         under: Underarm point, where the side seam ends [m].
         armholes: From the underarm point to the shoulder's tip, of the front and of the back.
-        throats: Their necklines.
+        necklines: From the side neck point to the middle, of the front and of the back.
+        head: How sleeves meet it.
     """
 
     neck: Point
     tip: Point
     under: Point
-    armholes: tuple[Stroke, Stroke]
-    throats: tuple[Throat, Throat]
+    armholes: tuple[tuple[Stroke, ...], tuple[Stroke, ...]]
+    necklines: tuple[tuple[Stroke, ...], tuple[Stroke, ...]]
+    head: SleeveHead = SleeveHead.FLAT
 
     def strokes(self, face: int) -> list[Stroke]:
         """Return armhole, shoulder seam and neckline of the front (0) or the back (1), from the side to the middle."""
-        neckline = draw_neckline(self.throats[face], self.neck)
-        return [self.armholes[face], Stroke(self.neck, label="shoulder.left"), *neckline]
+        if self.head is SleeveHead.RAGLAN:
+            neck, line = self._raglan(face)
+            return [line, *neck[1:]]
+        return [*self.armholes[face], Stroke(self.neck, label="shoulder.left"), *self.necklines[face]]
 
     def sleeves(self, sleeve: Sleeve, height: float) -> list[Panel]:
-        """Return the half sleeves of both arms; none where there is no sleeve."""
+        """Return the half sleeves of both arms; none where there is no sleeve.
+
+        Raises:
+            PartsConflict: where the sleeve is too short for its head.
+        """
         if sleeve is Sleeve.NONE:
             return []
-        panels = []
-        for side, armhole in zip(FACES, self.armholes, strict=True):
-            panels += half_sleeves(side, self.under, self.tip, armhole.handles, height, SLEEVES[sleeve])
+        panels, cut = [], SLEEVES[sleeve]
+        caps: list[tuple[Stroke, ...]] = [walk_back(Outline(self.under, armhole)) for armhole in self.armholes]
+        if self.head is SleeveHead.SET_IN:
+            full = tuple(length(Outline(self.under, armhole), "scye") for armhole in self.armholes)
+            caps = [
+                _named(cap, armhole, self) for cap, armhole in zip(set_in_caps(self.tip, cut, full), caps, strict=True)
+            ]
+        for face, side in enumerate(FACES):
+            if self.head is SleeveHead.RAGLAN:
+                neck, line = self._raglan(face)
+                upper = (neck[0], *walk_back(Outline(self.under, (line,))))
+                panels += raglan_sleeves(side, self.tip, self.neck, upper, height, cut)
+            else:
+                panels += half_sleeves(side, self.tip, caps[face], height, cut)
         return panels
+
+    def _raglan(self, face: int) -> tuple[tuple[Stroke, ...], Stroke]:
+        """Return the neckline, cut where the raglan line meets it, and that line from the underarm point."""
+        first, *others = self.necklines[face]
+        neck = cut_stroke(self.neck, first, RAGLAN_SHARE[face], ("", ""))
+        (x, y), (u, v) = neck[0].end, self.under
+        handles = ((u - 0.05, v + 0.03), (x + 0.35 * (u - x), y + 0.30 * (v - y)))
+        return (*neck, *others), Stroke(neck[0].end, handles, f"scye.{FACES[face]}.left", notch=0.45)
+
+
+def _named(cap: Stroke, armhole: tuple[Stroke, ...], shoulder: Shoulder) -> tuple[Stroke, ...]:
+    """Return a set-in cap with the labels and notches of the armhole that it is sewn to, divided as it is."""
+    if len(armhole) == 1:
+        return (replace(cap, label=armhole[0].label, notch=armhole[0].notch),)
+    upper = length(Outline(shoulder.tip, armhole), armhole[0].label)
+    whole = length(Outline(shoulder.tip, armhole), "scye")
+    return cut_stroke(shoulder.tip, cap, upper / whole, (armhole[0].label, armhole[1].label))
 
 
 def draw_shoulder(cut: Cut, m: BodyMeasures) -> Shoulder:
     """Draw the upper ends of a bodice.
 
     With sleeves: bust + 10 cm (boxy: a regular T-shirt's) or + 8 cm (the arms move), armhole 7 or 6 cm below the
-    armpit, 1 cm of shoulder drop, neck 2 cm wider than the body's at each side. Without: bust + 4 cm (skimming, as
-    ribbed tanks are close), + 5 cm, or + 6 cm where the trunk bends in legs of one piece with it; armhole 3 cm below
-    the armpit; a skimming bodice hangs by straps of 5.5 cm. The front's armhole is hollowed 8 mm more than the back's.
+    armpit, 1 cm of shoulder drop, neck 2 cm wider than the body's at each side. Set in: the shoulder ends at its bone,
+    and the armhole 3.5 cm below the armpit. Without: bust + 4 cm (skimming, as ribbed tanks are close), + 5 cm, or
+    + 6 cm where the trunk bends in legs of one piece with it; armhole 3 cm below the armpit; a skimming bodice hangs by
+    straps of 5.5 cm. The front's armhole is hollowed 8 mm more than the back's.
+
+    Raises:
+        PartsConflict: where a sleeve's head, a yoke or a collar has not what it is sewn to.
     """
-    sleeved = cut.sleeve is not Sleeve.NONE
+    sleeved, set_in = cut.sleeve is not Sleeve.NONE, cut.sleeve_head is SleeveHead.SET_IN
+    if not sleeved and cut.sleeve_head is not SleeveHead.FLAT:
+        raise PartsConflict("a sleeve's head needs a sleeve; choose one, or sleeve_head=flat.")
     if sleeved:
         neck, tip = (m.neck_half_width + 0.02, 0.0), (m.shoulder_half_width + 0.01, -0.04)
         ease, drop = (0.10, 0.07) if cut.bodice is Bodice.BOXY else (0.08, 0.06)
         hollows, rise = (0.050, 0.042), (0.012, 0.08)
+        if set_in:
+            tip, drop, hollows = (m.shoulder_half_width, -0.037), 0.035, (0.060, 0.052)
     else:
         neck = (m.neck_half_width + 0.025, -0.005)
         strapped = cut.bodice is Bodice.SKIMMING
@@ -78,46 +142,97 @@ def draw_shoulder(cut: Cut, m: BodyMeasures) -> Shoulder:
         Throat.at_back(cut.back_neckline, cut.back_depth),
     )
     neck = side_neck((cut.neckline, cut.back_neckline), neck, tip)
-    armholes = []
+    armholes: list[tuple[Stroke, ...]] = []
     for side, hollow in zip(FACES, hollows, strict=True):
         scye = ((under[0] - hollow, under[1] + 0.004), (tip[0] - rise[0], tip[1] - rise[1]))
         if sleeved:
-            armholes.append(Stroke(tip, scye, label=f"scye.{side}.left", notch=0.45))
+            armholes.append((Stroke(tip, scye, label=f"scye.{side}.left", notch=0.45),))
         else:
-            armholes.append(Stroke(tip, scye, contour="armhole.left"))
-    return Shoulder(neck, tip, under, (armholes[0], armholes[1]), throats)
+            armholes.append((Stroke(tip, scye, contour="armhole.left"),))
+    if cut.yoke is Yoke.BACK:
+        _check_yoke(cut)
+        labels = ("scye.back.left", "scye.back.yoke.left") if sleeved else ("", "")
+        armholes[1] = cut_stroke(under, armholes[1][0], YOKE_SHARE, labels)
+    necklines = [tuple(draw_neckline(throat, neck)) for throat in throats]
+    if cut.collar is Collar.STAND:
+        necklines = [sew_collar(cut, face, line) for face, line in zip(FACES, necklines, strict=True)]
+    return Shoulder(neck, tip, under, (armholes[0], armholes[1]), (necklines[0], necklines[1]), cut.sleeve_head)
+
+
+def _check_yoke(cut: Cut) -> None:
+    """Check that a back yoke has a shoulder and an armhole to be cut from."""
+    if cut.sleeve_head is SleeveHead.RAGLAN:
+        raise PartsConflict("a back yoke ends at an armhole, which a raglan sleeve has not; choose one of them.")
+    if cut.shaping is Shaping.PRINCESS or cut.legs is not Legs.NONE:
+        raise PartsConflict("a back yoke is not drafted across princess seams or above legs; choose yoke=none.")
 
 
 def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
-    """Draw front, back and sleeves of a top, or of a dress in one piece."""
+    """Draw front, back, yoke, collar and sleeves of a top, or of a dress in one piece.
+
+    Raises:
+        PartsConflict: where the bodice cannot be shaped, or divided by a yoke, as it is asked for.
+    """
     shoulder = draw_shoulder(cut, m)
-    side = _side_seam(cut, m, shoulder.under)
+    line = Waistline.of(cut, shoulder.under[0], half_waist(cut, m) / 2)
+    side = _side_seam(cut, m, shoulder.under, line)
+    if cut.shaping is not Shaping.NONE:
+        _check_shaping(cut)
     panels = []
     for face, name in enumerate(FACES):
-        strokes = (*side[1:], *shoulder.strokes(face))
-        if cut.waist is Waist.SEAM:
-            middle = (0.0, side[0].end[1])
-            waist = Stroke(side[0].end, label=f"waist.{name}.left")
-            outline = unfold_closed(Outline(middle, (waist, *strokes)))
+        upper, apex = shoulder.strokes(face), shoulder.under[1] - APEX_BELOW[face]
+        if cut.yoke is Yoke.BACK and name == "back":
+            upper, yoke = _cut_yoke(upper)
+            panels.append(place_panel("back_yoke", yoke, m.nape_height))
+        if cut.shaping is Shaping.PRINCESS:
+            outlines = draw_princess(name, line, side, upper, apex, cut.waist is Waist.SEAM)
+        elif cut.waist is Waist.SEAM:
+            waist = line.strokes(name, side[0].end[1], apex)
+            outlines = [(name, unfold_closed(Outline((0.0, side[0].end[1]), (*waist, *side[1:], *upper))))]
         else:
-            outline = unfold(Outline(side[0].end, strokes), "hem")
-        panels.append(place_panel(name, outline, m.nape_height))
+            outlines = [(name, unfold(Outline(side[0].end, (*side[1:], *upper)), "hem"))]
+        panels += [place_panel(part, outline, m.nape_height) for part, outline in outlines]
+    if cut.collar is Collar.STAND:
+        panels += collar_stand(shoulder.neck, shoulder.necklines, m.nape_height)
     sleeves = shoulder.sleeves(cut.sleeve, m.nape_height)
     if not sleeves:
         return panels
     return sorted([*panels, *sleeves], key=lambda panel: (panel.name not in FACES, panel.name))
 
 
-def _side_seam(cut: Cut, m: BodyMeasures, under: Point) -> list[Stroke]:
+def _check_shaping(cut: Cut) -> None:
+    """Check that darts have a waist seam to begin at, and shaping a waist that is not straight."""
+    if cut.bodice is Bodice.BOXY:
+        raise PartsConflict("a boxy bodice falls straight; choose bodice=shift to shape it.")
+    if cut.shaping is Shaping.DARTS and cut.waist is Waist.NONE:
+        raise PartsConflict("a bodice's darts begin at a waist seam; add waist=seam, or choose shaping=princess.")
+
+
+def _cut_yoke(upper: list[Stroke]) -> tuple[list[Stroke], Outline]:
+    """Cut the upper end of a back along a level line from the armhole; return what is left of it, and the yoke.
+
+    Raises:
+        PartsConflict: where the neckline reaches below that line.
+    """
+    lower, rest = upper[0], upper[1:]
+    (x, y), deep = lower.end, rest[-1].end[1]
+    if deep < y + 0.02:
+        raise PartsConflict("this back neckline is deeper than a yoke; choose back_neckline=crew, or yoke=none.")
+    seam = Stroke((x, y), label="yoke.left")
+    return [lower, Stroke((0.0, y), label="yoke.left")], unfold_closed(Outline((0.0, y), (seam, *rest)))
+
+
+def _side_seam(cut: Cut, m: BodyMeasures, under: Point, line: Waistline) -> list[Stroke]:
     """Draw the side seam from the hem to the underarm point; the first stroke only ends where it begins.
 
     A boxy top falls straight to 2 cm below the hip line. A skimming one ends 5 cm above it (waist + 12 cm, hip + 2 cm,
     no darts). A dress that goes on without a zip has waist + 10 cm and hip + 8 cm, 2 cm more of each with sleeves, and
     goes to the knee; an A-line one is flared to 1.36 m for a free step. With a waist seam it ends at the natural waist.
+    Princess seams take in the waist and widen the hem, and the side seam stands out by as much.
     """
     sleeved = cut.sleeve is not Sleeve.NONE
     if cut.waist is Waist.SEAM:
-        corner = (half_waist(cut, m) / 2, m.waist_height - m.nape_height)
+        corner = (line.half, m.waist_height - m.nape_height)
         return [Stroke(corner), Stroke(under, label="side.left", notch=0.5)]
     if cut.bodice is Bodice.BOXY and cut.skirt is Skirt.NONE:
         hem = (under[0], m.hip_height - 0.02 - m.nape_height)
@@ -136,5 +251,9 @@ def _side_seam(cut: Cut, m: BodyMeasures, under: Point) -> list[Stroke]:
         sides = [(widths[cut.skirt], knee), (hip, m.hip_height), (waist, m.waist_height)]
     else:
         raise PartsConflict(f"a {cut.skirt} skirt is not cut in one with a bodice; add waist=seam.")
+    if cut.shaping is Shaping.PRINCESS:
+        sides[-1] = (line.half, m.waist_height)
+        if len(sides) > 2:
+            sides[0] = (sides[0][0] - GODET / 2, sides[0][1])
     points = [*((x, y - m.nape_height) for x, y in sides), under]
     return [Stroke(points[0]), *smooth(points, [f"side.{i}.left" for i in range(len(points) - 1)])]

@@ -1,0 +1,51 @@
+"""Draft collars: a stand of even width around a crew neck.
+
+A band collar is a straight strip as long as the neckline (W. Aldrich, Metric Pattern Cutting for Women's Wear, standing
+straight collar); it is cut in halves, sewn above the shoulder seams.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..outline import Outline, Point, Stroke, length, place_panel, unfold_closed
+from ..pattern import Panel
+from .cut import Cut, Neckline, PartsConflict, SleeveHead
+
+STAND = 0.035
+"""Width of a collar stand [m]: what fits below the jaw."""
+
+
+def sew_collar(cut: Cut, face: str, neckline: tuple[Stroke, ...]) -> tuple[Stroke, ...]:
+    """Return half a neckline as an edge that a stand is sewn to.
+
+    Raises:
+        PartsConflict: where the neckline is no crew neck: a strip does not lie along a corner or far from the neck; or
+            where raglan sleeves end in it.
+    """
+    if (cut.neckline, cut.back_neckline) != (Neckline.CREW, Neckline.CREW):
+        raise PartsConflict("a collar stand is drafted on a crew neck; choose neckline=crew and back_neckline=crew.")
+    if cut.sleeve_head is SleeveHead.RAGLAN:
+        raise PartsConflict("a collar stand is drafted on a neckline in two halves; choose another sleeve_head.")
+    return tuple(replace(stroke, label=f"collar.{face}.left", contour="") for stroke in neckline)
+
+
+def collar_stand(neck: Point, necklines: tuple[tuple[Stroke, ...], tuple[Stroke, ...]], height: float) -> list[Panel]:
+    """Draw front and back of a stand.
+
+    Args:
+        neck: The side neck point [m].
+        necklines: From there to the middle, in front and behind.
+        height: Of the draft's origin [m].
+    """
+    panels = []
+    for face, line in zip(("front", "back"), necklines, strict=True):
+        half = length(Outline(neck, line), "collar")
+        y = neck[1]
+        strokes = (
+            Stroke((half, y), label=f"collar.{face}.left"),
+            Stroke((half, y + STAND), label="collarside.left"),
+            Stroke((0.0, y + STAND), contour="neck"),
+        )
+        panels.append(place_panel(f"collar_{face}", unfold_closed(Outline((0.0, y), strokes)), height, label="collar"))
+    return panels
