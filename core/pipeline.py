@@ -22,6 +22,7 @@ from .inputs import read_body, read_files, read_template
 from .measure import Reference, judge, measure_fairness, measure_fit, measure_knowledge, measure_seams, measure_wear
 from .pattern import Garment, find_cut, load_template, mesh_pattern, name_cut
 from .pattern.parts import PartsConflict
+from .pieces import measure_pieces
 from .recovery import Recovery, Request
 from .scan import Pieces
 from .segment import CATEGORIES, Target, mark_hidden_border, name_contours, segment_garment
@@ -56,7 +57,8 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     if fit.meshes.simulation is not None:
         fit = redrape_pattern(case, drape, fit, clock)
     with clock.stage("measure", "measuring the result"):
-        metrics = measure(case, drape, fit)
+        cut = measure_pieces(fit.garment.pattern)
+        metrics = {**measure(case, drape, fit), **cut.metrics}
     return Recovery(
         scan=case.scan,
         body=case.body,
@@ -77,6 +79,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         nearest_fabrics=fit.nearest,
         point_std=fit.point_std,
         rotation=drape.drape.rotation,
+        pieces=cut.pieces,
     )
 
 

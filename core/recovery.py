@@ -15,6 +15,7 @@ from .settings import RecoverySettings
 if TYPE_CHECKING:  # so that a refusal of a bad file need not wait for the other rooms
     from .body import Body
     from .pattern import Garment, Pattern
+    from .pieces import PieceNumbers
     from .reading import Reading
     from .scan import Scan
     from .segment import Target
@@ -91,6 +92,7 @@ class Recovery:
         nearest_fabrics: Fabrics of the library that bend most alike, by name; empty likewise.
         point_std: Posterior standard deviation of the control points [m], shape [point_count, 2], or None.
         rotation: The rotation in which the cloth was found to turn with its wearer, or None for cloth at rest.
+        pieces: Of each production piece of the pattern, its numbers; empty where none can be cut.
     """
 
     scan: Scan
@@ -112,3 +114,4 @@ class Recovery:
     nearest_fabrics: tuple[str, ...] = ()
     point_std: np.ndarray | None = None
     rotation: SteadyRotation | None = None
+    pieces: tuple[PieceNumbers, ...] = ()

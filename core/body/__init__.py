@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .posing import check_wearer, pose_body
     from .projection import project_outside
     from .registration import NotHuman, register_body
+    from .resizing import resize_body
     from .signed_distance import SignedDistance
     from .skinning import rest_body, skin, unskin, weights_at
     from .smpl import SmplBad, is_smpl, load_smpl
@@ -63,6 +64,7 @@ _LAZY = {
     "project_outside": "projection",
     "refit_person": "person",
     "register_body": "registration",
+    "resize_body": "resizing",
     "rest_body": "skinning",
     "sample_distance": "distance",
     "skin": "skinning",
@@ -113,6 +115,7 @@ __all__ = [
     "read_measures",
     "refit_person",
     "register_body",
+    "resize_body",
     "rest_body",
     "sample_distance",
     "skin",

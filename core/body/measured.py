@@ -75,6 +75,18 @@ def shape_for(template: Template, wanted: Wanted) -> np.ndarray:
     return shape
 
 
+def shape_near(template: Template, start: np.ndarray, wanted: Wanted) -> np.ndarray:
+    """Return the shape coefficients [k] with a height and girths that are nearest to given ones.
+
+    Nearest by the gender's covariance: minimise (z - start)' C^-1 (z - start) subject to the measures, so that what is
+    not measured changes as it usually does with what is.
+
+    Raises:
+        MeasureRange: where the measures cannot be met.
+    """
+    return _solve(template, wanted, tuple(wanted.girths or {}), start, start)
+
+
 def rest_of(template: Template, shape: np.ndarray) -> Body:
     """Return the built-in body of a shape in its T-pose, where the model stands."""
     vertices, joints = template.shaped(shape)
@@ -92,9 +104,15 @@ def volume_of(vertices: np.ndarray, faces: np.ndarray) -> tuple[float, np.ndarra
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6), slope
 
 
-def _solve(template: Template, wanted: Wanted, names: tuple[str, ...], start: np.ndarray) -> np.ndarray:
-    """Return the most probable shape with height, weight and the girths of some names, searched from a start."""
+def _solve(
+    template: Template, wanted: Wanted, names: tuple[str, ...], start: np.ndarray, near: np.ndarray | None = None
+) -> np.ndarray:
+    """Return the most probable shape with height, weight and the girths of some names, searched from a start.
+
+    Most probable is what is nearest to the gender's mean, or to the shape `near`.
+    """
     mean, covariance = template.means[wanted.gender], template.covariances[wanted.gender]
+    mean = mean if near is None else near
     shape, scale = start.copy(), _scale(wanted, names)
     values, a = _constraints(template, wanted, names, shape)
     for step in range(STEPS):

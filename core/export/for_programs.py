@@ -106,7 +106,7 @@ def read_colours(scan: Path, result: Path) -> ColouredScan:
     from ..scan.coloured import coloured_of, load_coloured
 
     if scan.suffix == ".npz":
-        return coloured_of(load_reading(scan).pieces.garment)
+        return coloured_of(load_reading(scan).pieces.garment, is_cut=True)
     try:
         told = json.loads((result / "manifest.json").read_text(encoding="utf-8"))["scan"]
         units, up = str(told["units"]), str(told["up"])

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..pattern import BodyMeasures, Panel, Pattern, TemplateUnknown, draft_template, equalise_seams
+from ..pattern import BodyMeasures, Pattern, TemplateUnknown, draft_template, move_by_drafts, scale_panels
 from .errors import SizesBad
 from .options import ExportOptions, SizeLine
 
@@ -107,35 +107,18 @@ def _fold_name(name: str) -> str:
 
 
 def _grade(pattern: Pattern, template: str, base: BodyMeasures, other: BodyMeasures) -> tuple[Pattern, bool, bool]:
-    """Return the pattern for other measures, whether it is the base, and whether a draft said how.
-
-    p + D(m1) - D(m0), with D the draft of the base pattern; handles are relative and follow, and seams are equalised.
-    """
+    """Return the pattern for other measures, whether it is the base, and whether a draft said how."""
     if other == base:
         return pattern, True, True
     try:
         old, new = (draft_template(template, measures) for measures in (base, other))
     except TemplateUnknown:
         return _scale(pattern, base, other), False, False
-    if [_form(panel) for panel in old.panels] != [_form(panel) for panel in pattern.panels]:
-        return _scale(pattern, base, other), False, False
-    triples = zip(pattern.panels, old.panels, new.panels, strict=True)
-    moved = pattern.with_points({p.name: p.points + b.points - a.points for p, a, b in triples})
-    return equalise_seams(moved, like=pattern), False, True
-
-
-def _form(panel: Panel) -> tuple[str, int, tuple[str, ...]]:
-    return panel.name, len(panel.points), tuple(edge.kind for edge in panel.edges)
+    moved = move_by_drafts(pattern, old, new)
+    return (_scale(pattern, base, other), False, False) if moved is None else (moved, False, True)
 
 
 def _scale(pattern: Pattern, base: BodyMeasures, other: BodyMeasures) -> Pattern:
     """Return the pattern scaled across by the mean ratio of girths, along by that of the nape's heights."""
     across = float(np.mean([getattr(other, name) / getattr(base, name) for name in ("bust", "waist", "hip")]))
-    along = other.nape_height / base.nape_height
-    points = {}
-    for panel in pattern.panels:
-        upright = np.abs(panel.rotation[1, :2])
-        factors = np.where(upright == upright.max(), along, across)
-        middle = panel.points.mean(axis=0)
-        points[panel.name] = middle + factors * (panel.points - middle)
-    return equalise_seams(pattern.with_points(points), like=pattern)
+    return scale_panels(pattern, across, other.nape_height / base.nape_height)

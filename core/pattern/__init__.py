@@ -8,6 +8,7 @@ from .garment import Garment
 from .garmentcode import load_pattern, read_pattern, save_pattern, write_pattern
 from .measures import BodyMeasures
 from .meshing import choose_edge_length, contains
+from .moving import move_by_drafts, scale_panels
 from .orientation import place_points
 from .pattern import EDGE_KINDS, Edge, EdgeRef, Panel, Pattern, Seam
 from .polygon import polygon_area, polygon_width
@@ -59,6 +60,7 @@ __all__ = [
     "map_controls",
     "mean_value_coordinates",
     "mesh_pattern",
+    "move_by_drafts",
     "name_cut",
     "panel_area",
     "panel_outline",
@@ -70,6 +72,7 @@ __all__ = [
     "resample",
     "reverse_edge",
     "save_pattern",
+    "scale_panels",
     "seam_constraints",
     "seam_lengths",
     "seam_mismatch",

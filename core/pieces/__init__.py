@@ -5,7 +5,7 @@ from .errors import AllowanceBad, PieceBad
 from .flatten import TOLERANCE, flatten_edge, flatten_outline
 from .layout import CLOTH_WIDTH, Lay, lay_on_cloth, stack_up
 from .make import PieceSettings, Style, make_pieces
-from .numbers import PieceNumbers, describe_pieces
+from .numbers import CutNumbers, PieceNumbers, describe_pieces, measure_pieces
 from .piece import (
     SEWN,
     TURNED,
@@ -30,6 +30,7 @@ __all__ = [
     "AllowanceBad",
     "Allowances",
     "CutLine",
+    "CutNumbers",
     "EdgeUse",
     "Lay",
     "Notch",
@@ -49,6 +50,7 @@ __all__ = [
     "flatten_outline",
     "lay_on_cloth",
     "make_pieces",
+    "measure_pieces",
     "read_allowances",
     "stack_up",
 ]

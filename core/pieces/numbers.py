@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
-from ..pattern import edge_length, polygon_area
+from ..errors import BadInput
+from ..pattern import Pattern, edge_length, polygon_area
 from .layout import lay_on_cloth
+from .make import make_pieces
 from .piece import Piece, PieceSet
 
 
@@ -32,6 +35,27 @@ class PieceNumbers:
     area: float
     cloth: float
     notches: int
+
+
+@dataclass(frozen=True)
+class CutNumbers:
+    """Describe what would be cut of a pattern.
+
+    Attributes:
+        pieces: The numbers of each piece.
+        metrics: Those of the garment by dotted name.
+    """
+
+    pieces: tuple[PieceNumbers, ...] = ()
+    metrics: Mapping[str, float | None] = field(default_factory=dict)
+
+
+def measure_pieces(pattern: Pattern) -> CutNumbers:
+    """Return the numbers of a pattern's pieces with the usual allowances; none where no pieces can be cut of it."""
+    try:
+        return CutNumbers(*describe_pieces(make_pieces(pattern)))
+    except BadInput:
+        return CutNumbers()
 
 
 def describe_pieces(pieces: PieceSet) -> tuple[tuple[PieceNumbers, ...], dict[str, float | None]]:

@@ -41,6 +41,7 @@ class ColouredScan:
         image: Index of each face's image, -1 for none, shape [face_count].
         images: RGB bytes, shape [height, width, 3] each.
         told: Why a texture that the file names was not read, or an empty text.
+        is_cut: True where the surface was cut out of a person's: near its border it may show another part.
     """
 
     vertices: np.ndarray
@@ -50,6 +51,7 @@ class ColouredScan:
     image: np.ndarray
     images: tuple[np.ndarray, ...] = ()
     told: str = ""
+    is_cut: bool = False
 
     @property
     def is_coloured(self) -> np.ndarray:
@@ -236,8 +238,8 @@ def _check(found: ColouredScan) -> None:
         raise refusal.NotFinite("a vertex is NaN or infinite; clean the mesh and export it again.")
 
 
-def coloured_of(scan: Scan) -> ColouredScan:
-    """Return a checked scan's surface with the colours of its vertices.
+def coloured_of(scan: Scan, is_cut: bool = False) -> ColouredScan:
+    """Return a checked scan's surface with the colours of its vertices; `is_cut` as of `ColouredScan`.
 
     Raises:
         ColoursMissing: where it has none.
@@ -246,4 +248,4 @@ def coloured_of(scan: Scan) -> ColouredScan:
         raise ColoursMissing()
     colours = np.clip(np.round(255.0 * scan.colours), 0, 255).astype(np.uint8)
     count = len(scan.faces)
-    return ColouredScan(scan.vertices, scan.faces, colours, np.zeros((count, 3, 2)), np.full(count, -1))
+    return ColouredScan(scan.vertices, scan.faces, colours, np.zeros((count, 3, 2)), np.full(count, -1), is_cut=is_cut)

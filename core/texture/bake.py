@@ -10,6 +10,7 @@ from ..errors import BadInput
 from ..mesh import TriangleSurface, vertex_normals
 from ..pattern import Garment
 from ..scan.coloured import ColouredScan
+from .beyond import find_beyond
 from .fill import fill_gaps, spread_border
 from .texels import Texels, find_texels
 
@@ -78,7 +79,8 @@ def bake_texture(
 
     Each texel's place on the garment takes the colour of the nearest place of the scan, if that is within `REACH` and
     faces the same way. Where the first is another fold's, the nearest face that faces the same way is looked for.
-    Beside a panel's border the garment is prolonged, so that both sides of a seam read the scan across it.
+    Beside a panel's border the garment is prolonged, so that both sides of a seam read the scan across it. Of a scan
+    that was cut out of a person's, what shows skin or the inside of the cloth beside the cut is left out.
 
     Args:
         garment: Topology.
@@ -101,6 +103,7 @@ def bake_texture(
 
 def _look_up(garment: Garment, nodes: np.ndarray, scan: ColouredScan, texels: Texels) -> tuple[np.ndarray, np.ndarray]:
     """Return the colour of each texel, shape [n, 3], and whether the scan shows it, shape [n]."""
+    beyond = find_beyond(scan)[scan.faces].any(axis=1) if scan.is_cut else np.zeros(len(scan.faces), dtype=bool)
     own = np.flatnonzero(scan.is_coloured)
     surface = TriangleSurface(scan.vertices, scan.faces[own])
     normals = vertex_normals(nodes, garment.faces)
@@ -128,7 +131,8 @@ def _look_up(garment: Garment, nodes: np.ndarray, scan: ColouredScan, texels: Te
     cosine = sign * np.einsum("nd,nd->n", facing, normal)
     aside = np.linalg.norm(away - np.einsum("nd,nd->n", away, normal)[:, None] * normal, axis=1)
     hole = surface.border_faces[face] & (aside > OVER_RIM)
-    return scan.colours_at(own[face], place), (distance <= REACH) & (cosine >= AGREE) & ~hole
+    shown = (distance <= REACH) & (cosine >= AGREE) & ~hole & ~beyond[own[face]]
+    return scan.colours_at(own[face], place), shown
 
 
 def _outward(surface: TriangleSurface) -> float:

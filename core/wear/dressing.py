@@ -12,6 +12,7 @@ from ..body import Body, penetration_depth
 from ..clock import Clock
 from ..drape import WearerGeometry, redrape
 from ..mesh import self_intersections
+from ..pieces import PieceNumbers, measure_pieces
 from ..segment import name_contours
 from ..simulate import Drape, Fabric
 from ..verdict import Gate
@@ -44,6 +45,7 @@ class Dressed:
         cpu_seconds: CPU seconds of the whole.
         peak_mb: Largest resident memory of the process [MB].
         manifest: What reproduces the result.
+        pieces: Of each production piece of the pattern, its numbers; empty where none can be cut.
     """
 
     before: Worn
@@ -59,6 +61,7 @@ class Dressed:
     cpu_seconds: float = 0.0
     peak_mb: float = 0.0
     manifest: dict[str, Any] = field(default_factory=dict)
+    pieces: tuple[PieceNumbers, ...] = ()
 
 
 def dress_body(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:
@@ -86,7 +89,8 @@ def dress_body(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> D
         garment = worn.garment.at(nodes, contours or worn.garment.contours)
         now = replace(worn, garment=garment, fabric=cloth, body=body, waist=waist, rotation=None)
         ease, strain, pressure = measure_ease(garment, body), measure_strain(now), measure_pressure(now, wearer)
-        metrics = measure_worn(now, wearer, drape) | tabulate_ease(ease)
+        cut = measure_pieces(now.pattern)
+        metrics = {**measure_worn(now, wearer, drape), **tabulate_ease(ease), **cut.metrics}
         metrics |= {
             "strain_p99": float(np.quantile(strain, 0.99)),
             "pressure_p99_pa": float(np.quantile(pressure, 0.99)),
@@ -103,6 +107,7 @@ def dress_body(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> D
         pressure=pressure,
         metrics=metrics,
         gates=judge_wear(metrics),
+        pieces=cut.pieces,
         warnings=tuple(warnings),
         stage_seconds=clock.seconds,
         cpu_seconds=clock.total,

@@ -11,13 +11,13 @@ from ..clock import Clock
 from ..drape import measure_wearer
 from ..drape.shipped import WEARER
 from ..pattern import (
-    Panel,
     Pattern,
     TemplateUnknown,
     draft_template,
-    equalise_seams,
     load_draped_template,
     mesh_pattern,
+    move_by_drafts,
+    scale_panels,
 )
 from ..simulate import Fabric
 from .dressing import Dressed, dress_body
@@ -69,10 +69,9 @@ def refit_pattern(worn: Worn, body: Body) -> Refitted:
         drafts = [fit_draft(worn.template, each) for each in (worn.body, body)]
     except TemplateUnknown:
         drafts = []
-    if not drafts or [_form(panel) for panel in drafts[0].panels] != [_form(panel) for panel in pattern.panels]:
-        return Refitted(equalise_seams(_scale(worn, body), like=pattern), False)
-    triples = zip(pattern.panels, drafts[0].panels, drafts[1].panels, strict=True)
-    moved = equalise_seams(replace(pattern, panels=tuple(_move(*panels) for panels in triples)), like=pattern)
+    moved = move_by_drafts(pattern, *drafts) if drafts else None
+    if moved is None:
+        return Refitted(_scale(worn, body), False)
     laid = Laid.of(worn.garment, worn.body, worn.waist, body)
     if largest_change(laid, moved) > KEPT:
         moved = keep_ease(moved, laid, widen_rules(worn.template))
@@ -129,34 +128,10 @@ def _pair(now: tuple[Ease, ...], before: tuple[Ease, ...]) -> list[tuple[Ease, f
     return [(one, was[one.place]) for one in now if one.place in was]
 
 
-def _form(panel: Panel) -> tuple[str, int, tuple[str, ...]]:
-    """Return what two panels have in common whose control points correspond."""
-    return panel.name, len(panel.points), tuple(edge.kind for edge in panel.edges)
-
-
-def _move(panel: Panel, old: Panel, new: Panel) -> Panel:
-    """Return a panel moved by the difference of two drafts, its place in the first drape too."""
-    return replace(
-        panel,
-        points=panel.points + new.points - old.points,
-        translation=panel.translation + new.translation - old.translation,
-    )
-
-
 def _scale(worn: Worn, body: Body) -> Pattern:
     """Return the pattern scaled by the ratios of both bodies: across by the mean ratio of girths, along by heights'."""
     tapes = [Tape.of(one) for one in (worn.body, body)]
     places = [one.place for one in measure_ease(worn.garment, worn.body)] or ["chest", "waist", "hip"]
     across = float(np.mean([tapes[1].measure(place).value / tapes[0].measure(place).value for place in places]))
     tall = [float(np.ptp(tape.body.vertices[:, 1])) for tape in tapes]
-    along = tall[1] / tall[0]
-    panels = []
-    for panel in worn.pattern.panels:
-        # A panel's axis that is placed upright runs along the body, the other one round it.
-        upright = np.abs(panel.rotation[1, :2])
-        factors = np.where(upright == upright.max(), along, across)
-        middle = panel.points.mean(axis=0)
-        panels.append(
-            replace(panel, points=middle + factors * (panel.points - middle), translation=panel.translation * along)
-        )
-    return replace(worn.pattern, panels=tuple(panels))
+    return scale_panels(worn.pattern, across, tall[1] / tall[0])

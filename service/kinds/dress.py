@@ -11,7 +11,7 @@ from ..jobs import Claim
 from ..models import JobRow
 from .dress_request import BODY, RESULT, DressRequest
 from .kind import Kind, Outcome, Work
-from .rows import add_metrics, add_pattern, describe_body, show_garment, summarise
+from .rows import add_metrics, add_pattern, add_pieces, describe_body, show_garment, summarise
 
 if TYPE_CHECKING:
     from ...core.body import Body
@@ -98,5 +98,6 @@ def store_dressed(session: Session, job: str, result: Dressed) -> Outcome:
     worn = result.worn
     session.add(describe_body(job, worn.body))
     add_pattern(session, job, worn.pattern, worn.fabric, (worn.category, worn.template))
+    add_pieces(session, job, result.pieces)
     add_metrics(session, job, result.metrics)
     return Outcome(summarise(result))

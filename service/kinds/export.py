@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 from sqlalchemy.orm import Session
 
 from ..jobs import Claim
-from ..models import JobRow, PieceRow
+from ..models import JobRow
 from .dress import GARMENTS
 from .dress_request import RESULT
 from .export_request import ExportRequest, add_scan
 from .kind import Kind, Outcome, Work
-from .rows import add_metrics
+from .rows import add_metrics, add_pieces
 
 if TYPE_CHECKING:
     from ...core.clock import Clock
@@ -62,8 +62,7 @@ class Export(Kind):
         from ...core.pieces import describe_pieces
 
         measured, lay = describe_pieces(result.pieces)
-        for one in measured:
-            session.add(PieceRow(job=claim.job, **vars(one)))
+        add_pieces(session, claim.job, measured)
         add_metrics(session, claim.job, lay)
         seconds = {name: round(value, 3) for name, value in result.clock.seconds.items()}
         peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0

@@ -15,7 +15,7 @@ from .kind import Kind, Outcome, Turned, Work
 from .person_request import make_person
 from .recover_request import AS_PERSON, PERSON, READING, TOLD, RecoverRequest
 from .request import pack_request
-from .rows import add_metrics, add_pattern, describe_body, show_garment, summarise
+from .rows import add_metrics, add_pattern, add_pieces, describe_body, show_garment, summarise
 
 if TYPE_CHECKING:
     from ...core.hooks import Hooks
@@ -56,10 +56,11 @@ class Recover(Kind):
         return None
 
     def store(self, session: Session, claim: Claim, result: Recovery) -> Outcome:
-        """Add the rows of pattern, panels, fabric, wearer and metrics."""
+        """Add the rows of pattern, panels, pieces, fabric, wearer and metrics."""
         _add_scan(session, result)
         session.add(describe_body(claim.job, result.body))
         add_pattern(session, claim.job, result.pattern, result.fabric, _find_names(result))
+        add_pieces(session, claim.job, result.pieces)
         add_metrics(session, claim.job, result.metrics)
         return Outcome(summarise(result))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -13,11 +13,12 @@ import numpy as np
 from sqlalchemy.orm import Session
 
 from ..database import serialise
-from ..models import BodyRow, MaterialRow, MetricRow, PanelRow, PatternRow
+from ..models import BodyRow, MaterialRow, MetricRow, PanelRow, PatternRow, PieceRow
 
 if TYPE_CHECKING:
     from ...core.body import Body
     from ...core.pattern import Pattern
+    from ...core.pieces import PieceNumbers
     from ...core.simulate import Fabric
     from ...core.verdict import Gate
 
@@ -88,6 +89,12 @@ def add_pattern(session: Session, job: str, pattern: Pattern, fabric: Fabric, na
         edges = [{"kind": e.kind, "handles": e.handles.tolist(), "contour": e.contour} for e in panel.edges]
         points, area = panel.points.tolist(), polygon_area(panel.points)
         session.add(PanelRow(job=job, name=panel.name, label=panel.label, points=points, edges=edges, area=area))
+
+
+def add_pieces(session: Session, job: str, pieces: Iterable[PieceNumbers]) -> None:
+    """Add the rows of a job's production pieces."""
+    for one in pieces:
+        session.add(PieceRow(job=job, **vars(one)))
 
 
 def add_metrics(session: Session, job: str, metrics: Mapping[str, float | None]) -> None:

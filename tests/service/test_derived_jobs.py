@@ -11,17 +11,20 @@ import pytest
 from garmentq.core.body import builtin_body
 from garmentq.core.errors import GarmentqError
 from garmentq.core.pattern import load_draped_template
+from garmentq.core.pieces import measure_pieces
 from garmentq.core.simulate import Drape, Outcome, get_fabric, write_fabrics
 from garmentq.core.wear import Dressed, Worn, judge_wear, load_worn, measure_ease, measure_worn, save_worn
 from garmentq.service.derived import DerivedOrder, submit_derived
 from garmentq.service.jobs import find_job
 from garmentq.service.local import LocalBackend
 from garmentq.service.local_token import make_local_token
+from garmentq.service.models import PieceRow
 from garmentq.service.query import JobQuery
 from garmentq.service.remote import RemoteBackend
 from garmentq.service.results import export_files, list_files
 from garmentq.service.services import Services
 from garmentq_family_home import work_off
+from sqlalchemy import select
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "api"))
@@ -69,8 +72,9 @@ def quick(monkeypatch):
         ease, loads = measure_ease(now.garment, body), np.zeros((2, len(worn.garment.nodes)))
         metrics = measure_worn(now, WearerGeometry(body), drape) | {"ease.hip_mm": 41.0}
         return Dressed(
-            worn, now, drape, ease, *loads, metrics, judge_wear(metrics), ("quick",), {"drape": 0.1}, 0.1, 1.0, {}
-        )
+            worn, now, drape, ease, *loads, metrics, judge_wear(metrics), ("quick",), {"drape": 0.1}, 0.1, 1.0, {},
+            measure_pieces(worn.pattern).pieces,
+        )  # fmt: skip
 
     monkeypatch.setattr("garmentq.core.wear.dress_body", dress)
     monkeypatch.setattr("garmentq.core.wear.make_to_measure", dress)
@@ -100,6 +104,9 @@ def test_result_is_worn_by_another(kind, backend, result, quick, settings, datab
     assert (report.state, report.error) == ("succeeded", None)
     assert (report.kind, report.body, report.fabric, report.garment) == (kind, "builtin:male", "denim", "skirt")
     assert report.inputs == {"result": result} and report.family == done.job
+    with database.read() as session:
+        pieces = list(session.scalars(select(PieceRow).where(PieceRow.job == done.job)))
+    assert pieces and all(0.0 < piece.area < piece.perimeter and piece.cloth > 0.0 for piece in pieces)
     assert [job.id for job in backend.find_jobs(JobQuery(wheres=["ease.hip_mm > 40", f"kind = {kind}"]))] == [done.job]
     assert {file.name: file.sha256 for file in list_files(database, result)} == before
     paths = {path.name for path in export_files(database, store, done.job, tmp_path / "out")}

@@ -21,6 +21,7 @@ from garmentq.core.errors import BadInput, Cancelled
 from garmentq.core.hooks import Hooks
 from garmentq.core.meshes import Meshes
 from garmentq.core.pattern import Edge, Garment, Panel, Pattern
+from garmentq.core.pieces import PieceNumbers
 from garmentq.core.recovery import STAGES, Recovery, Request
 from garmentq.core.scan import Scan
 from garmentq.core.segment import Target
@@ -130,4 +131,5 @@ def make_recovery(request: Request, rms: float) -> Recovery:
         cpu_seconds=0.1,
         peak_mb=100.0,
         manifest={"seed": request.settings.seed},
+        pieces=(PieceNumbers("FRONT", 1, False, False, 0.4, 0.0144, 0.0144, 0),),
     )

@@ -1,0 +1,60 @@
+"""Make a pattern for other measures: move its control points as two drafts differ, or scale its panels."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from .pattern import Panel, Pattern
+from .seams import equalise_seams
+
+
+def move_by_drafts(pattern: Pattern, old: Pattern, new: Pattern) -> Pattern | None:
+    """Return a pattern whose control points are moved by what two drafts differ in, seams made equal.
+
+    p + D(m1) - D(m0), with D the draft for measures m: a grade rule for each control point. Handles are relative and
+    follow; panels move in the first drape, too.
+
+    Args:
+        pattern: The pattern that fits m0.
+        old, new: The drafts D(m0) and D(m1).
+
+    Returns:
+        The pattern for m1, or None where control points of pattern and drafts do not correspond.
+    """
+    if [_form(panel) for panel in old.panels] != [_form(panel) for panel in pattern.panels]:
+        return None
+    triples = zip(pattern.panels, old.panels, new.panels, strict=True)
+    return equalise_seams(replace(pattern, panels=tuple(_move(*panels) for panels in triples)), like=pattern)
+
+
+def scale_panels(pattern: Pattern, across: float, along: float) -> Pattern:
+    """Return a pattern without a draft for other measures: each panel scaled about its middle, seams made equal.
+
+    Args:
+        pattern: The pattern.
+        across: Factor of what runs round the body.
+        along: Factor of what runs along it: of the panel's axis that is placed upright.
+    """
+    panels = []
+    for panel in pattern.panels:
+        upright = np.abs(panel.rotation[1, :2])
+        factors = np.where(upright == upright.max(), along, across)
+        middle = panel.points.mean(axis=0)
+        points = middle + factors * (panel.points - middle)
+        panels.append(replace(panel, points=points, translation=panel.translation * along))
+    return equalise_seams(replace(pattern, panels=tuple(panels)), like=pattern)
+
+
+def _form(panel: Panel) -> tuple[str, int, tuple[str, ...]]:
+    """Return what two panels have in common whose control points correspond."""
+    return panel.name, len(panel.points), tuple(edge.kind for edge in panel.edges)
+
+
+def _move(panel: Panel, old: Panel, new: Panel) -> Panel:
+    return replace(
+        panel,
+        points=panel.points + new.points - old.points,
+        translation=panel.translation + new.translation - old.translation,
+    )
