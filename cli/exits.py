@@ -35,6 +35,7 @@ USAGE_CODES = (
     "settings.bad",
     "service.setting_bad",
     "template.name_bad",
+    "template.shipped",
     "fabric.shipped",
     "command.local_only",
 )

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @click.group("templates")
 def command() -> None:
-    """List, show, import and export template patterns.
+    """List, show, import, export and delete template patterns.
 
     \b
     Example:
@@ -107,6 +107,22 @@ def import_command(file: Path, name: str, home: Path | None, as_json: bool) -> N
         print_json(asdict(found))
     else:
         note(f"imported '{found.name}': {found.panels} panels, {found.seams} seams")
+
+
+@command.command("delete")
+@click.argument("name")
+@home_option
+def delete_command(name: str, home: Path | None) -> None:
+    """Delete an imported template; jobs that were asked for with it keep its file.
+
+    \b
+    Example:
+      garmentq templates delete jacket
+    """
+    from .terminal import note
+
+    _open(home).delete_template(name)
+    note(f"template '{name}' is deleted")
 
 
 @command.command("export")

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .queue_records import Queue
     from .records import Artifact, Job, JobReport, Key, News
     from .submission import Order, Submitted
+    from .webhook_records import Receipt, Webhook
 
 
 class LocalOnly(BadInput):
@@ -125,6 +126,13 @@ class Backend(Protocol):
             TemplateNameBad: where the name is none, or a shipped template's.
         """
 
+    def delete_template(self, name: str) -> None:
+        """Delete an imported template; jobs that were asked for with it keep its file.
+
+        Raises:
+            TemplateUnknown, TemplateShipped: where there is none of that name, or it is a shipped one.
+        """
+
     def list_materials(self) -> list[Fabric]:
         """Return every fabric of the library."""
 
@@ -167,6 +175,31 @@ class Backend(Protocol):
 
         Raises:
             KeyUnknown: where there is none of that id.
+        """
+
+    def create_webhook(self, url: str, states: Sequence[State] = ()) -> tuple[Webhook, str]:
+        """Keep an address that is told when jobs end, all or those of some states; its secret is returned only here.
+
+        Raises:
+            WebhookBad, AddressForbidden: where the address cannot be used.
+            WebhooksFull: where there are as many as there may be.
+        """
+
+    def list_webhooks(self) -> list[Webhook]:
+        """Return the webhooks, oldest first."""
+
+    def delete_webhook(self, webhook: str) -> None:
+        """Delete a webhook with all that is owed to it.
+
+        Raises:
+            WebhookUnknown: where there is none of that id.
+        """
+
+    def test_webhook(self, webhook: str) -> Receipt:
+        """Send a message of the type `test` now, and return what came of it.
+
+        Raises:
+            WebhookUnknown: where there is none of that id.
         """
 
     def close(self) -> None:

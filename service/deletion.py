@@ -10,7 +10,7 @@ from sqlalchemy import delete, exists, or_, select
 
 from ..core.errors import BadInput, NotFound
 from .database import Database, clock
-from .families import JobInUse, find_below
+from .families import JobInUse, JobNotEnded, find_below
 from .families import delete as delete_family
 from .garbage import find_hashes, find_references
 from .models import ArtifactRow, IdempotencyRow, JobInputRow, JobRow, OwnerRow, ScanRow, UploadRow
@@ -103,14 +103,25 @@ def delete_jobs(database: Database, store: Store, jobs: Sequence[str], key: str 
         key: The API key that asks; empty: the operator.
 
     Raises:
-        JobNotEnded: where one of them, or what was made of it, has not ended; what was deleted before stays so.
+        JobNotEnded: where one of them, or what was made of it, has not ended; then nothing is deleted.
         JobShared: where another key owns one of them too.
     """
     begun = time()
     left = _add_readers(database, jobs)
     files = _find_files(database, left)
     _check_owners(database, left, key)
+    _check_ended(database, left)
     gone: list[str] = []
+    try:
+        _delete_all(database, left, gone)
+    finally:  # one may have been queued again meanwhile: what is gone leaves nothing behind
+        _forget_scans(database, files)
+        done = _remove_files(database, store, files, Deleted(tuple(gone)), begun)
+    return done
+
+
+def _delete_all(database: Database, left: list[str], gone: list[str]) -> None:
+    """Delete families, readers of results before those; the ids of what is deleted are added to `gone`."""
     while left:
         waiting: list[str] = []
         for job in left:
@@ -121,8 +132,6 @@ def delete_jobs(database: Database, store: Store, jobs: Sequence[str], key: str 
         if len(waiting) == len(left):
             raise JobInUse(f"job {left[0]} is used by another one; delete that one first.")
         left = [job for job in waiting if job not in gone]
-    _forget_scans(database, files)
-    return _remove_files(database, store, files, Deleted(tuple(gone)), begun)
 
 
 def delete_person(database: Database, store: Store, name: str, key: str = "") -> Deleted:
@@ -178,6 +187,15 @@ def _check_owners(database: Database, jobs: Sequence[str], key: str) -> None:
         shared = session.scalar(others)
     if shared is not None:
         raise JobShared(f"another key has job {shared} too, so it stays; ask the operator to delete it.")
+
+
+def _check_ended(database: Database, jobs: Sequence[str]) -> None:
+    """Refuse before anything is deleted where one of some jobs or of those below them has not ended."""
+    ids = [*jobs, *(row.id for row in find_below(database, jobs))]
+    with database.read() as session:
+        open_job = session.scalar(select(JobRow.id).where(JobRow.id.in_(ids), JobRow.state.not_in(ENDED)).limit(1))
+    if open_job is not None:
+        raise JobNotEnded(f"job {open_job} has not ended, so nothing was deleted; cancel it first, or wait.")
 
 
 def _forget_scans(database: Database, files: Iterable[str]) -> None:

@@ -24,6 +24,7 @@ from .models import EventRow, JobInputRow, JobRow, JobTagRow, JobWaitRow, Outbox
 from .new_job import NewJob
 from .outage import find_pause
 from .states import ENDED, TRANSITIONS, State
+from .webhooks import owe_messages
 
 T = TypeVar("T")
 
@@ -157,6 +158,8 @@ def move(
         for name, value in values.items():
             setattr(job, name, value)
     record(session, key, event, **(note or {}))
+    if to in ENDED:
+        owe_messages(session, key, to)
     if to == State.QUEUED:
         session.add(OutboxRow(job=key, created=clock()))
 

@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from . import derived, families, health, jobs, keys, materials, ordering, query, results, submission, templates
+from . import (
+    derived,
+    families,
+    health,
+    jobs,
+    keys,
+    materials,
+    ordering,
+    query,
+    results,
+    submission,
+    templates,
+    webhooks,
+)
 from .catalogue import ImportedTemplate, Template
 from .database import Database
 from .queue_records import Queue
@@ -15,6 +29,7 @@ from .records import Artifact, Event, Job, JobReport, Key, News
 from .services import Services, open_services
 from .settings import ServiceSettings
 from .states import State
+from .webhook_records import Receipt, Webhook
 
 if TYPE_CHECKING:
     from ..core.simulate import Fabric
@@ -117,6 +132,10 @@ class LocalBackend:
         """Check a pattern file and keep it as a template."""
         return templates.import_template(self.services, name, path)
 
+    def delete_template(self, name: str) -> None:
+        """Delete an imported template; jobs that were asked for with it keep its file."""
+        templates.delete_template(self._database, name)
+
     def list_materials(self) -> list[Fabric]:
         """Return every fabric of the library."""
         return materials.list_materials(self._database)
@@ -147,6 +166,24 @@ class LocalBackend:
     def revoke_key(self, key: str) -> Key:
         """Revoke an API key; its jobs stay."""
         return Key.from_row(keys.revoke_key(self._database, key))
+
+    def create_webhook(self, url: str, states: Sequence[State] = ()) -> tuple[Webhook, str]:
+        """Keep an address that is told when jobs end; its secret is returned here and never again."""
+        return webhooks.create_webhook(self._database, url, states, self.settings.webhook_networks)
+
+    def list_webhooks(self) -> list[Webhook]:
+        """Return the webhooks, oldest first."""
+        return webhooks.list_webhooks(self._database)
+
+    def delete_webhook(self, webhook: str) -> None:
+        """Delete a webhook with all that is owed to it."""
+        webhooks.delete_webhook(self._database, webhook)
+
+    def test_webhook(self, webhook: str) -> Receipt:
+        """Send a message of the type `test` now, and return what came of it."""
+        from .webhook_delivery import send
+
+        return asyncio.run(send(webhooks.make_trial(self._database, webhook), self.settings.webhook_networks))
 
     def close(self) -> None:
         """Close every connection to the database, if there is one."""

@@ -356,3 +356,37 @@ class IdempotencyRow(Base):
     fingerprint: Mapped[str] = mapped_column(String(64))
     job: Mapped[str | None] = mapped_column(String(16))
     created: Mapped[float]
+
+
+class WebhookRow(Base):
+    """Keep an address that is told when jobs of a key (empty: of anybody) end, and the secret that signs it.
+
+    One delivery at a time goes to it, by who took it until `taken_until`; `served` says when the latest went, `status`
+    and `error` what came of it.
+    """
+
+    __tablename__ = "webhooks"
+    id: Mapped[str] = mapped_column(String(16), primary_key=True)
+    key: Mapped[str] = mapped_column(String(16), index=True)
+    url: Mapped[str] = mapped_column(String(2000))
+    secret: Mapped[str] = mapped_column(String(64))
+    states: Mapped[list[Any]]
+    created: Mapped[float]
+    served: Mapped[float] = mapped_column(default=0.0)
+    taken_until: Mapped[float] = mapped_column(default=0.0)
+    status: Mapped[int | None]
+    error: Mapped[str | None] = mapped_column(String(255))
+
+
+class DeliveryRow(Base):
+    """Owe a webhook one message; `due` is when it is sent next, None where it was taken or given up."""
+
+    __tablename__ = "deliveries"
+    __table_args__ = (Index("ix_deliveries_webhook_due", "webhook", "due"),)
+    id: Mapped[str] = mapped_column(String(32), primary_key=True)
+    webhook: Mapped[str] = mapped_column(ForeignKey("webhooks.id", ondelete="CASCADE"))
+    job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), index=True)
+    body: Mapped[dict[str, Any]]
+    created: Mapped[float]
+    due: Mapped[float | None]
+    tries: Mapped[int] = mapped_column(default=0)

@@ -15,35 +15,32 @@ import os
 import tempfile
 import time
 import uuid
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any
 from urllib.parse import quote
 
 import httpx
 
 from ..core.body import is_builtin
 from ..core.errors import NotFound
-from .catalogue import ImportedTemplate, Template, read_fabric, show_fabric
 from .connection import TRIES, Connection, ServiceUnreachable
 from .derived import DerivedOrder
 from .jobs import pick_known
 from .kinds import FileRef, RequestBad
-from .materials import is_shipped, refuse_shipped
+from .materials import is_shipped
 from .ordering import check_typed
 from .query import JobQuery
 from .queue_records import Queue
-from .records import Artifact, Event, Job, JobReport, Json, Key, News, check_id
+from .records import Artifact, Event, Job, JobReport, Json, News, check_id
+from .remote_libraries import RemoteLibraries, read, read_all
 from .results import choose_files
 from .states import State
 from .store import ArtifactDamaged
 from .submission import BodyUnreadable, Order, Submitted
-
-if TYPE_CHECKING:
-    from ..core.simulate import Fabric
 
 MOST_JOBS = 1000
 """Jobs of one question about states, as the service bounds it."""
@@ -57,10 +54,8 @@ UPLOADS = {"body": "bodies", "motion": "motions"}
 ID_LENGTH = 12
 """Letters of a job's whole id."""
 
-R = TypeVar("R")
 
-
-class RemoteBackend:
+class RemoteBackend(RemoteLibraries):
     """Answer by HTTP; see `backend.Backend`. Every refusal is a `GarmentqError` with the service's code."""
 
     is_remote = True
@@ -76,8 +71,7 @@ class RemoteBackend:
         Raises:
             ServiceUnreachable: where the address is none.
         """
-        self._connection = Connection(url, key)
-        self._ask, self._send = self._connection.ask, self._connection.send
+        super().__init__(Connection(url, key))
 
     def __enter__(self) -> RemoteBackend:
         return self
@@ -182,7 +176,7 @@ class RemoteBackend:
     def find_job(self, job: str) -> JobReport:
         """Return a job by its id, or by a beginning of it that fits no other."""
         found = self._ask("GET", f"/v1/jobs/{quote(job, safe='')}")
-        return _read(lambda: JobReport.from_json(found))
+        return read(lambda: JobReport.from_json(found))
 
     def find_jobs_by_id(self, ids: Sequence[str], below: bool = False) -> list[Job]:
         """Return how far the jobs of some ids are, one request for each thousand; with `below` then all jobs below."""
@@ -190,7 +184,7 @@ class RemoteBackend:
         for start in range(0, len(ids), MOST_JOBS):
             wanted = {"jobs": list(ids[start : start + MOST_JOBS])} | ({"below": True} if below else {})
             answer = self._ask("POST", "/v1/jobs/states", json=wanted)
-            found |= {job.id: job for job in _read_all(Job.from_json, answer, "jobs")}
+            found |= {job.id: job for job in read_all(Job.from_json, answer, "jobs")}
         known, asked = pick_known(ids, found), set(ids)
         return known + [job for job in found.values() if job.id not in asked]
 
@@ -198,7 +192,7 @@ class RemoteBackend:
         """Return the jobs that run, then the newest others, each newest first; at most a thousand."""
         given: list[dict[str, Any]] = [{"state": State.RUNNING.value}, {}]
         asked = [self._ask("GET", "/v1/jobs", params=one | {"limit": min(limit, MOST_JOBS)}) for one in given]
-        found = {job.id: job for one in asked for job in _read_all(JobReport.from_json, one, "jobs")}
+        found = {job.id: job for one in asked for job in read_all(JobReport.from_json, one, "jobs")}
         return list(found.values())[:limit]
 
     def find_jobs(self, wanted: JobQuery) -> list[JobReport]:
@@ -206,17 +200,17 @@ class RemoteBackend:
         _ = wanted.conditions
         params = {**wanted.given, "where": list(wanted.wheres), "sort": wanted.sort, "limit": wanted.limit}
         params |= {"offset": wanted.offset} if wanted.offset else {}
-        return _read_all(JobReport.from_json, self._ask("GET", "/v1/query", params=params), "jobs")
+        return read_all(JobReport.from_json, self._ask("GET", "/v1/query", params=params), "jobs")
 
     def poll_events(self, job: str, after: int = 0) -> News:
         """Return a job's state and its events with an id above `after`, in one request."""
         found = self._ask("GET", f"/v1/jobs/{quote(job, safe='')}/events", params={"after": after})
-        return _read(lambda: News(State(found["state"]), _read_all(Event.from_json, found, "events")))
+        return read(lambda: News(State(found["state"]), read_all(Event.from_json, found, "events")))
 
     def read_queue(self) -> Queue:
         """Count the jobs by state, and list the living workers."""
         found = self._ask("GET", "/v1/queue")
-        return _read(lambda: Queue.from_json(found))
+        return read(lambda: Queue.from_json(found))
 
     def follow(self, job: str, after: int = 0) -> Iterator[Event]:
         """Yield a job's events as they happen until it has ended; a broken connection is taken up where it broke."""
@@ -232,7 +226,7 @@ class RemoteBackend:
                         elif line.startswith("data: ") and kind == "end":
                             return
                         elif line.startswith("data: "):
-                            event = _read(partial(_read_event, line[6:]))
+                            event = read(partial(_read_event, line[6:]))
                             after, failures = event.id, 0
                             yield event
             except httpx.TransportError as error:
@@ -244,7 +238,7 @@ class RemoteBackend:
     def list_artifacts(self, job: str) -> list[Artifact]:
         """Return a job's result files by name."""
         found = self._ask("GET", f"/v1/jobs/{quote(job, safe='')}/artifacts")
-        return _read_all(Artifact.from_json, found, "files")
+        return read_all(Artifact.from_json, found, "files")
 
     def export_files(self, job: str, folder: Path, names: Sequence[str] = ()) -> list[Path]:
         """Download a job's result files (all, or those named) into a folder, each checked against its hash."""
@@ -254,69 +248,12 @@ class RemoteBackend:
     def cancel(self, job: str) -> State:
         """Ask a job to stop, and return its state after that."""
         found = self._ask("POST", f"/v1/jobs/{quote(job, safe='')}/cancel")
-        return _read(lambda: State(found["state"]))
+        return read(lambda: State(found["state"]))
 
     def retry(self, job: str) -> State:
         """Queue a job that ended without success once more."""
         found = self._ask("POST", f"/v1/jobs/{quote(job, safe='')}/retry", tries=1)
-        return _read(lambda: State(found["state"]))
-
-    def list_templates(self) -> list[Template]:
-        """Return shipped and imported templates."""
-        return _read_all(Template.from_json, self._ask("GET", "/v1/templates"), "templates")
-
-    def read_template(self, name: str) -> bytes:
-        """Return a template's pattern file."""
-        return self._send("GET", f"/v1/templates/{quote(name, safe='')}").content
-
-    def import_template(self, name: str, path: Path) -> ImportedTemplate:
-        """Send a pattern file as a template."""
-        from ..core.pattern import load_pattern
-
-        load_pattern(path)
-        found = self._ask("PUT", f"/v1/templates/{quote(name, safe='')}", content=path.read_bytes())
-        return _read(lambda: ImportedTemplate.from_json(found))
-
-    def list_materials(self) -> list[Fabric]:
-        """Return every fabric of the library."""
-        return _read_all(read_fabric, self._ask("GET", "/v1/materials"), "materials")
-
-    def read_material(self, name: str) -> Fabric:
-        """Return one fabric."""
-        found = self._ask("GET", f"/v1/materials/{quote(name, safe='')}")
-        return _read(lambda: read_fabric(found))
-
-    def import_materials(self, path: Path) -> list[Fabric]:
-        """Check a file of fabrics and send them, one after the other."""
-        from ..core.simulate import read_fabrics
-
-        fabrics = read_fabrics(path)
-        for fabric in fabrics:
-            refuse_shipped(fabric.name)
-        for fabric in fabrics:
-            self._ask("PUT", f"/v1/materials/{quote(fabric.name, safe='')}", json=show_fabric(fabric))
-        return fabrics
-
-    def delete_material(self, name: str) -> None:
-        """Delete an imported fabric."""
-        self._ask("DELETE", f"/v1/materials/{quote(name, safe='')}")
-
-    def create_key(
-        self, name: str, scopes: Sequence[str], quota: int, priority: int = 0, days: float | None = None
-    ) -> tuple[Key, str]:
-        """Make an API key; its token is returned here and never again."""
-        wanted = {"name": name, "scopes": list(scopes), "quota": quota, "priority": priority, "days": days}
-        found = self._ask("POST", "/v1/keys", tries=1, json=wanted)
-        return _read(lambda: (Key.from_json(found), str(found["token"])))
-
-    def list_keys(self) -> list[Key]:
-        """Return every API key, oldest first."""
-        return _read_all(Key.from_json, self._ask("GET", "/v1/keys"), "keys")
-
-    def revoke_key(self, key: str) -> Key:
-        """Revoke an API key; its jobs stay."""
-        found = self._ask("DELETE", f"/v1/keys/{quote(key, safe='')}")
-        return _read(lambda: Key.from_json(found))
+        return read(lambda: State(found["state"]))
 
     def read_health(self) -> dict[str, Any]:
         """Return the service's version, and `ok` or what is wrong of its database and store."""
@@ -347,25 +284,8 @@ class RemoteBackend:
         return path
 
 
-def _read(make: Callable[[], R]) -> R:
-    """Return what an answer says.
-
-    Raises:
-        ServiceUnreachable: where it is none of a service of ours.
-    """
-    try:
-        return make()
-    except (KeyError, TypeError, ValueError, AttributeError):
-        raise ServiceUnreachable("what answers is no garmentq service: its answer cannot be read.") from None
-
-
-def _read_all(make: Callable[[Json], R], found: Json, name: str) -> list[R]:
-    """Return the records of an answer's list."""
-    return _read(lambda: [make(item) for item in found[name]])
-
-
 def _read_submitted(found: Json) -> Submitted:
-    return _read(lambda: Submitted(check_id(found["job"]), bool(found["is_new"]), State(found["state"])))
+    return read(lambda: Submitted(check_id(found["job"]), bool(found["is_new"]), State(found["state"])))
 
 
 def _read_event(text: str) -> Event:

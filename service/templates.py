@@ -27,6 +27,12 @@ class TemplateNameBad(BadInput):
     code = "template.name_bad"
 
 
+class TemplateShipped(BadInput):
+    """A shipped template is not deleted."""
+
+    code = "template.shipped"
+
+
 def import_template(services: Services, name: str, path: Path) -> ImportedTemplate:
     """Check a GarmentCode or NeuralTailor pattern file and keep it; one imported before under the name is replaced.
 
@@ -54,6 +60,24 @@ def keep_template(database: Database, store: Store, name: str, path: Path, categ
     kept = store.put(path)
     with database.write() as session:
         session.merge(TemplateRow(name=name, sha256=kept.sha256, category=category, panels=panels, created=clock()))
+
+
+def delete_template(database: Database, name: str) -> Template:
+    """Delete an imported template and return what it was; jobs that were asked for with it keep its file.
+
+    Raises:
+        TemplateUnknown, TemplateShipped: where there is none of that name, or it is a shipped one.
+    """
+    from ..core.pattern import TemplateUnknown, list_templates
+
+    with database.write() as session:
+        row = session.get(TemplateRow, name)
+        if row is not None:
+            session.delete(row)
+            return _show_imported(row)
+    if name in [info.name for info in list_templates()]:
+        raise TemplateShipped(f"'{name}' is a shipped template, which stays.")
+    raise TemplateUnknown(f"there is no template '{name[:80]}'; `garmentq templates list` shows them.")
 
 
 def find_template(services: Services, name: str) -> Path | None:
@@ -92,7 +116,11 @@ def list_templates(database: Database) -> list[Template]:
     found = [Template(info.name, info.category, "shipped", info.title) for info in pattern.list_templates()]
     with database.read() as session:
         rows = session.scalars(select(TemplateRow).order_by(TemplateRow.name)).all()
-    return found + [Template(row.name, row.category, "imported", f"{row.panels} panels") for row in rows]
+    return found + [_show_imported(row) for row in rows]
+
+
+def _show_imported(row: TemplateRow) -> Template:
+    return Template(row.name, row.category, "imported", f"{row.panels} panels")
 
 
 def _find_imported(database: Database, name: str) -> TemplateRow | None:

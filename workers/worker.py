@@ -45,7 +45,10 @@ from ..service.reaper import (
 )
 from ..service.settings import ServiceSettings
 from ..service.states import QUEUES
+from ..service.webhooks import forget_messages, has_due
 from .app import CHANNELS, TASK, count_messages, make_app, publish
+from .courier import start_courier
+from .detached import has_ended
 from .recovery import run_job
 from .threads import limit_threads
 
@@ -57,8 +60,8 @@ LIFE_SECONDS = 5.0
 IDLE_CHECK_SECONDS = 5.0
 """Longest period of the look whether an embedded worker may go home [s]."""
 
-FORGET_ACCESSES_SECONDS = 3600.0
-"""How often old rows of the audit log are removed [s]: they are kept for days."""
+FORGET_OLD_SECONDS = 3600.0
+"""How often old rows of the audit log and of sent messages are removed [s]: they are kept for days."""
 
 
 class Duties(bootsteps.StartStopStep):
@@ -73,7 +76,8 @@ class Duties(bootsteps.StartStopStep):
         self.name = f"{socket.gethostname()}:{os.getpid()}:{uuid.uuid4().hex[:6]}"
         self.app = parent.app
         self.rounds = parent.timer.call_repeatedly(self.settings.poll_seconds, self._round)
-        self.showed, self.forgot = 0.0, -FORGET_ACCESSES_SECONDS
+        self.showed, self.forgot = 0.0, -FORGET_OLD_SECONDS
+        self.courier: int | None = None
         self.leaps = Leaps(self.settings.lease_seconds)
         self.began = time.monotonic()
         if parent.app.garmentq_goes_home and self.settings.idle_seconds:
@@ -103,14 +107,21 @@ class Duties(bootsteps.StartStopStep):
                 advance(self.database)
                 remind(self.database, self.settings.republish_seconds, lambda: count_messages(self.app) == 0)
                 dispatch(self.database, lambda job, queue: publish(self.app, job, queue))
-                if time.monotonic() - self.forgot > FORGET_ACCESSES_SECONDS:
+                self._send_messages()
+                if time.monotonic() - self.forgot > FORGET_OLD_SECONDS:
                     self.forgot = time.monotonic()
                     forget_accesses(self.database)
+                    forget_messages(self.database)
         except DatabaseUnreachable as error:
             self.leaps.note_outage()
             log.warning("a round of the dispatcher failed: %s", error)
         except Exception as error:  # the next round tries again; the loop must never end
             log.warning("a round of the dispatcher failed: %s: %s", type(error).__name__, error)
+
+    def _send_messages(self) -> None:
+        """Let a courier send what is owed to webhooks, one courier at a time."""
+        if (self.courier is None or has_ended(self.courier)) and has_due(self.database):
+            self.courier = start_courier(self.settings, dict(os.environ))
 
     def _go_home_if_idle(self) -> None:
         """Stop where nothing happened for long; a worker waits as long for its first job, whatever lies behind."""

@@ -11,6 +11,7 @@ from .. import records
 from ..catalogue import Template
 from ..records import Artifact
 from ..states import State
+from ..webhook_records import Webhook as WebhookRecord
 from .schemas import Sha256
 
 
@@ -135,6 +136,21 @@ class Keys(_Answer):
     """List API keys."""
 
     keys: list[Key]
+
+
+Webhook: Any = _show(WebhookRecord, "webhook")
+
+
+class NewWebhook(Webhook):
+    """Show a new webhook, with its secret this once."""
+
+    secret: str
+
+
+class Webhooks(_Answer):
+    """List webhooks."""
+
+    webhooks: list[Webhook]
 
 
 class Pair(_Answer):

@@ -18,7 +18,21 @@ from ..local_token import make_local_token
 from ..pages import routes as pages
 from ..settings import ServiceSettingBad, ServiceSettings
 from ..stores import open_store
-from . import batches, events, health, jobs, keys, match, materials, questions, results, templates, uploads
+from . import (
+    batches,
+    events,
+    health,
+    jobs,
+    keys,
+    match,
+    materials,
+    persons,
+    questions,
+    results,
+    templates,
+    uploads,
+    webhooks,
+)
 from .access import Rooms, refuse_unknown
 from .answers import Problem
 from .guard import Guard
@@ -51,7 +65,8 @@ def make_app(settings: ServiceSettings, limits: ApiLimits | None = None, is_open
         store.prepare()
     token = make_local_token(settings.home) if is_open else ""
     app.state.rooms = Rooms(settings, open_database(settings), store, limits, token, meter)
-    for module in (uploads, batches, jobs, events, results, questions, match, templates, materials, keys):
+    libraries = (match, templates, materials, keys, persons, webhooks)
+    for module in (uploads, batches, jobs, events, results, questions, *libraries):
         app.include_router(module.router, prefix="/v1", dependencies=[Depends(refuse_unknown)])
     app.include_router(health.router)
     app.include_router(pages.router)

@@ -6,7 +6,7 @@ import asyncio
 import json
 import time
 from collections.abc import AsyncIterator
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query, Request
@@ -16,6 +16,7 @@ from starlette.types import Receive, Scope, Send
 
 from ...core.errors import GarmentqError
 from ..jobs import find_job, read_events
+from ..keys import Caller
 from ..records import Event, News
 from ..states import ENDED
 from .access import Reader, Rooms, RoomsOf, find_own
@@ -28,6 +29,9 @@ PERIOD_SECONDS = 0.5
 
 ALIVE_SECONDS = 15.0
 """A silent stream sends a comment so often [s]; proxies close what is silent for 30 s and more."""
+
+PLACES = ("owner",)
+"""Fields of events that name a host, a process or a task."""
 
 LARGEST_ID = 2**63 - 1
 EXAMPLE = {
@@ -53,27 +57,27 @@ async def follow_job(
     if last_event_id is not None and last_event_id.isascii() and last_event_id.isdigit():
         after = min(int(last_event_id), LARGEST_ID)
     if "text/event-stream" not in request.headers.get("accept", ""):
-        return await run_in_threadpool(_look, rooms, row.id, after)
-    return _Counted(rooms, caller.key, row.id, after)
+        return await run_in_threadpool(_look, rooms, caller, row.id, after)
+    return _Counted(rooms, caller, row.id, after)
 
 
 class _Counted(StreamingResponse):
     """Stream a job's events; counted while it is sent, so that a client that leaves is counted no longer."""
 
-    def __init__(self, rooms: Rooms, key: str, job: str, after: int) -> None:
-        super().__init__(_stream(rooms, job, after), media_type="text/event-stream")
-        self._counted = rooms.meter.streaming(key)
+    def __init__(self, rooms: Rooms, caller: Caller, job: str, after: int) -> None:
+        super().__init__(_stream(rooms, caller, job, after), media_type="text/event-stream")
+        self._counted = rooms.meter.streaming(caller.key)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         with self._counted:
             await super().__call__(scope, receive, send)
 
 
-async def _stream(rooms: Rooms, job: str, after: int) -> AsyncIterator[str]:
+async def _stream(rooms: Rooms, caller: Caller, job: str, after: int) -> AsyncIterator[str]:
     spoke = time.monotonic()
     while True:
         try:
-            news = await run_in_threadpool(_look, rooms, job, after)
+            news = await run_in_threadpool(_look, rooms, caller, job, after)
         except GarmentqError:
             return  # the database is away; the client comes back with Last-Event-ID
         for event in news.events:
@@ -88,7 +92,13 @@ async def _stream(rooms: Rooms, job: str, after: int) -> AsyncIterator[str]:
         await asyncio.sleep(PERIOD_SECONDS)
 
 
-def _look(rooms: Rooms, job: str, after: int) -> News:
+def _look(rooms: Rooms, caller: Caller, job: str, after: int) -> News:
     """Read the state first, so that the event that ended the job is among those read after it."""
     state = find_job(rooms.database, job).state
-    return News(state, [Event.from_row(event) for event in read_events(rooms.database, job, after)])
+    events = [Event.from_row(event) for event in read_events(rooms.database, job, after)]
+    return News(state, events if caller.sees_all else [hide_places(event) for event in events])
+
+
+def hide_places(event: Event) -> Event:
+    """Return an event without what names the service's hosts and processes; the scope `admin` sees those."""
+    return replace(event, data={name: value for name, value in event.data.items() if name not in PLACES})

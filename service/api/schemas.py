@@ -162,6 +162,19 @@ class FabricIn(BaseModel):
     sources: dict[Text, Annotated[str, StringConstraints(max_length=1100)]] = Field(max_length=8)
 
 
+class WebhookIn(BaseModel):
+    """Ask to be told when jobs end."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={"example": {"url": "https://studio.example/garmentq", "states": ["succeeded", "failed"]}},
+    )
+    url: Annotated[str, StringConstraints(min_length=1, max_length=2000, pattern=r"^[!-~]+$")]
+    states: list[Literal["succeeded", "failed", "dead", "cancelled"]] = Field(
+        default=[], max_length=4, description="The endings that it is told of; none: all."
+    )
+
+
 class KeyIn(BaseModel):
     """Ask for a new key."""
 

@@ -9,8 +9,8 @@ from typing import Any
 from fastapi import APIRouter, Request, Response
 from starlette.concurrency import run_in_threadpool
 
-from ..catalogue import ImportedTemplate
-from ..templates import import_template, list_templates, read_template
+from ..catalogue import ImportedTemplate, Template
+from ..templates import delete_template, import_template, list_templates, read_template
 from .access import Admin, Reader, Rooms, RoomsOf
 from .answers import Templates
 from .problems import show_answer
@@ -20,6 +20,7 @@ router = APIRouter(prefix="/templates", tags=["libraries"])
 
 EXAMPLE = {"name": "skirt", "category": "skirt", "source": "shipped", "title": "Straight skirt"}
 IMPORTED = {"name": "jacket", "panels": 7, "seams": 12, "category": "jacket"}
+DELETED = {"name": "jacket", "category": "jacket", "source": "imported", "title": "7 panels"}
 
 
 @router.get("", summary="List the templates.", responses=show_answer({"templates": [EXAMPLE]}, model=Templates))
@@ -45,6 +46,12 @@ async def import_one(name: TemplateName, request: Request, rooms: RoomsOf, calle
     """Check a GarmentCode or NeuralTailor pattern file and keep it; one imported before under the name is replaced."""
     content = await request.body()
     return await run_in_threadpool(_import, rooms, name, content)
+
+
+@router.delete("/{name}", summary="Delete an imported template.", responses=show_answer(DELETED, model=Template))
+def delete_one(name: TemplateName, rooms: RoomsOf, caller: Admin) -> Any:
+    """Delete an imported template; jobs that were asked for with it keep its file."""
+    return delete_template(rooms.database, name)
 
 
 def _import(rooms: Rooms, name: str, content: bytes) -> ImportedTemplate:

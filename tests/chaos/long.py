@@ -5,6 +5,7 @@
 Every two seconds one process of one worker (its parent or its child, by chance) gets a `kill -9`; a parent that is gone
 is started again, as an init system would. The broker is killed and started again twice. PostgreSQL is stopped at once
 (`pg_ctl -m immediate`) and started again; SQLite has no server, so another process holds its lock for five seconds.
+The store is taken away for ten seconds, three times; the kills go on meanwhile.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections import Counter
 from collections.abc import Callable
@@ -39,6 +41,7 @@ from postgres_server import PostgresServer
 from sqlalchemy import func, select
 
 AWAY_SECONDS = 5.0
+STORE_SECONDS = 10.0
 LOOK_SECONDS = 0.1
 GIVE_UP_SECONDS = 3600.0
 
@@ -105,15 +108,36 @@ def restart_database(settings, server: PostgresServer | None) -> None:
         server.start()
 
 
+def take_store_away(settings, seconds: float) -> None:
+    """Rename the store's folder, and name it back after a while; processes are killed meanwhile."""
+    away = wait_for_store(settings)
+    settings.store_path.rename(away)
+    threading.Timer(seconds, lambda: away.rename(settings.store_path)).start()
+
+
+def wait_for_store(settings) -> Path:
+    """Wait until the store is back, and return the name that it has while it is away."""
+    away = settings.store_path.with_name("away")
+    while away.exists():
+        time.sleep(LOOK_SECONDS)
+    return away
+
+
 @dataclass(frozen=True)
 class Pace:
     """Say when a process is killed: after so many seconds, and not before so many more jobs have ended.
 
     A quick test counts jobs only, so that a machine that hardly moves is not killed faster than it can start.
+
+    Attributes:
+        seconds: Least time between two kills [s].
+        jobs: Jobs that end between two kills, at least.
+        store_seconds: How long the store is away each time [s].
     """
 
     seconds: float = 2.0
     jobs: int = 0
+    store_seconds: float = STORE_SECONDS
 
 
 def run(
@@ -126,9 +150,12 @@ def run(
     begun, fleet = time.monotonic(), Fleet(start, workers, np.random.default_rng(seed))
     ended, struck, met = 0, time.monotonic(), 0
     blows = [
+        (0.1, lambda: take_store_away(settings, pace.store_seconds)),
         (0.2, lambda: restart_broker(settings)),
+        (0.3, lambda: take_store_away(settings, pace.store_seconds)),
         (0.4, lambda: restart_database(settings, server)),
         (0.6, lambda: restart_broker(settings)),
+        (0.7, lambda: take_store_away(settings, pace.store_seconds)),
     ]
     while ended < jobs and time.monotonic() - begun < GIVE_UP_SECONDS:
         fleet.keep_up()
@@ -144,6 +171,7 @@ def run(
     seconds = time.monotonic() - begun
     fleet.stop()
     stop_broker(settings)
+    wait_for_store(settings)
     return describe(database, jobs) | {
         "seconds": round(seconds, 1),
         "kills of parents": fleet.kills["parent"],
@@ -172,12 +200,14 @@ def describe(database: Database, jobs: int) -> dict[str, object]:
         ).all()
         results = session.scalar(select(func.count()).select_from(ArtifactRow).where(ArtifactRow.kind == "result"))
         attempts = dict(session.execute(select(JobRow.attempts, func.count()).group_by(JobRow.attempts)).all())
+        rests = session.scalar(select(func.count()).select_from(EventRow).where(EventRow.kind == "put_off"))
     return {
         "states": states,
         "results": results,
         "duplicates": sum(count - 1 for _, count in wins) + max(0, results - len(wins)),
         "lost": jobs - len(wins),
         "jobs by attempts": attempts,
+        "rests for the store": rests,
     }
 
 

@@ -13,7 +13,7 @@ from long import Pace, run
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*was deleted while still open:ResourceWarning")  # its server went away under it
 def test_r9_blows_by_chance(settings, marks, nursery, database_kind, request):
-    """Broken where a job is lost or done twice while processes, the broker and the database are ended at random."""
+    """Broken where a job is lost or done twice while processes, broker, database and store go away at random."""
     server = request.getfixturevalue("postgres_server") if database_kind == "postgresql" else None
     quick = replace(settings, lease_seconds=2.0, republish_seconds=1.0, max_attempts=20)
     environment = {**os.environ, **quick.as_environment()}
@@ -21,7 +21,7 @@ def test_r9_blows_by_chance(settings, marks, nursery, database_kind, request):
     def start():
         return nursery.start(["--workers", "1"], environment, quick.home / "worker.log")
 
-    found = run(quick, start, jobs=20, workers=2, seed=1, pace=Pace(0.0, 4), server=server)
+    found = run(quick, start, jobs=20, workers=2, seed=1, pace=Pace(0.0, 4, 1.0), server=server)
     assert (found["results"], found["duplicates"], found["lost"], found["blows left"]) == (20, 0, 0, 0)
     assert found["kills of parents"] + found["kills of children"] >= 3
     gc.collect()

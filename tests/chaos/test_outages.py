@@ -211,3 +211,30 @@ def test_who_waited_longest_is_next(database, queue_job):
     taken = [claim_next(database, many[0], "w", 30.0).job for _ in range(7)]
     assert taken == [urgent, few[0], many[0], few[1], *many[1:]]
     assert claim_next(database, many[0], "w", 30.0) is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("database_kind", ["sqlite"], indirect=True)
+def test_a_worker_sends_what_is_owed(settings, database, queue_job, start_worker, marks):
+    """Broken where nobody sends messages, or a receiver that is away for a while is never told."""
+    import socket
+
+    from garmentq.service.models import DeliveryRow
+    from garmentq.service.webhooks import create_webhook, list_webhooks
+
+    start_broker(settings)
+    with socket.create_server(("127.0.0.2", 0)) as server:
+        port = server.getsockname()[1]
+    create_webhook(database, f"http://127.0.0.2:{port}/", (), "127.0.0.2/32")
+    job = queue_job()
+    with start_worker(webhook_networks="127.0.0.2/32"):
+        wait_ended(settings, job)
+        wait_for(lambda: list_webhooks(database)[0].error)
+        with socket.create_server(("127.0.0.2", port)) as server:
+            with database.write() as session:
+                session.query(DeliveryRow).update({"due": 1.0})
+            taken, _ = server.accept()
+            with taken:
+                assert taken.recv(65536).startswith(b"POST / HTTP/1.1\r\n")
+                taken.sendall(b"HTTP/1.1 200 OK\r\ncontent-length: 0\r\n\r\n")
+                wait_for(lambda: list_webhooks(database)[0].owed == 0)

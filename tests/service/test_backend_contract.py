@@ -219,6 +219,21 @@ def test_a_template_and_a_key_come_and_go(local, remote, tmp_path):
     with_key.close()
 
 
+def test_a_webhook_and_a_template_go(backend, tmp_path):
+    """Breaks where what was deleted is still there, or a secret is shown a second time."""
+    webhook, secret = backend.create_webhook("https://studio.example/in", [State.FAILED, State.DEAD])
+    assert secret.startswith("whsec_") and backend.list_webhooks() == [webhook]
+    assert (webhook.states, webhook.key, webhook.owed) == ([State.DEAD, State.FAILED], "", 0)
+    backend.delete_webhook(webhook.id)
+    assert backend.list_webhooks() == []
+    near, _ = backend.create_webhook("https://studio.invalid/", ())
+    receipt = backend.test_webhook(near.id)
+    assert receipt.status is None and receipt.error
+    backend.import_template("mine", _write_template(tmp_path))
+    backend.delete_template("mine")
+    assert "mine" not in [one.name for one in backend.list_templates()]
+
+
 def test_the_same_refusals(backend, order, tmp_path):
     """Breaks where a mistake has another code, or another exit status, by way of asking."""
     job = backend.submit(backend.check_order(order)).job
@@ -237,6 +252,12 @@ def test_the_same_refusals(backend, order, tmp_path):
         ("query.bad", BadInput, backend.find_jobs, JobQuery(sort="no such")),
         ("template.unknown", NotFound, backend.read_template, "nosuch"),
         ("template.name_bad", BadInput, backend.import_template, "skirt", _write_template(tmp_path)),
+        ("template.unknown", NotFound, backend.delete_template, "nosuch"),
+        ("template.shipped", BadInput, backend.delete_template, "skirt"),
+        ("webhook.bad", BadInput, backend.create_webhook, "ftp://studio.example/"),
+        ("webhook.address_forbidden", BadInput, backend.create_webhook, "https://127.0.0.1/"),
+        ("webhook.unknown", NotFound, backend.delete_webhook, "nosuch"),
+        ("webhook.unknown", NotFound, backend.test_webhook, "nosuch"),
         ("fabric.unknown", NotFound, backend.read_material, "nosuch"),
         ("key.unknown", NotFound, backend.revoke_key, "nosuch"),
         ("body.missing", BadInput, backend.check_order, Order(order.scan, None, given_as="garment")),

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import datetime
-import ipaddress
 import socket
 import ssl
 import subprocess
@@ -14,27 +12,7 @@ import pytest
 from garmentq.workers.app import count_messages, make_app, publish
 from garmentq.workers.broker import find_server, is_broker_up
 from garmentq_home import make_settings, wait_for
-
-
-def write_certificate(folder):
-    """Write a certificate that signs itself for 127.0.0.1, and its key."""
-    from cryptography import x509
-    from cryptography.hazmat.primitives import hashes, serialization
-    from cryptography.hazmat.primitives.asymmetric import ec
-    from cryptography.x509.oid import NameOID
-
-    key, now = ec.generate_private_key(ec.SECP256R1()), datetime.datetime.now(datetime.UTC)
-    name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "broker")])
-    day, address = datetime.timedelta(days=1), x509.IPAddress(ipaddress.ip_address("127.0.0.1"))
-    certificate = (
-        x509.CertificateBuilder(name, name, key.public_key(), 1, now - day, now + day)
-        .add_extension(x509.SubjectAlternativeName([address]), critical=False)
-        .add_extension(x509.BasicConstraints(True, None), critical=True)
-        .sign(key, hashes.SHA256())
-    )
-    (folder / "broker.pem").write_bytes(certificate.public_bytes(serialization.Encoding.PEM))
-    form = (serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption())
-    (folder / "broker.key").write_bytes(key.private_bytes(*form))
+from self_signed import write_certificate
 
 
 def pump(source, sink):
@@ -68,7 +46,7 @@ def serve_tls(listener, context, target):
 @pytest.fixture
 def broker(tmp_path):
     """Start a Valkey with a password behind a TLS port; gives the port."""
-    write_certificate(tmp_path)
+    certificate, key = write_certificate(tmp_path)
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         target = probe.getsockname()
@@ -87,7 +65,7 @@ def broker(tmp_path):
     plain = make_settings(tmp_path, broker_url=f"redis://:pssst@127.0.0.1:{target[1]}/0")
     wait_for(lambda: is_broker_up(plain))
     context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
-    context.load_cert_chain(tmp_path / "broker.pem", tmp_path / "broker.key")
+    context.load_cert_chain(certificate, key)
     listener = socket.create_server(("127.0.0.1", 0))
     threading.Thread(target=serve_tls, args=(listener, context, target), daemon=True).start()
     yield listener.getsockname()[1]
@@ -111,7 +89,7 @@ def test_a_broker_behind_tls(broker, tmp_path):
     address = (
         address.removesuffix("0") + "1"
     )  # Celery pools connections by host and number, whatever their certificates
-    trusted = make_settings(tmp_path, broker_url=f"{address}?ssl_cert_reqs=required&ssl_ca_certs={tmp_path}/broker.pem")
+    trusted = make_settings(tmp_path, broker_url=f"{address}?ssl_cert_reqs=required&ssl_ca_certs={tmp_path}/own.pem")
     assert is_broker_up(trusted)
     app = make_app(trusted)
     publish(app, "0" * 12, "cpu")

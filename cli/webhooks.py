@@ -1,0 +1,125 @@
+"""`garmentq webhooks`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from . import exits
+from .options import home_option, json_option
+
+if TYPE_CHECKING:
+    from ..service.backend import Backend
+
+
+@click.group("webhooks")
+def command() -> None:
+    """Make, list, delete and test addresses that are told when jobs end.
+
+    \b
+    Example:
+      garmentq webhooks create https://studio.example/garmentq
+    """
+
+
+@command.command("create")
+@click.argument("url")
+@click.option(
+    "--on", "states", multiple=True, type=click.Choice(["succeeded", "failed", "dead", "cancelled"]),
+    help="An ending that it is told of; given once or more.  [default: all]",
+)  # fmt: skip
+@home_option
+@json_option
+def create_command(url: str, states: tuple[str, ...], home: Path | None, as_json: bool) -> None:
+    """Tell an address of jobs that end from now on, and print its secret.
+
+    The secret signs the messages; it is shown only now. Over HTTP it is told of the key's own jobs, on a home of all.
+
+    \b
+    Example:
+      garmentq webhooks create https://studio.example/garmentq --on succeeded --on failed
+    """
+    from ..service.states import State
+    from .terminal import note, print_json
+
+    webhook, secret = _open(home).create_webhook(url, [State(state) for state in states])
+    if as_json:
+        print_json(webhook.as_json() | {"secret": secret})
+        return
+    note(f"webhook {webhook.id} for {webhook.url}: {', '.join(webhook.states)}; its secret is not shown again")
+    click.echo(secret)
+
+
+@command.command("list")
+@home_option
+@json_option
+def list_command(home: Path | None, as_json: bool) -> None:
+    """List the webhooks, what came of the latest message, and how many are still to be sent.
+
+    \b
+    Example:
+      garmentq webhooks list
+    """
+    from .terminal import print_json, print_table, show_time
+
+    found = _open(home).list_webhooks()
+    if as_json:
+        for one in found:
+            print_json(one.as_json())
+        return
+    print_table(
+        ["webhook", "key", "url", "on", "latest", "status", "error", "owed"],
+        [
+            [one.id, one.key, one.url, ", ".join(one.states), show_time(one.served), one.status, one.error, one.owed]
+            for one in found
+        ],
+    )
+
+
+@command.command("delete")
+@click.argument("webhook")
+@home_option
+def delete_command(webhook: str, home: Path | None) -> None:
+    """Delete a webhook with all that is still to be sent to it.
+
+    \b
+    Example:
+      garmentq webhooks delete 5f1d0c9b7a3e
+    """
+    from .terminal import note
+
+    _open(home).delete_webhook(webhook)
+    note(f"webhook {webhook} is deleted")
+
+
+@command.command("test")
+@click.argument("webhook")
+@home_option
+@json_option
+@click.pass_context
+def test_command(context: click.Context, webhook: str, home: Path | None, as_json: bool) -> None:
+    """Send a message of the type `test` now, and say what came of it; exit status 5 where it was not taken.
+
+    \b
+    Example:
+      garmentq webhooks test 5f1d0c9b7a3e
+    """
+    from dataclasses import asdict
+
+    from .terminal import note, print_json
+
+    receipt = _open(home).test_webhook(webhook)
+    if as_json:
+        print_json(asdict(receipt))
+    else:
+        note(f"answered {receipt.status}" if receipt.error is None else f"not taken: {receipt.error}")
+    context.exit(exits.OK if receipt.error is None else exits.FAILED)
+
+
+def _open(home: Path | None) -> Backend:
+    from ..service.backend import open_backend
+    from ..service.settings import read_settings
+
+    return open_backend(read_settings(home=home))

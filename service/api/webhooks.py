@@ -1,0 +1,72 @@
+"""`/v1/webhooks`: addresses that are told when jobs end."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Path
+from starlette.concurrency import run_in_threadpool
+
+from ..keys import Caller
+from ..states import State
+from ..webhook_delivery import send
+from ..webhook_records import Receipt
+from ..webhooks import create_webhook, delete_webhook, list_webhooks, make_trial
+from .access import Reader, RoomsOf, Submitter
+from .answers import NewWebhook, Webhook, Webhooks
+from .problems import show_answer
+from .schemas import WebhookIn
+
+router = APIRouter(prefix="/webhooks", tags=["webhooks"])
+
+EXAMPLE = {
+    "webhook": "5f1d0c9b7a3e", "key": "0c9b7a3e5f1d", "url": "https://studio.example/garmentq",
+    "states": ["succeeded", "failed"], "created": 1795250000.1, "served": 1795250900.5, "status": 204, "error": None,
+    "owed": 0,
+}  # fmt: skip
+
+WebhookId = Annotated[str, Path(pattern="^[0-9A-Za-z]{1,16}$")]
+
+
+@router.post(
+    "", status_code=201, summary="Be told when jobs end.",
+    responses=show_answer(EXAMPLE | {"secret": "whsec_..."}, 201, NewWebhook),
+)  # fmt: skip
+def create(wanted: WebhookIn, rooms: RoomsOf, caller: Submitter) -> Any:
+    """Tell an address of the caller's own jobs that end from now on.
+
+    The secret that signs the messages is in this answer and never again. The address is https and a public one, unless
+    the operator allows others; docs/api.md describes the messages.
+    """
+    states = [State(state) for state in wanted.states]
+    webhook, secret = create_webhook(
+        rooms.database, wanted.url, states, rooms.settings.webhook_networks, caller.key
+    )
+    return webhook.as_json() | {"secret": secret}
+
+
+@router.get("", summary="List the webhooks.", responses=show_answer({"webhooks": [EXAMPLE]}, model=Webhooks))
+def list_all(rooms: RoomsOf, caller: Reader) -> Any:
+    """Return the caller's webhooks without their secrets; `owed` messages are still to be sent."""
+    return {"webhooks": [one.as_json() for one in list_webhooks(rooms.database, _find_realm(caller))]}
+
+
+@router.delete("/{webhook}", summary="Delete a webhook.", responses=show_answer(EXAMPLE, model=Webhook))
+def delete(webhook: WebhookId, rooms: RoomsOf, caller: Submitter) -> Any:
+    """Delete a webhook with all that is owed to it."""
+    return delete_webhook(rooms.database, webhook, _find_realm(caller)).as_json()
+
+
+@router.post(
+    "/{webhook}/test", summary="Send a message now.",
+    responses=show_answer({"status": 204, "error": None}, model=Receipt),
+)  # fmt: skip
+async def test(webhook: WebhookId, rooms: RoomsOf, caller: Submitter) -> Any:
+    """Send a message of the type `test` once, and return the answer's status or why there was none, within 5 s."""
+    message = await run_in_threadpool(make_trial, rooms.database, webhook, _find_realm(caller))
+    return await send(message, rooms.settings.webhook_networks)
+
+
+def _find_realm(caller: Caller) -> str | None:
+    """Return whose webhooks the caller sees; None: everybody's."""
+    return None if caller.sees_all else caller.key

@@ -1,0 +1,125 @@
+"""The half of `remote.RemoteBackend` that asks of libraries, keys and webhooks; what answers mean."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+from urllib.parse import quote
+
+from .catalogue import ImportedTemplate, Template, read_fabric, show_fabric
+from .connection import Connection, ServiceUnreachable
+from .materials import refuse_shipped
+from .records import Json, Key
+from .states import State
+from .webhook_records import Receipt, Webhook
+
+if TYPE_CHECKING:
+    from ..core.simulate import Fabric
+
+R = TypeVar("R")
+
+
+class RemoteLibraries:
+    """Answer by HTTP what is no job; see `backend.Backend`."""
+
+    def __init__(self, connection: Connection) -> None:
+        """Ask by a connection."""
+        self._connection = connection
+        self._ask, self._send = connection.ask, connection.send
+
+    def list_templates(self) -> list[Template]:
+        """Return shipped and imported templates."""
+        return read_all(Template.from_json, self._ask("GET", "/v1/templates"), "templates")
+
+    def read_template(self, name: str) -> bytes:
+        """Return a template's pattern file."""
+        return self._send("GET", f"/v1/templates/{quote(name, safe='')}").content
+
+    def import_template(self, name: str, path: Path) -> ImportedTemplate:
+        """Send a pattern file as a template."""
+        from ..core.pattern import load_pattern
+
+        load_pattern(path)
+        found = self._ask("PUT", f"/v1/templates/{quote(name, safe='')}", content=path.read_bytes())
+        return read(lambda: ImportedTemplate.from_json(found))
+
+    def delete_template(self, name: str) -> None:
+        """Delete an imported template."""
+        self._ask("DELETE", f"/v1/templates/{quote(name, safe='')}")
+
+    def list_materials(self) -> list[Fabric]:
+        """Return every fabric of the library."""
+        return read_all(read_fabric, self._ask("GET", "/v1/materials"), "materials")
+
+    def read_material(self, name: str) -> Fabric:
+        """Return one fabric."""
+        found = self._ask("GET", f"/v1/materials/{quote(name, safe='')}")
+        return read(lambda: read_fabric(found))
+
+    def import_materials(self, path: Path) -> list[Fabric]:
+        """Check a file of fabrics and send them, one after the other."""
+        from ..core.simulate import read_fabrics
+
+        fabrics = read_fabrics(path)
+        for fabric in fabrics:
+            refuse_shipped(fabric.name)
+        for fabric in fabrics:
+            self._ask("PUT", f"/v1/materials/{quote(fabric.name, safe='')}", json=show_fabric(fabric))
+        return fabrics
+
+    def delete_material(self, name: str) -> None:
+        """Delete an imported fabric."""
+        self._ask("DELETE", f"/v1/materials/{quote(name, safe='')}")
+
+    def create_key(
+        self, name: str, scopes: Sequence[str], quota: int, priority: int = 0, days: float | None = None
+    ) -> tuple[Key, str]:
+        """Make an API key; its token is returned here and never again."""
+        wanted = {"name": name, "scopes": list(scopes), "quota": quota, "priority": priority, "days": days}
+        found = self._ask("POST", "/v1/keys", tries=1, json=wanted)
+        return read(lambda: (Key.from_json(found), str(found["token"])))
+
+    def list_keys(self) -> list[Key]:
+        """Return every API key, oldest first."""
+        return read_all(Key.from_json, self._ask("GET", "/v1/keys"), "keys")
+
+    def revoke_key(self, key: str) -> Key:
+        """Revoke an API key; its jobs stay."""
+        found = self._ask("DELETE", f"/v1/keys/{quote(key, safe='')}")
+        return read(lambda: Key.from_json(found))
+
+    def create_webhook(self, url: str, states: Sequence[State] = ()) -> tuple[Webhook, str]:
+        """Keep an address that is told when jobs end; its secret is returned here and never again."""
+        found = self._ask("POST", "/v1/webhooks", tries=1, json={"url": url, "states": list(states)})
+        return read(lambda: (Webhook.from_json(found), str(found["secret"])))
+
+    def list_webhooks(self) -> list[Webhook]:
+        """Return the webhooks, oldest first."""
+        return read_all(Webhook.from_json, self._ask("GET", "/v1/webhooks"), "webhooks")
+
+    def delete_webhook(self, webhook: str) -> None:
+        """Delete a webhook with all that is owed to it."""
+        self._ask("DELETE", f"/v1/webhooks/{quote(webhook, safe='')}")
+
+    def test_webhook(self, webhook: str) -> Receipt:
+        """Send a message of the type `test` now, and return what came of it."""
+        found = self._ask("POST", f"/v1/webhooks/{quote(webhook, safe='')}/test", tries=1)
+        return read(lambda: Receipt.from_json(found))
+
+
+def read(make: Callable[[], R]) -> R:
+    """Return what an answer says.
+
+    Raises:
+        ServiceUnreachable: where it is none of a service of ours.
+    """
+    try:
+        return make()
+    except (KeyError, TypeError, ValueError, AttributeError):
+        raise ServiceUnreachable("what answers is no garmentq service: its answer cannot be read.") from None
+
+
+def read_all(make: Callable[[Json], R], found: Json, name: str) -> list[R]:
+    """Return the records of an answer's list."""
+    return read(lambda: [make(item) for item in found[name]])

@@ -1,0 +1,232 @@
+"""Webhooks: an address that is told when jobs end. What is owed to it stands in the database until it was taken.
+
+A message is written in the transaction that ends the job. It is sent again until it is answered with 2xx: whoever
+sends it may die between the answer and the note of it, so a receiver may see a message twice, under the same id.
+"""
+
+from __future__ import annotations
+
+import base64
+import secrets
+import uuid
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import ColumnElement, delete, exists, func, select
+from sqlalchemy.orm import Session
+
+from ..core.errors import BadInput, NotFound
+from .clocks import AHEAD_SECONDS
+from .database import Database, change_rows, clock
+from .keys import lock_key
+from .models import ApiKeyRow, DeliveryRow, JobRow, OwnerRow, WebhookRow
+from .states import ENDED, State
+from .webhook_address import check_url
+from .webhook_records import Receipt, Webhook
+
+MOST_WEBHOOKS = 10
+"""Webhooks of one key."""
+
+TAKEN_SECONDS = 30.0
+"""How long a message is its sender's alone [s]; it takes 5 s at most, or its sender has died."""
+
+FIRST_PAUSE, GROWTH, LONGEST_PAUSE = 10.0, 4.0, 6 * 3600.0
+"""Pauses after a message was not taken [s]: 10 s, 40 s, 160 s, ... up to 6 h."""
+
+MOST_TRIES = 9
+"""How often a message is sent; with these pauses the last goes 16 hours after the first, longer than a night."""
+
+KEPT_SECONDS = 7 * 86400.0
+"""How long a message is kept that was taken or given up [s]."""
+
+SECRET_BYTES = 32
+
+
+class WebhookUnknown(NotFound):
+    """There is no such webhook; `garmentq webhooks list` shows them."""
+
+    code = "webhook.unknown"
+
+
+class WebhooksFull(BadInput):
+    """The key has as many webhooks as it may; delete one first."""
+
+    code = "webhook.too_many"
+
+
+@dataclass(frozen=True)
+class Message:
+    """Describe what is to be sent.
+
+    Attributes:
+        id: The same whenever it is sent again.
+        url: Where to.
+        secret: What signs it.
+        body: JSON values.
+    """
+
+    id: str
+    url: str
+    secret: str
+    body: dict[str, Any]
+
+
+def create_webhook(
+    database: Database, url: str, states: Sequence[State], networks: str, key: str = ""
+) -> tuple[Webhook, str]:
+    """Keep an address that is told of a key's jobs from now on; its secret is returned here and never again.
+
+    Args:
+        database: Where it is kept.
+        url: Where messages go.
+        states: The endings that it is told of; empty: all.
+        networks: Networks that are allowed beyond the public ones.
+        key: Whose jobs; empty: everybody's.
+
+    Raises:
+        WebhookBad: where the address cannot be used.
+        WebhooksFull: where the key has as many as it may.
+    """
+    check_url(url, networks)
+    secret = "whsec_" + base64.b64encode(secrets.token_bytes(SECRET_BYTES)).decode()
+    wanted = [state.value for state in sorted(set(states) or ENDED)]
+    row = WebhookRow(
+        id=secrets.token_hex(6), key=key, url=url, secret=secret, states=wanted, created=clock(), served=0.0,
+        taken_until=0.0,
+    )  # fmt: skip
+    with database.write() as session:
+        lock_key(session, key)
+        count = session.scalar(select(func.count()).select_from(WebhookRow).where(WebhookRow.key == key)) or 0
+        if count >= MOST_WEBHOOKS:
+            raise WebhooksFull(f"there are {count} webhooks, as many as a key may have; delete one first.")
+        session.add(row)
+        session.flush()
+        session.refresh(row)
+    return Webhook.from_row(row, 0), secret
+
+
+def list_webhooks(database: Database, key: str | None = None) -> list[Webhook]:
+    """Return the webhooks of a key, or with None all, the oldest first."""
+    owed = select(func.count()).select_from(DeliveryRow)
+    owed = owed.where(DeliveryRow.webhook == WebhookRow.id, DeliveryRow.due.is_not(None))
+    wanted = select(WebhookRow, owed.correlate(WebhookRow).scalar_subquery())
+    if key is not None:
+        wanted = wanted.where(WebhookRow.key == key)
+    with database.read() as session:
+        rows = session.execute(wanted.order_by(WebhookRow.created, WebhookRow.id)).all()
+    return [Webhook.from_row(row, count) for row, count in rows]
+
+
+def delete_webhook(database: Database, webhook: str, key: str | None = None) -> Webhook:
+    """Delete a webhook with all that is owed to it, and return what it was; with a key only one of its own.
+
+    Raises:
+        WebhookUnknown: where there is none.
+    """
+    with database.write() as session:
+        row = _find(session, webhook, key)
+        session.delete(row)
+        return Webhook.from_row(row, 0)
+
+
+def make_trial(database: Database, webhook: str, key: str | None = None) -> Message:
+    """Return a message of the type `test` to a webhook; it is not kept.
+
+    Raises:
+        WebhookUnknown: where there is none.
+    """
+    with database.read() as session:
+        row = _find(session, webhook, key)
+        now = session.scalar(select(clock()))
+    mark = uuid.uuid4().hex
+    return Message(mark, row.url, row.secret, {"id": mark, "type": "test", "at": now})
+
+
+def owe_messages(session: Session, job: str, state: State) -> None:
+    """Owe each webhook that may see an ended job one message, in the transaction that ends the job."""
+    owned = exists().where(OwnerRow.job == job, OwnerRow.key == WebhookRow.key)
+    hooks = session.scalars(select(WebhookRow).where((WebhookRow.key == "") | owned, _is_valid())).all()
+    wanted = [hook.id for hook in hooks if state in hook.states]
+    if not wanted:
+        return
+    names = ("name", "kind", "family", "parent", "verdict", "error_code", "error_message")
+    asked = select(*(getattr(JobRow, name) for name in names), clock().label("at")).where(JobRow.id == job)
+    row = session.execute(asked).one()
+    error = {"code": row.error_code, "message": row.error_message} if row.error_code else None
+    shown = {"job": job, "state": state, **{name: getattr(row, name) for name in names[:5]}, "error": error}
+    for hook in wanted:
+        mark = uuid.uuid4().hex
+        body = {"id": mark, "type": f"job.{state}", "at": row.at, "job": shown}
+        session.add(DeliveryRow(id=mark, webhook=hook, job=job, body=body, created=clock(), due=clock(), tries=0))
+
+
+def has_due(database: Database) -> bool:
+    """Return whether a message is to be sent now."""
+    with database.read() as session:
+        return bool(session.scalar(select(exists().where(_is_waiting()))))
+
+
+def take_due(database: Database, most: int) -> list[Message]:
+    """Take some messages to send, one for each webhook, whoever was served longest ago first."""
+    wanted = select(WebhookRow).where(_is_waiting()).order_by(WebhookRow.served, WebhookRow.id)
+    found = []
+    with database.write() as session:
+        for hook in session.scalars(wanted.limit(most).with_for_update(skip_locked=True)).all():
+            own = select(DeliveryRow).where(DeliveryRow.webhook == hook.id, _is_due())
+            row = session.scalars(own.order_by(DeliveryRow.due, DeliveryRow.created).limit(1)).one()
+            hook.taken_until, hook.served = clock() + TAKEN_SECONDS, clock()
+            found.append(Message(row.id, hook.url, hook.secret, row.body))
+    return found
+
+
+def note_receipt(database: Database, message: str, receipt: Receipt) -> None:
+    """Note what came of a message: one that was not taken is due again after a pause, until it is given up."""
+    with database.write() as session:
+        row = session.get(DeliveryRow, message)
+        if row is None:
+            return  # the job or the webhook was deleted meanwhile
+        hook = session.get(WebhookRow, row.webhook)
+        assert hook is not None
+        row.tries += 1
+        is_over = receipt.error is None or row.tries >= MOST_TRIES
+        row.due = None if is_over else clock() + find_pause(row.tries)
+        hook.taken_until, hook.status, hook.error = 0.0, receipt.status, receipt.error
+
+
+def find_pause(tries: int) -> float:
+    """Return how long to wait [s] after a message was not taken so many times."""
+    return min(LONGEST_PAUSE, FIRST_PAUSE * GROWTH ** (min(tries, 20) - 1))
+
+
+def forget_messages(database: Database) -> int:
+    """Remove what was taken or given up long ago, or is owed to a key that is no more; return how many rows."""
+    over = DeliveryRow.due.is_(None) & (DeliveryRow.created < clock() - KEPT_SECONDS)
+    gone = DeliveryRow.webhook.in_(select(WebhookRow.id).where(~_is_valid()))
+    with database.write() as session:
+        return change_rows(session, delete(DeliveryRow).where(over | gone))
+
+
+def _is_due() -> ColumnElement[bool]:
+    """Return what a message that is to be sent fulfils; one that lies further ahead than any pause is so, too."""
+    return (DeliveryRow.due <= clock()) | (DeliveryRow.due > clock() + LONGEST_PAUSE + AHEAD_SECONDS)
+
+
+def _is_waiting() -> ColumnElement[bool]:
+    """Return what a webhook fulfils that nobody serves just now, and that a message is to be sent to."""
+    latest = clock() + TAKEN_SECONDS + AHEAD_SECONDS
+    is_free = (WebhookRow.taken_until <= clock()) | (WebhookRow.taken_until > latest)
+    return is_free & exists().where(DeliveryRow.webhook == WebhookRow.id, _is_due()) & _is_valid()
+
+
+def _is_valid() -> ColumnElement[bool]:
+    """Return what a webhook fulfils whose key was neither revoked nor has expired."""
+    is_over = ApiKeyRow.revoked.is_not(None) | (ApiKeyRow.expires <= clock())
+    return ~exists().where(ApiKeyRow.id == WebhookRow.key, is_over)
+
+
+def _find(session: Session, webhook: str, key: str | None) -> WebhookRow:
+    row = session.get(WebhookRow, webhook)
+    if row is None or key not in (None, row.key):
+        raise WebhookUnknown()
+    return row
