@@ -28,10 +28,13 @@ KEPT_DAYS = 400
 DOWNLOADS = ("/artifacts/", "/result.zip")
 """Parts of the paths by which results leave the service; every request that changes something is recorded as well."""
 
+ASKING = ("/states", "/patterns/check", "/patterns/edit")
+"""Ends of the paths that are asked by POST and change nothing."""
+
 
 def is_recorded(method: str, path: str, status: int) -> bool:
     """Return whether a request is one that the log keeps: it changed something, or took a file."""
-    if status >= 400 or path.endswith("/states"):
+    if status >= 400 or path.endswith(ASKING):
         return False
     return method in ("POST", "PUT", "DELETE") or (method == "GET" and any(part in path for part in DOWNLOADS))
 
@@ -48,9 +51,7 @@ def record_access(database: Database, key: str, action: str, subject: str, came:
     """
     clean = "".join(letter if letter.isprintable() else "?" for letter in subject)[:255]
     with database.write() as session:
-        session.add(
-            AuditRow(at=clock(), key=key, action=action, subject=clean, address=came[0][:64], request=came[1])
-        )
+        session.add(AuditRow(at=clock(), key=key, action=action, subject=clean, address=came[0][:64], request=came[1]))
 
 
 def list_accesses(database: Database, limit: int = 100, key: str | None = None) -> list[Access]:

@@ -40,6 +40,10 @@ class Client(RemoteBackend):
         params |= {"only_given": only_given, "outlines": outlines}
         return self._ask_object("GET", "/v1/match", params=params)
 
+    def check_pattern(self, document: Mapping[str, Any]) -> dict[str, Any]:
+        """Return what is wrong with a pattern's document, with lengths, seams and symmetry; see docs/edit.md."""
+        return self._ask_object("POST", "/v1/patterns/check", json=dict(document))
+
     def read_wearer(self, job: str) -> dict[str, Any]:
         """Return the wearer as a job saw it: source, joints [m] by name, parameters."""
         return self._ask_object("GET", f"/v1/bodies/of/{quote(job, safe='')}")

@@ -3,6 +3,8 @@
 from .control import ControlMap, map_controls, mean_value_coordinates, redraw
 from .curves import edge_length, edge_points, panel_area, panel_outline, reverse_edge, split_edge
 from .division import divide_edges
+from .errors import PatternFault, Place
+from .examine import Finding, Severity, examine_file, find_faults
 from .fairness import fair_curves, unplanned_corners
 from .garment import Garment
 from .garmentcode import load_pattern, read_pattern, save_pattern, write_pattern
@@ -34,11 +36,15 @@ __all__ = [
     "ControlMap",
     "Edge",
     "EdgeRef",
+    "Finding",
     "Garment",
     "Mirror",
     "Panel",
     "Pattern",
+    "PatternFault",
+    "Place",
     "Seam",
+    "Severity",
     "Symmetry",
     "TemplateInfo",
     "TemplateUnknown",
@@ -50,8 +56,10 @@ __all__ = [
     "edge_length",
     "edge_points",
     "equalise_seams",
+    "examine_file",
     "fair_curves",
     "find_cut",
+    "find_faults",
     "find_symmetry",
     "list_templates",
     "load_draped_template",

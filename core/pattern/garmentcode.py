@@ -19,6 +19,7 @@ from scipy.spatial.transform import Rotation
 
 from .curves import edge_length, panel_area, reverse_edge
 from .errors import (
+    NotOrientable,
     PanelDegenerate,
     PanelOpen,
     PatternIncomplete,
@@ -26,11 +27,13 @@ from .errors import (
     PatternUnitsMissing,
     PatternUnreadable,
     PatternValueBad,
+    Place,
     SeamTwice,
     SeamUnknown,
 )
 from .garmentcode_writer import OWN, save_pattern, write_pattern
 from .json_values import get_index, get_list, get_number, get_object, get_text, get_vector
+from .numbering import Numbering, renumber
 from .orientation import agree_orientation, mirror_panel
 from .pattern import Edge, EdgeRef, Panel, Pattern, Seam
 from .validity import check_outline
@@ -60,13 +63,20 @@ def load_pattern(path: str | Path) -> Pattern:
         BadInput: with a code `pattern.*` and one clear line, whatever the file holds.
     """
     path = Path(path)
+    return read_pattern(read_bytes(path), name=path.stem.removesuffix("_specification"))
+
+
+def read_bytes(path: Path) -> bytes:
+    """Return the bytes of a pattern file; of one that is too large those that tell so.
+
+    Raises:
+        PatternUnreadable: where it cannot be opened.
+    """
     try:
         with path.open("rb") as stream:
-            data = stream.read(MAX_BYTES + 1)
+            return stream.read(MAX_BYTES + 1)
     except OSError as error:
         raise PatternUnreadable(f"the pattern file {path.name} cannot be opened; check its path.") from error
-    name = path.stem.removesuffix("_specification")
-    return read_pattern(data, name=name)
 
 
 def read_pattern(source: dict[str, Any] | str | bytes, name: str = "pattern") -> Pattern:
@@ -77,7 +87,23 @@ def read_pattern(source: dict[str, Any] | str | bytes, name: str = "pattern") ->
     Raises:
         BadInput: with a code `pattern.*` and one clear line, whatever the source holds.
     """
-    top = get_object(_parse(source) if isinstance(source, str | bytes) else source, "the file")
+    return read_numbered(source, name)[0]
+
+
+def read_numbered(
+    source: dict[str, Any] | str | bytes, name: str = "pattern", is_checked: bool = True
+) -> tuple[Pattern, dict[str, Numbering]]:
+    """Read a pattern as `read_pattern` does, and return with it how the file numbers each panel, by its name.
+
+    Args:
+        source: JSON text, or the parsed object.
+        name: What the pattern is called.
+        is_checked: False lets panels through whose outline crosses itself or has no area.
+
+    Raises:
+        PatternFault: with the place, in the file's numbers.
+    """
+    top = get_object(parse_document(source) if isinstance(source, str | bytes) else source, "the file")
     if "pattern" not in top:
         raise PatternIncomplete("the file has no key 'pattern': it is no GarmentCode or NeuralTailor pattern.")
     body = get_object(top["pattern"], "pattern")
@@ -97,13 +123,17 @@ def read_pattern(source: dict[str, Any] | str | bytes, name: str = "pattern") ->
         raise PatternTooLarge(f"the pattern has more than {MAX_EDGES} edges.")
     relative = properties.get("curvature_coords", "relative") != "absolute"
     own = properties.get(OWN, {}) if isinstance(properties.get(OWN, {}), dict) else {}
-    panels, numbers, unknown = [], {}, {}
+    panels, unknown = [], {}
+    found: dict[str, Numbering] = {}
+    numbers: dict[str, dict[int, int]] = {}
     for panel_name, file in files.items():
         get_text(panel_name, "a panel's name")
-        panel, order, rest = _read_panel(panel_name, get_object(file, f"panel '{panel_name}'"), scale, relative)
-        check_outline(panel)
+        panel, own_numbers, rest = _read_panel(panel_name, get_object(file, f"panel '{panel_name}'"), scale, relative)
+        if is_checked:
+            check_outline(panel)
         panels.append(panel)
-        numbers[panel_name] = {old: new for new, old in enumerate(order)}
+        found[panel_name] = own_numbers
+        numbers[panel_name] = {old: new for new, old in enumerate(own_numbers.edges)}
         unknown[panel_name] = rest
     seams = _read_seams(get_list(body.get("stitches", []), "pattern.stitches"), numbers)
     extra = {
@@ -116,10 +146,27 @@ def read_pattern(source: dict[str, Any] | str | bytes, name: str = "pattern") ->
     category = own.get("category", "")
     category = get_text(category, "the category", LONGEST_CATEGORY) if isinstance(category, str) else ""
     pattern = Pattern(name, tuple(panels), seams, category, extra)
-    return _mark_gathers(agree_orientation(_restore_own(pattern, own)), own)
+    read = _restore_own(pattern, own)
+    if own and all(seam.reversed for seam in seams):
+        return _mark_gathers(read, own), found  # written by `write_pattern`, of panels that agree
+    try:
+        agreed = agree_orientation(read)
+    except NotOrientable as error:
+        places = [renumber(place, found[place.panel]) for place in error.places]
+        raise NotOrientable(None, *places, seam=error.seam) from None
+    for panel, now in zip(read.panels, agreed.panels, strict=True):
+        if panel.mirrored != now.mirrored:  # turned over, which runs its loop the other way from the same point
+            before = found[panel.name]
+            found[panel.name] = Numbering(before.edges[::-1], (before.vertices[0], *before.vertices[:0:-1]))
+    return _mark_gathers(agreed, own), found
 
 
-def _parse(source: str | bytes) -> Any:
+def parse_document(source: str | bytes) -> Any:
+    """Return the JSON value of a pattern file.
+
+    Raises:
+        PatternUnreadable, PatternTooLarge, PatternValueBad: where it is none.
+    """
     if len(source) > MAX_BYTES:
         raise PatternTooLarge(f"the pattern file is larger than {MAX_BYTES // 1_000_000} MB; no pattern needs that.")
 
@@ -134,8 +181,8 @@ def _parse(source: str | bytes) -> Any:
 
 def _read_panel(
     name: str, file: dict[str, Any], scale: float, relative: bool
-) -> tuple[Panel, list[int], dict[str, Any]]:
-    """Read one panel: the panel (counter-clockwise), the file's edge number of each edge, and unknown keys."""
+) -> tuple[Panel, Numbering, dict[str, Any]]:
+    """Read one panel: the panel (counter-clockwise), how the file numbers it, and unknown keys."""
     where = f"panel '{name}'"
     for key in ("vertices", "edges"):
         if key not in file:
@@ -156,14 +203,16 @@ def _read_panel(
             raise PatternValueBad(f"{where} edge {number} must have two endpoints.")
         first, last = (get_index(end, len(points), f"{where} edge {number} endpoint") for end in pair)
         ends.append((first, last))
-    order, flipped = _order_loop(ends, where)
-    starts = [ends[k][1 if back else 0] for k, back in zip(order, flipped, strict=True)]
+    order, flipped = _order_loop(ends, name)
+    starts = [ends[k][int(back)] for k, back in zip(order, flipped, strict=True)]
     loop = points[starts]
     curves, rests = [], {}
     for at, (number, back) in enumerate(zip(order, flipped, strict=True)):
         start, end = loop[at], loop[(at + 1) % len(loop)]
         if np.linalg.norm(end - start) < 1e-6:
-            raise PanelDegenerate(f"{where} edge {number} has no length; remove it.")
+            x, y = vertices[starts[at]]
+            place = Place(name, edge=number, vertex=starts[at], point=(x, y))
+            raise PanelDegenerate(f"{where} edge {number} has no length; remove it.", place)
         drawn = (end, start) if back else (start, end)
         curves.append(_read_edge(edges[number], *drawn, back, scale, relative, f"{where} edge {number}"))
         rest = {key: value for key, value in edges[number].items() if key not in ("endpoints", "curvature", "label")}
@@ -185,10 +234,10 @@ def _read_panel(
     rest = {"panel": {key: value for key, value in file.items() if key not in known}, "edges": rests}
     if panel_area(panel) < 0:
         panel = mirror_panel(panel)
-    return panel, order, rest
+    return panel, Numbering(tuple(order), tuple(starts)), rest
 
 
-def _order_loop(ends: list[tuple[int, int]], where: str) -> tuple[list[int], list[bool]]:
+def _order_loop(ends: list[tuple[int, int]], name: str) -> tuple[list[int], list[bool]]:
     """Order edges into one loop from edge 0; True marks an edge that the file runs the other way.
 
     Raises:
@@ -199,7 +248,9 @@ def _order_loop(ends: list[tuple[int, int]], where: str) -> tuple[list[int], lis
         for end in set(pair):
             at.setdefault(end, []).append(number)
     if len(ends) < 2 or any(len(numbers) != 2 for numbers in at.values()) or any(a == b for a, b in ends):
-        raise PanelOpen(f"the edges of {where} do not form one closed loop.")
+        loose = [vertex for vertex, numbers in at.items() if len(numbers) != 2]
+        places = [Place(name, edge=at[vertex][0], vertex=vertex) for vertex in loose] or [Place(name)]
+        raise PanelOpen(f"the edges of panel '{name}' do not form one closed loop.", *places)
     order, flipped, tip = [0], [False], ends[0][1]
     while tip != ends[0][0]:
         number = next(n for n in at[tip] if n != order[-1])
@@ -209,7 +260,11 @@ def _order_loop(ends: list[tuple[int, int]], where: str) -> tuple[list[int], lis
         flipped.append(ends[number][0] != tip)
         tip = ends[number][0] if flipped[-1] else ends[number][1]
     if len(order) != len(ends):
-        raise PanelOpen(f"the edges of {where} form more than one loop; holes in a panel are not supported.")
+        apart = next(number for number in range(len(ends)) if number not in order)
+        raise PanelOpen(
+            f"the edges of panel '{name}' form more than one loop; holes in a panel are not supported.",
+            Place(name, edge=apart),
+        )
     return order, flipped
 
 
@@ -270,19 +325,24 @@ def _read_seams(stitches: list[Any], numbers: dict[str, dict[int, int]]) -> tupl
                 raise PatternIncomplete(f"{where}: a side needs 'panel' and 'edge'.")
             panel = get_text(side["panel"], f"{where} panel")
             if panel not in numbers:
-                raise SeamUnknown(f"{where} names the panel '{panel}', which the pattern does not have.")
+                message = f"{where} names the panel '{panel}', which the pattern does not have."
+                raise SeamUnknown(message, Place(panel), seam=number)
             if (
                 isinstance(side["edge"], bool)
                 or not isinstance(side["edge"], int)
                 or side["edge"] not in numbers[panel]
             ):
-                raise SeamUnknown(f"{where} names an edge that panel '{panel}' does not have.")
+                raise SeamUnknown(
+                    f"{where} names an edge that panel '{panel}' does not have.", Place(panel), seam=number
+                )
             refs.append(EdgeRef(panel, numbers[panel][side["edge"]]))
         if len(refs) != 2:
-            raise PatternIncomplete(f"{where} has fewer than two sides.")
+            raise PatternIncomplete(f"{where} has fewer than two sides.", seam=number)
         for ref in refs:
             if ref in used:
-                raise SeamTwice(f"edge {ref.edge} of panel '{ref.panel}' takes part in two stitches; split the edge.")
+                edge = next(old for old, new in numbers[ref.panel].items() if new == ref.edge)
+                message = f"edge {edge} of panel '{ref.panel}' takes part in two stitches; split the edge."
+                raise SeamTwice(message, Place(ref.panel, edge=edge), seam=number)
             used.add(ref)
         seams.append(Seam(refs[0], refs[1], reversed="right_wrong" not in [s for s in sides[2:] if isinstance(s, str)]))
     return tuple(seams)

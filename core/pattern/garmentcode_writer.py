@@ -18,8 +18,19 @@ OWN = "garmentq"
 """The key under `properties` that keeps what the format has no place for."""
 
 
+RESOLUTION = 12
+"""Decimals of a metre that are written: 1e-12 m lies far above the rounding of units, and far below every length that
+means anything. What is read and written again so has the same digits."""
+
+DIGITS = 13
+"""Significant digits of a radius, and decimals of an angle in degrees less six, likewise."""
+
+
 def write_pattern(pattern: Pattern) -> dict[str, Any]:
-    """Give a pattern as a GarmentCode object, ready for `json.dump`; what was unknown on import is kept."""
+    """Give a pattern as a GarmentCode object, ready for `json.dump`; what was unknown on import is kept.
+
+    What is read from it and written again is the same, digit for digit.
+    """
     extra = pattern.extra
     per_metre = float(extra.get("units_in_meter", 100))
     rests = extra.get("panels", {})
@@ -78,15 +89,15 @@ def _write_panel(panel: Panel, per_metre: float, rest: dict[str, Any]) -> dict[s
             height = edge.handles[0, 1]
             out["curvature"] = {
                 "type": "circle",
-                "params": [radius * length * per_metre, int(abs(height) > 0.5), int(height < 0)],
+                "params": [float(f"{radius * length * per_metre:.{DIGITS}g}"), int(abs(height) > 0.5), int(height < 0)],
             }
         if edge.label:
             out["label"] = edge.label
         edges.append({**out, **rest.get("edges", {}).get(str(index), {})})
     return {
-        "translation": (drawn.translation * per_metre).tolist(),
+        "translation": _rounded(drawn.translation * per_metre, per_metre),
         "rotation": _euler_degrees(drawn.rotation),
-        "vertices": (drawn.points * per_metre).tolist(),
+        "vertices": _rounded(drawn.points * per_metre, per_metre),
         "edges": edges,
         **({"label": panel.label} if panel.label else {}),
         **rest.get("panel", {}),
@@ -97,4 +108,10 @@ def _euler_degrees(rotation: np.ndarray) -> list[float]:
     with warnings.catch_warnings():
         # At 90 degrees about y two angles act alike; scipy warns and takes a valid pair.
         warnings.simplefilter("ignore")
-        return Rotation.from_matrix(rotation).as_euler("xyz", degrees=True).tolist()
+        angles = Rotation.from_matrix(rotation).as_euler("xyz", degrees=True)
+    return (angles.round(DIGITS - 6) + 0.0).tolist()  # near 90 degrees an arc sine keeps half of the digits
+
+
+def _rounded(values: np.ndarray, per_metre: float) -> list[Any]:
+    """Return lengths in a file's unit, without digits below the resolution."""
+    return (values.round(RESOLUTION - round(np.log10(per_metre))) + 0.0).tolist()

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from .curves import chord, mirror_edge, panel_area, reverse_edge
-from .errors import NotOrientable
+from .errors import NotOrientable, Place
 from .pattern import EdgeRef, Panel, Pattern, Seam
 
 TURN = np.diag([-1.0, 1.0, -1.0])
@@ -67,10 +67,12 @@ def agree_orientation(pattern: Pattern) -> Pattern:
     marked = [not seam.reversed for seam in pattern.seams]
     placed = [mark or _runs_along(pattern, seam) for mark, seam in zip(marked, pattern.seams, strict=True)]
     colours = _two_colour(pattern, placed)
-    if colours is None:
+    if isinstance(colours, int):
         colours = _two_colour(pattern, marked)
-    if colours is None:
-        raise NotOrientable
+    if isinstance(colours, int):
+        seam = pattern.seams[colours]
+        places = [Place(ref.panel, edge=ref.edge) for ref in (seam.a, seam.b)]
+        raise NotOrientable(None, *places, seam=colours)
     groups = _groups(pattern)
     turned = _choose_turns(pattern, colours, groups)
     pattern = replace(pattern, seams=tuple(replace(seam, reversed=True) for seam in pattern.seams))
@@ -113,8 +115,8 @@ def _links(pattern: Pattern) -> dict[str, list[tuple[str, int]]]:
     return links
 
 
-def _two_colour(pattern: Pattern, differ: list[bool]) -> dict[str, bool] | None:
-    """Colour panels so that exactly the seams in `differ` join two colours, or None."""
+def _two_colour(pattern: Pattern, differ: list[bool]) -> dict[str, bool] | int:
+    """Colour panels so that exactly the seams in `differ` join two colours, or return a seam that contradicts that."""
     links, colours = _links(pattern), {}
     for root in links:
         if root in colours:
@@ -128,7 +130,7 @@ def _two_colour(pattern: Pattern, differ: list[bool]) -> dict[str, bool] | None:
                     colours[other] = wanted
                     queue.append(other)
                 elif colours[other] != wanted:
-                    return None
+                    return index
     return colours
 
 

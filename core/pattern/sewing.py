@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..mesh import HalfEdges, find_components
-from .errors import MeshTooCoarse, NotOrientable
+from .errors import MeshTooCoarse, NotOrientable, Place
 from .garment import Garment
 from .meshing import FlatMesh, MeshSettings, choose_edge_length, count_segments, mesh_panel, refine_counts, split_edges
 from .orientation import place_points
@@ -48,7 +48,10 @@ def mesh_pattern(pattern: Pattern, vertex_count: int = 4000, edge_length: float 
             check_outline(pattern.panel(name))
         counts = refine_counts(pattern, counts, lost)
     names = ", ".join(sorted({ref.panel for ref in lost}))
-    raise MeshTooCoarse(f"the panels {names} are too narrow for edges of {1e3 * size:.0f} mm; raise vertex_count.")
+    places = [Place(ref.panel, edge=ref.edge) for ref in sorted(lost, key=lambda ref: (ref.panel, ref.edge))]
+    raise MeshTooCoarse(
+        f"the panels {names} are too narrow for edges of {1e3 * size:.0f} mm; raise vertex_count.", *places
+    )
 
 
 def sew_panels(pattern: Pattern, meshes: list[FlatMesh]) -> Garment:
@@ -68,7 +71,7 @@ def sew_panels(pattern: Pattern, meshes: list[FlatMesh]) -> Garment:
         uv_faces = np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts, strict=False)])
         edge_uv = _edge_vertices(pattern, meshes, starts)
         uv_node = _weld(uv_faces, edge_uv, pattern, int(starts[-1]))
-        crowded = _crowded_edges(uv_faces, uv_node)
+        crowded = _crowded_edges(uv_faces, uv_node, edge_uv)
         if not len(crowded):
             return _assemble(pattern, meshes, starts, uv_faces, edge_uv, uv_node)
         meshes = _split(meshes, starts, crowded)
@@ -98,13 +101,15 @@ def _weld(uv_faces: np.ndarray, edge_uv: dict[EdgeRef, np.ndarray], pattern: Pat
     return rank[inverse]
 
 
-def _crowded_edges(uv_faces: np.ndarray, uv_node: np.ndarray) -> np.ndarray:
+def _crowded_edges(uv_faces: np.ndarray, uv_node: np.ndarray, edge_uv: dict[EdgeRef, np.ndarray]) -> np.ndarray:
     """Give the inner uv edges, shape [n, 2], that once welded join a node to itself or more than two triangles."""
     flat, welded = HalfEdges.of(uv_faces), HalfEdges.of(uv_node[uv_faces])
     crowded = (welded.face_counts[welded.edge] > 2) | (welded.tail == welded.head)
     inner = flat.face_counts[flat.edge] == 2
     if np.any(crowded) and not np.any(crowded & inner):
-        raise MeshTooCoarse("two seams share both ends with one short edge; raise vertex_count.")
+        ends = flat.edges[np.unique(flat.edge[crowded])]
+        places = [Place(ref.panel, edge=ref.edge) for ref, line in edge_uv.items() if np.isin(ends, line).all(1).any()]
+        raise MeshTooCoarse("two seams share both ends with one short edge; raise vertex_count.", *places)
     return flat.edges[np.unique(flat.edge[crowded & inner])]
 
 

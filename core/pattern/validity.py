@@ -1,11 +1,11 @@
-"""Checks of a panel's outline: it encloses an area and does not cross itself."""
+"""Checks of a panel's outline: its edges have lengths, it encloses an area and does not cross itself."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from .curves import panel_outline
-from .errors import PanelCrossing, PanelDegenerate
+from .curves import chord, panel_outline
+from .errors import PanelCrossing, PanelDegenerate, Place
 from .pattern import Panel
 from .polygon import polygon_area
 
@@ -16,21 +16,37 @@ LEAST_AREA = 1e-6
 """The smallest area of a panel [m2]: a square of 1 mm."""
 
 
+LEAST_EDGE = 1e-6
+"""The shortest edge of a panel, from end to end [m]."""
+
+
 def check_outline(panel: Panel) -> None:
-    """Refuse a panel without area or with an outline that crosses itself.
+    """Refuse a panel with an edge without length, without area, or with an outline that crosses itself.
 
     Raises:
-        PanelDegenerate, PanelCrossing: naming the panel.
+        PanelDegenerate, PanelCrossing: naming the panel and the place.
     """
-    polygon = panel_outline(panel, SEGMENTS)
-    if crosses_itself(polygon):
-        raise PanelCrossing(f"the outline of panel '{panel.name}' crosses itself; redraw it as a simple closed loop.")
+    for index in range(len(panel.edges)):
+        start, end = chord(panel, index)
+        if np.linalg.norm(end - start) < LEAST_EDGE:
+            place = Place(panel.name, edge=index, vertex=index, point=_pair(start))
+            raise PanelDegenerate(f"panel '{panel.name}' edge {index} has no length; remove it.", place)
+    owner, polygon = _outline(panel)
+    crossing = find_crossing(polygon)
+    if crossing is not None:
+        point = _meet(polygon, *crossing)
+        places = [Place(panel.name, edge=int(owner[k]), point=point) for k in crossing]
+        raise PanelCrossing(
+            f"the outline of panel '{panel.name}' crosses itself; redraw it as a simple closed loop.", *places
+        )
     if abs(polygon_area(polygon)) < LEAST_AREA:
-        raise PanelDegenerate(f"panel '{panel.name}' has no area; remove it or check the file's units.")
+        raise PanelDegenerate(
+            f"panel '{panel.name}' has no area; remove it or check the file's units.", Place(panel.name)
+        )
 
 
-def crosses_itself(polygon: np.ndarray) -> bool:
-    """Tell whether two segments of a closed polygon, shape [n, 2], cross in their insides."""
+def find_crossing(polygon: np.ndarray) -> tuple[int, int] | None:
+    """Find two segments of a closed polygon, shape [n, 2], that cross in their insides, by their first corners."""
     start, end = polygon, np.roll(polygon, -1, axis=0)
     count = len(polygon)
     low, high = np.minimum(start, end), np.maximum(start, end)
@@ -42,9 +58,29 @@ def crosses_itself(polygon: np.ndarray) -> bool:
             continue
         one = _side(start[i], end[i], start[other]) * _side(start[i], end[i], end[other])
         two = _side(start[other], end[other], start[i]) * _side(start[other], end[other], end[i])
-        if np.any((one < 0) & (two < 0)):
-            return True
-    return False
+        crossed = (one < 0) & (two < 0)
+        if np.any(crossed):
+            return i, int(other[np.argmax(crossed)])
+    return None
+
+
+def _outline(panel: Panel) -> tuple[np.ndarray, np.ndarray]:
+    """Return the edge of each segment of a panel's outline, shape [n], and its corners [m], shape [n, 2]."""
+    counts = [1 if edge.kind == "line" else SEGMENTS for edge in panel.edges]
+    return np.repeat(np.arange(len(counts)), counts), panel_outline(panel, SEGMENTS)
+
+
+def _meet(polygon: np.ndarray, i: int, j: int) -> tuple[float, float]:
+    """Return where the segments i and j of a polygon cross."""
+    count = len(polygon)
+    a, u = polygon[i], polygon[(i + 1) % count] - polygon[i]
+    b, v = polygon[j], polygon[(j + 1) % count] - polygon[j]
+    along = ((b - a)[0] * v[1] - (b - a)[1] * v[0]) / (u[0] * v[1] - u[1] * v[0])
+    return _pair(a + along * u)
+
+
+def _pair(point: np.ndarray) -> tuple[float, float]:
+    return float(point[0]), float(point[1])
 
 
 def _side(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:

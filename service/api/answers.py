@@ -31,14 +31,37 @@ Job: Any = _show(records.JobReport, "job")
 Key: Any = _show(records.Key, "key")
 
 
+class Place(_Answer):
+    """Point at a place of a pattern, by the document's numbers; the point in its unit and the panel's axes."""
+
+    panel: str
+    edge: int | None
+    vertex: int | None
+    point: tuple[float, float] | None
+
+
+class Finding(_Answer):
+    """Describe one thing that is wrong with a pattern: `code` is stable."""
+
+    code: str
+    severity: Literal["error", "warning"]
+    message: str
+    seam: int | None
+    places: list[Place]
+
+
 class Problem(_Answer):
-    """Describe what is wrong (RFC 9457): `code` is stable, `detail` names the next step."""
+    """Describe what is wrong (RFC 9457): `code` is stable, `detail` names the next step.
+
+    `findings` come with a pattern that cannot be draped.
+    """
 
     type: str
     title: str
     status: int
     code: str
     detail: str
+    findings: list[Finding] = []
 
 
 class Upload(_Answer):
@@ -178,6 +201,51 @@ class Match(_Answer):
     only_second: list[str]
     first_outlines: dict[str, list[tuple[float, float]]] | None = None
     second_outlines: dict[str, list[tuple[float, float]]] | None = None
+
+
+class EdgeOf(_Answer):
+    """Name an edge."""
+
+    panel: str
+    edge: int
+
+
+class PanelMeasures(_Answer):
+    """Measure a panel and its edges, in the document's order."""
+
+    panel: str
+    area_cm2: float
+    edges_mm: list[float]
+
+
+class SeamMeasures(_Answer):
+    """Measure both sides of a seam; the mismatch is the first less the second."""
+
+    a: EdgeOf
+    b: EdgeOf
+    lengths_mm: tuple[float, float]
+    mismatch_mm: float
+    is_gathered: bool
+
+
+class MirrorImage(_Answer):
+    """Pair the control points of two panels that are mirror images; a move of the source's times `matrix` is its
+    image's."""
+
+    source: str
+    target: str
+    vertices: list[tuple[int, int]]
+    matrix: list[tuple[float, float]]
+
+
+class PatternCheck(_Answer):
+    """Say what is wrong with a pattern, and measure it."""
+
+    is_sound: bool
+    findings: list[Finding]
+    panels: list[PanelMeasures]
+    seams: list[SeamMeasures]
+    mirrors: list[MirrorImage]
 
 
 class Health(_Answer):

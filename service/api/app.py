@@ -26,6 +26,7 @@ from . import (
     keys,
     match,
     materials,
+    patterns,
     persons,
     questions,
     results,
@@ -65,7 +66,7 @@ def make_app(settings: ServiceSettings, limits: ApiLimits | None = None, is_open
         store.prepare()
     token = make_local_token(settings.home) if is_open else ""
     app.state.rooms = Rooms(settings, open_database(settings), store, limits, token, meter)
-    libraries = (match, templates, materials, keys, persons, webhooks)
+    libraries = (match, patterns, templates, materials, keys, persons, webhooks)
     for module in (uploads, batches, jobs, events, results, questions, *libraries):
         app.include_router(module.router, prefix="/v1", dependencies=[Depends(refuse_unknown)])
     app.include_router(health.router)
@@ -94,7 +95,9 @@ def read_origins() -> list[str]:
     chosen = [one.strip() for one in os.environ.get("GARMENTQ_API_ORIGINS", "").split(",") if one.strip()]
     for one in chosen:
         if not re.fullmatch(r"https?://[A-Za-z0-9.-]+(:\d{1,5})?", one):
-            raise ServiceSettingBad(f"GARMENTQ_API_ORIGINS names '{one[:80]}'; write https://HOST or https://HOST:PORT.")
+            raise ServiceSettingBad(
+                f"GARMENTQ_API_ORIGINS names '{one[:80]}'; write https://HOST or https://HOST:PORT."
+            )
     return chosen
 
 

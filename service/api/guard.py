@@ -27,7 +27,8 @@ Receive = Callable[[], Awaitable[Message]]
 Send = Callable[[Message], Awaitable[None]]
 
 UPLOADS = ("/v1/scans", "/v1/bodies", "/v1/labels", "/v1/patterns", "/v1/motions")
-TEMPLATES = "/v1/templates/"
+DOCUMENTS = ("/v1/templates/", "/v1/patterns/check", "/v1/patterns/edit")
+"""Beginnings of the paths that take a whole pattern."""
 GUARDED = ("/v1/", "/metrics")
 """Beginnings of the paths that ask for a key, before any byte of a body is read."""
 
@@ -157,7 +158,7 @@ class Guard:
             task.cancel()
 
     def _body_bytes(self, scope: Message) -> int:
-        return self.limits.template_bytes if scope["path"].startswith(TEMPLATES) else self.limits.body_bytes
+        return self.limits.template_bytes if scope["path"].startswith(DOCUMENTS) else self.limits.body_bytes
 
     def _counted(self, receive: Receive, most: int) -> Receive:
         """Count what a client sends, and give up on one that falls silent in the middle of it."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from fastapi import FastAPI, Request
@@ -67,13 +68,16 @@ def error_status(error: GarmentqError) -> int:
     return 503 if error.code.startswith(OURS) else 500
 
 
-def make_problem(status: int, code: str, detail: str, retry_seconds: float = RETRY_SECONDS) -> JSONResponse:
-    """Answer with one problem."""
+def make_problem(
+    status: int, code: str, detail: str, retry_seconds: float = RETRY_SECONDS, findings: Sequence[Any] = ()
+) -> JSONResponse:
+    """Answer with one problem; what was found in a pattern goes with it."""
     headers = {"retry-after": str(max(1, math.ceil(retry_seconds)))} if status in (429, 503) else {}
     if status == 401:
         headers["www-authenticate"] = "Bearer"
     clean = keep_printable(detail)[:LONGEST_MESSAGE]
-    body = {"type": f"urn:garmentq:{code}", "title": code, "status": status, "code": code, "detail": clean}
+    body: dict[str, Any] = {"type": f"urn:garmentq:{code}", "title": code, "status": status, "code": code}
+    body |= {"detail": clean} | ({"findings": list(findings)} if findings else {})
     return JSONResponse(body, status, headers, media_type=MEDIA)
 
 
@@ -83,7 +87,7 @@ def answer_error(error: GarmentqError) -> JSONResponse:
     if error.code.startswith(OURS):
         log.warning("answered %s: %s", error.code, error.message)
         message = type(error)().message
-    return make_problem(error_status(error), error.code, message, seconds)
+    return make_problem(error_status(error), error.code, message, seconds, getattr(error, "findings", ()))
 
 
 def add_handlers(app: FastAPI) -> None:

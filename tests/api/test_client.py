@@ -107,6 +107,7 @@ def ask_everything(service: Client, finished: str, folder: Path) -> None:
     refused(service.read_export, finished, "nosuch.pdf")
     assert service.read_wearer(finished)["job"] == finished
     assert service.match(finished, service.upload("patterns", folder / "mine.json"))["pairs"]
+    assert service.check_pattern(json.loads(service.read_template("skirt")))["is_sound"]
     service.list_templates(), service.read_template("skirt"), service.import_template("mine", folder / "mine.json")
     service.list_materials(), service.read_material("denim"), service.import_materials(folder / "fabric.json")
     service.delete_material("mine")

@@ -1,0 +1,196 @@
+"""Examine a pattern's document: everything that keeps it from being cut, sewn and meshed, each with its place."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, dataclass, replace
+from enum import StrEnum
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .curves import edge_length, panel_area
+from .errors import PanelLoose, PatternFault, Place, SeamUnequal
+from .garmentcode import GATHER_TOLERANCE, parse_document, read_bytes, read_numbered
+from .json_values import get_object
+from .numbering import Numbering, renumber
+from .pattern import Panel, Pattern
+from .seams import seam_lengths
+from .sewing import mesh_pattern
+from .symmetry import find_symmetry
+from .validity import check_outline
+
+UNEQUAL = 0.5e-3
+"""Difference of a seam's sides [m] from which it is told, as the verdict on seams tells it."""
+
+VERTICES = 1500
+"""Nodes of the mesh that is tried, as many as the first drape of a pattern has."""
+
+MM, CM2 = 1e3, 1e4
+
+
+class Severity(StrEnum):
+    """Describe what a finding means: an error keeps the pattern from being draped."""
+
+    ERROR = "error"
+    WARNING = "warning"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Describe one thing that is wrong with a pattern.
+
+    Attributes:
+        code: Stable, `pattern.*`.
+        severity: Whether the pattern can be draped all the same.
+        message: For people.
+        seam: Number of the seam, or None.
+        places: Where.
+    """
+
+    code: str
+    severity: Severity
+    message: str
+    seam: int | None = None
+    places: tuple[Place, ...] = ()
+
+    @classmethod
+    def of(cls, fault: PatternFault, severity: Severity = Severity.ERROR) -> Finding:
+        """Return an error as a finding."""
+        return cls(fault.code, severity, fault.message, fault.seam, fault.places)
+
+
+def find_faults(pattern: Pattern, vertex_count: int = VERTICES) -> tuple[Finding, ...]:
+    """Find what is wrong with a pattern: outlines, seams, and where these are sound, its mesh.
+
+    Args:
+        pattern: What to examine.
+        vertex_count: Nodes of the mesh that is tried.
+    """
+    found = [Finding.of(fault) for fault in _catch(check_outline, pattern.panels)]
+    found += _examine_seams(pattern)
+    if any(one.severity is Severity.ERROR for one in found):
+        return tuple(found)
+    return (*found, *(Finding.of(fault) for fault in _catch(lambda one: mesh_pattern(one, vertex_count), [pattern])))
+
+
+def _catch(check: Callable[[Any], object], given: Iterable[Any]) -> list[PatternFault]:
+    """Return what a check raises of each thing that is given."""
+    found = []
+    for one in given:
+        try:
+            check(one)
+        except PatternFault as fault:
+            found.append(fault)
+    return found
+
+
+def _examine_seams(pattern: Pattern) -> list[Finding]:
+    """Find seams whose sides are unequal without being gathered, and panels that no seam holds."""
+    found = []
+    for number, (seam, (a, b)) in enumerate(zip(pattern.seams, seam_lengths(pattern), strict=True)):
+        if seam.gathered or abs(a - b) <= UNEQUAL:
+            continue
+        message = (
+            f"the sides of seam {number} differ by {MM * abs(a - b):.1f} mm ({MM * a:.1f} and {MM * b:.1f} mm); make "
+            "them equal, or mark the seam as gathered."
+        )
+        places = [Place(ref.panel, edge=ref.edge) for ref in (seam.a, seam.b)]
+        is_far = b == 0.0 or abs(a / b - 1.0) > GATHER_TOLERANCE
+        fault = SeamUnequal(message, *places, seam=number)
+        found.append(Finding.of(fault, Severity.ERROR if is_far else Severity.WARNING))
+    sewn = {ref.panel for seam in pattern.seams for ref in (seam.a, seam.b)}
+    for panel in pattern.panels:
+        if len(pattern.panels) > 1 and panel.name not in sewn:
+            message = f"panel '{panel.name}' is sewn to nothing; sew it, or remove it."
+            found.append(Finding.of(PanelLoose(message, Place(panel.name))))
+    return found
+
+
+def examine_file(source: str, vertex_count: int = VERTICES) -> dict[str, Any]:
+    """Examine a pattern file in a limited process, and return what was found and measured, as JSON values.
+
+    Args:
+        source: Path of the file.
+        vertex_count: Nodes of the mesh that is tried.
+
+    Returns:
+        `is_sound`, `findings`, `panels`, `seams` and `mirrors`; see docs/edit.md. Numbers of edges and control points
+        are the file's, points are in its unit.
+
+    Raises:
+        PatternFault: where the file is no JSON object.
+    """
+    document = get_object(parse_document(read_bytes(Path(source))), "the file")
+    try:
+        pattern, numbers = read_numbered(document, is_checked=False)
+    except PatternFault as fault:
+        return _answer([Finding.of(fault)])
+    findings = [_as_filed(one, pattern, numbers) for one in find_faults(pattern, vertex_count)]
+    return _answer(
+        findings,
+        panels=[_describe_panel(panel, numbers[panel.name]) for panel in pattern.panels],
+        seams=_describe_seams(pattern, numbers),
+        mirrors=_describe_mirrors(pattern, numbers),
+    )
+
+
+def _answer(findings: list[Finding], **measured: Any) -> dict[str, Any]:
+    is_sound = all(one.severity is not Severity.ERROR for one in findings)
+    empty: dict[str, Any] = {"panels": [], "seams": [], "mirrors": []}
+    return {"is_sound": is_sound, "findings": [asdict(one) for one in findings]} | empty | measured
+
+
+def _as_filed(finding: Finding, pattern: Pattern, numbers: dict[str, Numbering]) -> Finding:
+    """Return a finding with the file's numbers, and points in its unit and its panels' axes."""
+    per_metre = float(pattern.extra["units_in_meter"])
+    places = []
+    for place in finding.places:
+        filed = renumber(place, numbers[place.panel])
+        if place.point is not None:
+            x, y = place.point
+            side = -1.0 if pattern.panel(place.panel).mirrored else 1.0
+            filed = replace(filed, point=(side * x * per_metre, y * per_metre))
+        places.append(filed)
+    return replace(finding, places=tuple(places))
+
+
+def _describe_panel(panel: Panel, numbers: Numbering) -> dict[str, Any]:
+    lengths = [0.0] * len(panel.edges)
+    for index, number in enumerate(numbers.edges):
+        lengths[number] = _finite(MM * edge_length(panel, index))
+    return {"panel": panel.name, "area_cm2": CM2 * panel_area(panel), "edges_mm": lengths}
+
+
+def _describe_seams(pattern: Pattern, numbers: dict[str, Numbering]) -> list[dict[str, Any]]:
+    found = []
+    for seam, (a, b) in zip(pattern.seams, MM * seam_lengths(pattern), strict=True):
+        sides = {
+            side: {"panel": ref.panel, "edge": numbers[ref.panel].edges[ref.edge]}
+            for side, ref in (("a", seam.a), ("b", seam.b))
+        }
+        measured = {"lengths_mm": [float(a), float(b)], "mismatch_mm": float(a - b), "is_gathered": seam.gathered}
+        found.append({**sides, **measured})
+    return found
+
+
+def _describe_mirrors(pattern: Pattern, numbers: dict[str, Numbering]) -> list[dict[str, Any]]:
+    """Return the pairs of panels that are mirror images, with the pairs of control points, and how a move is mirrored.
+
+    A control point of the target follows its image by `matrix` times that one's move, in the file's axes.
+    """
+    found = []
+    for mirror in find_symmetry(pattern).mirrors:
+        source, target = pattern.panels[mirror.source], pattern.panels[mirror.target]
+        ours, theirs = (numbers[panel.name].vertices for panel in (source, target))
+        pairs = [[ours[int(i)], theirs[j]] for j, i in enumerate(mirror.order)]
+        sides = [np.diag([-1.0 if panel.mirrored else 1.0, 1.0]) for panel in (source, target)]
+        matrix = sides[1] @ mirror.rotation @ sides[0]
+        found.append({"source": source.name, "target": target.name, "vertices": pairs, "matrix": matrix.tolist()})
+    return found
+
+
+def _finite(value: float) -> float:
+    return value if math.isfinite(value) else 0.0

@@ -1,0 +1,75 @@
+"""`/v1/patterns/check`: examine a pattern's document before it is draped."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from fastapi import APIRouter, Request
+from starlette.concurrency import run_in_threadpool
+
+from ..patterns import examine_pattern
+from .access import Reader
+from .answers import PatternCheck
+from .problems import show_answer
+
+router = APIRouter(prefix="/patterns", tags=["editing"])
+
+EXAMPLE = {
+    "is_sound": True,
+    "findings": [{
+        "code": "pattern.seam_unequal", "severity": "warning", "seam": 5,
+        "message": "the sides of seam 5 differ by 3.0 mm (420.0 and 423.0 mm); make them equal, or mark the seam as "
+        "gathered.",
+        "places": [
+            {"panel": "back", "edge": 8, "vertex": None, "point": None},
+            {"panel": "front", "edge": 0, "vertex": None, "point": None},
+        ],
+    }],
+    "panels": [{"panel": "front", "area_cm2": 2894.1, "edges_mm": [423.0, 200.7, 107.7, 115.2]}],
+    "seams": [{
+        "a": {"panel": "back", "edge": 8}, "b": {"panel": "front", "edge": 0}, "lengths_mm": [420.0, 423.0],
+        "mismatch_mm": -3.0, "is_gathered": False,
+    }],
+    "mirrors": [{
+        "source": "front", "target": "front", "vertices": [[3, 0], [2, 1], [1, 2], [0, 3]],
+        "matrix": [[-1.0, 0.0], [0.0, 1.0]],
+    }],
+}  # fmt: skip
+
+PATTERN = {
+    "pattern": {
+        "panels": {
+            "square": {
+                "translation": [0.0, 0.0, 0.0], "rotation": [0.0, 0.0, 0.0],
+                "vertices": [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]],
+                "edges": [{"endpoints": [0, 1]}, {"endpoints": [1, 2]}, {"endpoints": [2, 3]}, {"endpoints": [3, 0]}],
+            }
+        },
+        "stitches": [],
+    },
+    "properties": {"units_in_meter": 100, "curvature_coords": "relative"},
+}  # fmt: skip
+BODY = {"content": {"application/json": {"schema": {"type": "object"}, "example": PATTERN}}, "required": True}
+
+
+@router.post(
+    "/check", summary="Say what is wrong with a pattern, and where.",
+    responses=show_answer(EXAMPLE, model=PatternCheck, refusals=(408,)), openapi_extra={"requestBody": BODY},
+)  # fmt: skip
+async def check(request: Request, caller: Reader) -> Any:
+    """Examine a GarmentCode or NeuralTailor document: outlines, seams, mesh; nothing is kept.
+
+    `is_sound` is false where a finding of severity `error` keeps the pattern from being draped. Edges, control points
+    and seams have the document's numbers, points its unit.
+    """
+    content = await request.body()
+    return await run_in_threadpool(_check, content)
+
+
+def _check(content: bytes) -> dict[str, Any]:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "pattern.json"
+        path.write_bytes(content)
+        return examine_pattern(path)

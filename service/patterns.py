@@ -1,0 +1,43 @@
+"""Pattern documents of users: each is read in a limited process, and what is wrong with it is told with its place."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from ..core.errors import BadInput
+from ..core.limited import Bounds, call_limited
+
+BOUNDS = Bounds(memory_bytes=1024**3, cpu_seconds=20, wall_seconds=60.0, answer_bytes=8 * 1024**2)
+"""What examining a document may cost: a pattern of six panels takes 1 s, most of it to start."""
+
+
+class PatternUnsound(BadInput):
+    """The pattern cannot be cut, sewn or meshed as it is; the findings say where."""
+
+    code = "pattern.unsound"
+
+    def __init__(self, message: str | None = None, findings: list[dict[str, Any]] | None = None) -> None:
+        super().__init__(message)
+        self.findings = findings or []
+
+
+def examine_pattern(path: Path) -> dict[str, Any]:
+    """Examine a pattern file in a limited process: what is wrong with it, its lengths and its symmetry.
+
+    Returns:
+        JSON values as `core.pattern.examine_file` gives them.
+    """
+    return call_limited("garmentq.core.pattern.examine:examine_file", {"source": str(path.absolute())}, BOUNDS).result
+
+
+def refuse_unsound(path: Path) -> None:
+    """Refuse a pattern file that cannot be draped.
+
+    Raises:
+        PatternUnsound: with every finding.
+    """
+    found = examine_pattern(path)
+    if not found["is_sound"]:
+        first = next(one for one in found["findings"] if one["severity"] == "error")
+        raise PatternUnsound(f"{first['message']} ({first['code']})", found["findings"])
