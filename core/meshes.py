@@ -24,6 +24,13 @@ class Meshes:
     simulation: np.ndarray | None = None
     redraped: np.ndarray | None = None
 
+    @property
+    def last_drape(self) -> np.ndarray:
+        """Return the nodes of the pattern's last drape [m]: from flat, on the scan, or as graded."""
+        if self.redraped is not None:
+            return self.redraped
+        return self.graded if self.simulation is None else self.simulation
+
     def __iter__(self) -> Iterator[tuple[str, np.ndarray]]:
         """Iterate over (file name, nodes) of the meshes that there are, in the order in which they are made."""
         yield "graded", self.graded

@@ -19,7 +19,17 @@ from .fit import METHODS, Fit, find_held
 from .grade import Choice, choose_cut, complete_target, grade_pattern, slide_seams
 from .hooks import SILENT, Hooks
 from .inputs import read_body, read_files, read_template
-from .measure import Reference, judge, measure_fairness, measure_fit, measure_knowledge, measure_seams, measure_wear
+from .measure import (
+    Reference,
+    judge,
+    measure_contour_shapes,
+    measure_fairness,
+    measure_fit,
+    measure_knowledge,
+    measure_plausibility,
+    measure_seams,
+    measure_wear,
+)
 from .pattern import Garment, find_cut, load_template, mesh_pattern, name_cut
 from .pattern.parts import PartsConflict
 from .pieces import measure_pieces
@@ -250,6 +260,8 @@ def measure(case: Case, drape: GradedDrape, fit: Fit) -> dict[str, float | None]
         metrics |= {"redrape.residual": fit.redrape.residual, "redrape.iterations": float(fit.redrape.iterations)}
     metrics |= measure_fit(fit.garment, fit.meshes, truth)
     metrics |= measure_seams(fit.garment.pattern) | measure_fairness(fit.garment.pattern, case.base)
+    metrics |= measure_plausibility(fit.garment.pattern)
+    metrics |= measure_contour_shapes(fit.garment, fit.meshes.last_drape, case.seen, case.body)
     metrics |= measure_wear(case.target, case.body, fit.meshes.detail, fit.garment.faces, case.settings.seed)
     for name, candidate in zip(("cut.misfit", "cut.next_misfit"), case.candidates, strict=False):
         metrics[name] = candidate.misfit

@@ -1,6 +1,6 @@
 """Grading of a base pattern: contours along the bones, and the stretch between them (thesis 3.2.3)."""
 
-from .choice import Candidate, Choice, TemplateMissing, choose_cut, choose_template
+from .choice import Candidate, Choice, TemplateMissing, choose_cut, choose_template, flat_contours
 from .completion import complete_target
 from .distances import ContourMeasure, compare_contours, position_along
 from .flattening import (
@@ -39,6 +39,7 @@ __all__ = [
     "complete_target",
     "find_proportions",
     "fit_control_points",
+    "flat_contours",
     "grade_pattern",
     "hidden_folds",
     "mean_width",

@@ -2,6 +2,7 @@
 
 from .chamfer import VertexCloud, chamfer_and_normals
 from .comparison import Comparison, PanelDifference, compare_patterns
+from .contour_shape import measure_contour_shapes
 from .contours import carry_contours
 from .damage import DAMAGES, Damage
 from .fairness import measure_fairness
@@ -17,6 +18,7 @@ from .patterns import (
     measure_seams,
     unmatched_panels,
 )
+from .plausibility import measure_plausibility
 from .raw_borders import BorderScore, find_edges, measure_borders
 from .raw_file import RawFile, read_raw_file, write_raw_file
 from .raw_frame import TruthFrame, find_frame
@@ -77,6 +79,7 @@ __all__ = [
     "match_panels",
     "measure_borders",
     "measure_calibration",
+    "measure_contour_shapes",
     "measure_distance",
     "measure_fabric",
     "measure_fairness",
@@ -85,6 +88,7 @@ __all__ = [
     "measure_labels",
     "measure_panels",
     "measure_pattern",
+    "measure_plausibility",
     "measure_recovery",
     "measure_seams",
     "measure_true_body",

@@ -63,6 +63,17 @@ def _farther(name: str) -> Callable[[Metrics], float | None]:
     return value
 
 
+def _largest(prefix: str, suffix: str) -> Callable[[Metrics], float | None]:
+    """Read the largest of the metrics whose names begin and end so."""
+
+    def value(metrics: Metrics) -> float | None:
+        found = [metrics[name] for name in metrics if name.startswith(prefix) and name.endswith(suffix)]
+        known = [number for number in found if number is not None]
+        return max(known) if known else None
+
+    return value
+
+
 def _percent_of_faces(name: str, beyond: str = "") -> Callable[[Metrics], float | None]:
     """Read a count as per cent of all faces, what another count had already left out."""
 
@@ -107,6 +118,27 @@ RULES = (
         "The pattern has a corner of {value:.0f} degrees where its base pattern is smooth",
         "smooth the curve before you cut; where the garment has such a corner, give a closer pattern with --template.",
         "A knife does not show 5 degrees; 30 degrees across a seam is a notch in the hem.",
+        Product.PATTERN,
+    ),
+    Rule(
+        "neckline", _read("shape.neck_corner_deg"), 45.0, 100.0,
+        "The drape's neckline turns by {value:.0f} degrees more, or less, in its middle than the scan's",
+        "it is of another kind: choose it with --part neckline=v, or crew, scoop, square, boat; or back_neckline.",
+        "A V cut for a V of stretched cloth differs by 27 degrees, a crew neck cut for it by 75; a slit by 100.",
+        Product.PATTERN,
+    ),
+    Rule(
+        "contour_shape", _largest("shape.", "_mm"), 40.0, 100.0,
+        "An open edge of the drape runs up to {value:.0f} mm away from the scan's",
+        "look at neck, hem and cuffs in the report: a part is of another kind, or hangs another way; try --part.",
+        "Edges of right patterns hang 9 to 15 mm off, a crew neck for a V 36; 100 mm is another length or part.",
+        Product.PATTERN,
+    ),
+    Rule(
+        "plausible", _read("pattern.beyond_human"), 1.0, 1.5,
+        "A length or an opening of the pattern is {value:.1f} times beyond what humans wear",
+        "check the units with --units, and that the scan is a garment in the size of its body.",
+        "The ranges hold babies and the largest sizes sold; half as much again is a doll, or a wrong unit.",
         Product.PATTERN,
     ),
     Rule(
