@@ -16,7 +16,7 @@ POLICY = (
 )
 """A page's Content-Security-Policy: files of this service alone, nothing inline, no other host."""
 
-PLACES = (("/", "Jobs"), ("/docs", "API"))
+PLACES = (("/", "Jobs"), ("/match", "Match"), ("/docs", "API"))
 """The navigation: address and title of each page that needs no job."""
 
 

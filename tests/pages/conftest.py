@@ -6,6 +6,7 @@ import os
 import shutil
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -132,9 +133,9 @@ def queue_scan(services: Services, folder: Path, name: str, recovery) -> str:
     return submit(services.database, services.store, Order(scan, body, name=name, force=True)).job
 
 
-@pytest.fixture
-def context(chromium, site) -> Iterator:
-    """Open a browser window of its own, signed in as the local user; fails on what no page may do."""
+@contextmanager
+def open_context(chromium, site) -> Iterator:
+    """Open a browser window of its own for the block, signed in as the local user; fails on what no page may do."""
     opened = chromium.new_context(base_url=site.url, viewport={"width": 1280, "height": 900})
     opened.set_default_timeout(WAIT_MS)
     faults: list[str] = []
@@ -156,6 +157,19 @@ def context(chromium, site) -> Iterator:
     yield opened
     opened.close()
     assert faults == []
+
+
+@pytest.fixture(scope="session")
+def open_window(chromium, site) -> Callable:
+    """Give `open_context` for fixtures whose window several tests share."""
+    return lambda: open_context(chromium, site)
+
+
+@pytest.fixture
+def context(chromium, site) -> Iterator:
+    """Open a browser window of its own for one test."""
+    with open_context(chromium, site) as opened:
+        yield opened
 
 
 @pytest.fixture
