@@ -9,8 +9,8 @@ const GAP = 0.06, WIDE = 2.8, NARROW = 1.3, NARROW_PX = 700;
 /** How far an arrow moves a piece [mm], and a key turns it [degrees]; with Shift the second. */
 const STEPS_MM = [10, 1], STEPS_DEGREES = [5, 1];
 
-/** Radius of the handle [mm]. */
-const HANDLE = 22;
+/** Radius of the handle [mm], and width of a letter over its height. */
+const HANDLE = 22, LETTER = 0.6;
 
 /**
  * A piece as it lies on the page.
@@ -40,9 +40,9 @@ export class Rows {
     });
     const wide = 1e3 * Math.max(...rows.map((row) => row.size[0]));
     const high = 1e3 * (rows[0].size[1] + rows[1].size[1]);
-    this.svg = draw('svg', { viewBox: `0 0 ${wide} ${high}`, class: 'pieces', role: 'group', 'aria-label': 'Pieces of both patterns' });
+    this.svg = draw('svg', { viewBox: `0 0 ${wide} ${high}`, class: 'pieces', role: 'group', preserveAspectRatio: 'xMinYMid meet', 'aria-label': 'Pieces of both patterns' });
     this.svg.append(draw('line', { x1: 0, x2: wide, y1: 1e3 * rows[0].size[1], y2: 1e3 * rows[0].size[1], class: 'between' }));
-    this.letter = Math.max(26, wide / 70);
+    this.letter = wide / (width === NARROW ? 26 : 70);
     this.pieces = [];
     rows.forEach((row, index) => this.#drawRow(row, index, index ? 1e3 * rows[0].size[1] : 0));
     this.handle = draw('g', { class: 'handle', visibility: 'hidden' }, draw('circle', { r: HANDLE }), draw('title'));
@@ -60,7 +60,8 @@ export class Rows {
       const shifted = outline.map(([x, y]) => /** @type {[number, number]} */ ([x - middle[0], y - middle[1]]));
       const home = /** @type {[number, number]} */ ([1e3 * row.places[n][0], top + 1e3 * row.places[n][1]]);
       const body = draw('path', { d: pathOf(shifted) });
-      const label = draw('text', { 'font-size': this.letter, y: this.letter / 3 });
+      const letter = Math.min(this.letter, 1e3 * size[0] / (LETTER * name.length));
+      const label = draw('text', { 'font-size': letter, y: this.letter / 3 });
       label.textContent = name;
       const number = draw('text', { 'font-size': this.letter, y: -this.letter, class: 'number' });
       const element = draw('g', { class: 'piece', tabindex: 0, role: 'button', 'data-row': index, 'data-name': name }, body,
@@ -88,7 +89,7 @@ export class Rows {
       piece.element.setAttribute('aria-label', `${piece.row ? 'Second' : 'First'} pattern, ${piece.name}, `
         + (pair ? `pair ${index + 1} with ${other}` : 'without a counterpart'));
       piece.element.querySelector('.number').textContent = index < 0 ? '' : String(index + 1);
-      piece.body.style.stroke = piece.body.style.fill = colour ?? '';
+      piece.element.style.setProperty('--pair', colour ?? 'var(--soft)');
     }
     const last = this.pieces.find((piece) => piece.row === this.lastRow && this.chosen[piece.row] === piece.name);
     this.handle?.setAttribute('visibility', last ? 'visible' : 'hidden');

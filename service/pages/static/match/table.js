@@ -30,7 +30,8 @@ function drawRow(pairing, name, index, does) {
   const choice = make('select', { id: `with-${places.indexOf(name)}`, 'aria-label': `Counterpart of ${name}`,
     onchange: (event) => does.choose(name, event.target.value) }, ...options);
   const swatch = draw('svg', { viewBox: '0 0 10 10', class: 'swatch', 'aria-hidden': 'true' },
-    ...(pair ? [draw('rect', { width: 10, height: 10, fill: pairing.colour(index) })] : []));
+    ...(pair ? [draw('rect', { width: 10, height: 10 })] : []));
+  if (pair) swatch.style.setProperty('--pair', pairing.colour(index));
   const look = pair && make('button', { type: 'button', 'aria-pressed': String(does.seen === index),
     'aria-label': `Overlay of ${pair.first} and ${pair.second}`, onclick: () => does.look(index) }, 'Overlay');
   const numbers = pair ? [show(pair.turning, 4), show(pair.area_percent, 2), show(pair.outline_mm, 2)] : ['', '', ''];
@@ -54,8 +55,8 @@ export function drawOverlay(where, pairing, index) {
   const box = [low[0] - edge, -high[1] - edge, size[0] + 2 * edge, size[1] + 2 * edge].map((value) => (1e3 * value).toFixed(1));
   const svg = draw('svg', { viewBox: box.join(' '), class: 'overlay', role: 'img',
     'aria-label': `${pair.first} of the first pattern upon ${pair.second} of the second` },
-  draw('path', { d: pathOf(second), class: 'under' }), draw('path', { d: pathOf(first), class: 'over',
-    stroke: pairing.colour(index) }));
+  draw('path', { d: pathOf(second), class: 'under' }), draw('path', { d: pathOf(first), class: 'over' }));
+  svg.style.setProperty('--pair', pairing.colour(index));
   where.replaceChildren(svg, make('p', {}, `${pair.first} (coloured, dashed) upon ${pair.second} (grey)`
     + `${pair.turned_over ? ', turned over' : ''}: the outlines are ${show(pair.outline_mm, 2)} mm apart (RMS), the first is `
     + `${show(Math.abs(pair.area_percent), 2)} % ${pair.area_percent < 0 ? 'smaller' : 'larger'}.`));
