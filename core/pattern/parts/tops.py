@@ -77,10 +77,9 @@ class Shoulder:
         panels, cut = [], SLEEVES[sleeve]
         caps: list[tuple[Stroke, ...]] = [walk_back(Outline(self.under, armhole)) for armhole in self.armholes]
         if self.head is SleeveHead.SET_IN:
-            full = tuple(length(Outline(self.under, armhole), "scye") for armhole in self.armholes)
-            caps = [
-                _named(cap, armhole, self) for cap, armhole in zip(set_in_caps(self.tip, cut, full), caps, strict=True)
-            ]
+            front, back = (length(Outline(self.under, armhole), "scye") for armhole in self.armholes)
+            drawn = set_in_caps(self.tip, cut, (front, back))
+            caps = [_named(cap, armhole, self) for cap, armhole in zip(drawn, caps, strict=True)]
         for face, side in enumerate(FACES):
             if self.head is SleeveHead.RAGLAN:
                 neck, line = self._raglan(face)
