@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from .distance import DistanceBad, DistanceGrid, sample_distance
     from .exposed import ExposedSurface, penetration_depth
     from .girths import BELOW_ARMPIT, GIRTHS, Girth, Tape, armpit_height, crotch_height
+    from .hanging_arms import find_hanging_arms, lies_under_arm
     from .measured import MeasureRange
     from .measures_file import MeasuresBad, read_measures
     from .model import BodyModel
@@ -55,8 +56,10 @@ _LAZY = {
     "carry_outside": "current",
     "check_wearer": "posing",
     "describe_bodies": "builtin",
+    "find_hanging_arms": "hanging_arms",
     "fit_person": "person",
     "is_smpl": "smpl",
+    "lies_under_arm": "hanging_arms",
     "load_smpl": "smpl",
     "parse_spec": "builtin",
     "penetration_depth": "exposed",
@@ -104,9 +107,11 @@ __all__ = [
     "check_wearer",
     "crotch_height",
     "describe_bodies",
+    "find_hanging_arms",
     "fit_person",
     "is_builtin",
     "is_smpl",
+    "lies_under_arm",
     "load_smpl",
     "parse_spec",
     "penetration_depth",

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..body import Body, project_outside, skin, unskin, weights_at
+from ..body import Body, find_hanging_arms, project_outside, skin, unskin, weights_at
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target, find_loops, name_contours, smoothed_length
@@ -86,8 +86,9 @@ def drape_template(
         pattern: The base pattern.
         wearer: The wearer's geometry.
         target: Says where the waist sits, or None for the body's own waist.
-        carry: Carry what hangs from a target's waist with the skin, too. Skinned instead, which does for a start of
-            grading and takes a second less, cloth between the legs can be pinched.
+        carry: Carry what hangs from a target's waist, and sleeves of hanging arms, with the skin, too. Skinned instead,
+            which does for a start of grading and takes a second less, cloth between the legs can be pinched, and an
+            armhole ends in the armpit.
         settings: Resolution and steps.
         hooks: Progress and cancellation.
 
@@ -148,15 +149,20 @@ def _take_pose(
     hooks.progress("template", 0.6, "taking the pose")
     body = wearer.body
     waist = waist_loop(garment)
-    if waist is None or target is None or carry:
+    if target is None or carry or (waist is None and not _hangs_in_sleeves(target, body)):
         nodes, _ = take_pose(threads, nodes, wearer.way, wearer.grid, held=waist)
-    else:  # skinned, it starts the grading as the T-pose left it, pinched between the legs here and there
+    else:  # skinned, it starts the grading as the T-pose left it, pinched between legs or under arms here and there
         nodes = skin(nodes, weights_at(body, nodes, rest=True), body.transforms)
     if waist is not None and target is not None:
         nodes[waist] = place_waist(nodes[waist], target)
         start, steps = PbdState.at_rest(nodes), settings.pose_steps
         nodes = follow(threads, start, wearer.grid, steps, settings=settings.follow, gravity=9.81, held=waist).nodes
     return garment.at(nodes, name_contours(nodes, garment.faces, body)[0])
+
+
+def _hangs_in_sleeves(target: Target, body: Body) -> bool:
+    """Return whether the wearer's arms hang in sleeves: carried, cloth is pushed 7 cm down out of the closed armpit."""
+    return bool(find_hanging_arms(body)) and any(contour.name.startswith("cuff") for contour in target.contours)
 
 
 def name_as_placed(worn: Garment, rest: Body) -> Garment:

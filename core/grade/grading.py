@@ -11,6 +11,7 @@ from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, check_outline, equalise_seams, map_controls, panel_area
 from ..pattern.errors import PanelCrossing, PanelDegenerate
 from ..segment import Target
+from .armpits import Armpits
 from .distances import ContourMeasure, compare_contours
 from .flattening import FlatteningSettings, fit_control_points, stretch_between
 from .registration import RegistrationSettings, register_coarsely
@@ -80,7 +81,7 @@ def grade_pattern(
     """
     settings = settings or GradeSettings()
     contours = compare_contours((garment.nodes, garment.contours), (target.vertices, target.contours), body)
-    moved = register_coarsely(garment, target, settings.registration, hooks)
+    moved = register_coarsely(garment, target, settings.registration, hooks, Armpits.of(garment, body))
     hooks.progress("grade", 0.8, "flattening")
     stretch = stretch_between(garment, moved, settings.flattening)
     points = fit_control_points(garment, stretch, settings.flattening)

@@ -12,6 +12,7 @@ from ..body import Body
 from ..mesh import ClosedCurve, HalfEdges, TriangleSurface, gradient_operator, lump
 from ..pattern import Garment, Pattern, find_symmetry, map_controls
 from ..segment import Target, name_contours
+from .armpits import Armpits
 from .flattening import narrow_panels, seam_rows, solve_sewn
 from .grading import GradeSettings, move_pattern, step_without_folds
 from .proportion import Proportions, find_proportions
@@ -78,6 +79,7 @@ class Isometry:
 
     Attributes:
         goal: The target.
+        hidden: Nodes between the trunk and a hanging arm, which stay where they are, shape [node_count].
         borders: Nodes of each open contour, and the target's contour or, where it is not trusted, their own place [m].
         strain: U, shape [face_count, 2, 2].
         free: Control points (x0, y0, ...) by effective ones, shape [2 point_count, effective_count].
@@ -90,6 +92,7 @@ class Isometry:
     """
 
     goal: TriangleSurface
+    hidden: np.ndarray
     borders: tuple[tuple[np.ndarray, ClosedCurve], ...]
     strain: np.ndarray
     free: np.ndarray
@@ -130,12 +133,15 @@ class Isometry:
             if other is not None and other.trusted:
                 loop = target.vertices[other.vertices]
             borders.append((contour.vertices, ClosedCurve(loop)))
+        hidden = Armpits.of(garment, body).hidden
+        hidden[[node for line, _ in borders for node in line]] = False
         free = find_symmetry(like).matrix.toarray()
         # faces alone couple nodes; with the hinges, whose blocks stay zero, elimination keeps its order and round-off
         hinges = HalfEdges.of(garment.faces, len(garment.nodes)).hinge_vertices
         coupled, _ = BlockPattern.of(len(garment.nodes), garment.faces, hinges)
         return cls(
             goal=TriangleSurface(target.vertices, target.faces),
+            hidden=hidden,
             borders=tuple(borders),
             strain=strain,
             free=free,
@@ -200,7 +206,8 @@ class Isometry:
             seen[line] = False
         normal = self.goal.face_normals[found.face]
         blocks = (np.where(seen, mass, 0.0) / chosen.surface**2)[:, None, None] * normal[:, :, None] * normal[:, None]
-        pulled = np.einsum("vij,vj->vi", blocks, found.foot)
+        blocks[self.hidden] = (mass[self.hidden] / chosen.surface**2)[:, None, None] * np.eye(3)
+        pulled = np.einsum("vij,vj->vi", blocks, np.where(self.hidden[:, None], nodes, found.foot))
         still = mass / chosen.reach**2
         blocks += still[:, None, None] * np.eye(3)
         pulled += still[:, None] * nodes

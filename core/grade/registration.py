@@ -25,6 +25,7 @@ from ..mesh import (
 )
 from ..pattern import Garment
 from ..segment import Target
+from .armpits import Armpits
 from .parts import find_parts
 
 
@@ -97,6 +98,7 @@ def register_coarsely(
     target: Target,
     settings: RegistrationSettings | None = None,
     hooks: Hooks = SILENT,
+    armpits: Armpits | None = None,
 ) -> np.ndarray:
     """Move the nodes of a draped template onto the target [m], shape [node_count, 3].
 
@@ -108,12 +110,15 @@ def register_coarsely(
     target point t pulls the point of the garment that was closest to it; q_c leads each contour node to the point at
     the same share of the target contour's length. Integrals over the garment run over its flat rest shape, so that the
     result does not depend on the mesh. What `HiddenCloth` adds beyond a hidden border makes d even there, so that
-    the cloth keeps its lengths.
+    the cloth keeps its lengths. Cloth that `armpits` hide takes and gives no closest points; what is held of it is
+    pulled to where it is worn as others are to their closest points.
     """
     settings = settings or RegistrationSettings()
     start = garment.nodes
     stiffness, mass = bending_operators(garment, settings.across_seams)
     pins, pinned = _pin_contours(garment, target, settings)
+    hidden, stays = np.zeros((2, len(start)), dtype=bool) if armpits is None else (armpits.hidden, armpits.held)
+    hidden, shown = hidden & (pins == 0), ~hidden[garment.faces].all(axis=1)
     goal = TriangleSurface(target.vertices, target.faces)
     picked = np.linspace(0, len(goal.vertices) - 1, min(settings.samples, len(goal.vertices))).astype(np.int64)
     # The picked points stand for the whole target, weighted so that it has the garment's area.
@@ -129,9 +134,9 @@ def register_coarsely(
         here = TriangleSurface(moved, garment.faces)
         found, seen = match_surface(goal, moved, here.vertex_normals, settings.facing)
         out = goal.face_normals[found.face]
-        weight = np.where(seen & (pins == 0), mass, 0.0) / reach**4
+        weight = np.where(seen & (pins == 0) & ~hidden, mass, 0.0) / reach**4
         # What sees nothing beyond a border that nothing holds stays about where it is, or it would be thrown far out.
-        still = np.where(seen | (pins > 0), 0.0, mass) / reach**4
+        still = np.where(seen | (pins > 0) | hidden, 0.0, mass) / reach**4
         held = fixed
         if rim is not None and settings.hidden is not None:
             beyond = rim.lies_ahead(goal, found)
@@ -141,7 +146,9 @@ def register_coarsely(
         found, seen = match_surface(here, goal.vertices[picked], goal.vertex_normals[picked], settings.facing)
         on_faces = found.interpolation(here.faces, len(moved))
         pull = np.where(seen, share, 0.0) / reach**4
-        system = held + sp.diags(weight + still) + on_faces.T @ sp.diags(pull) @ on_faces
+        pull[~shown[found.face]] = 0.0
+        stay = np.where(hidden & stays, mass, 0.0) / reach**4
+        system = held + sp.diags(weight + still + stay) + on_faces.T @ sp.diags(pull) @ on_faces
         right = weight[:, None] * lead + still[:, None] * (moved - start) + pins[:, None] * pinned
         right += on_faces.T @ (pull[:, None] * (goal.vertices[picked] - on_faces @ start))
         moved = start + factor_symmetric(system, solver).solve(right)
