@@ -1,0 +1,125 @@
+"""`/results/ID/edit` and `/templates/NAME/edit`: change a pattern and see it draped."""
+
+from __future__ import annotations
+
+from fastapi import Response
+
+from ..api.access import RoomsOf, find_own
+from ..templates import read_template
+from .markup import Html, html, join
+from .page_route import make_router
+from .session import VisitorOf
+from .shell import Visitor, draw_shell
+
+router = make_router()
+
+TOOLS = (("select", "Select"), ("pan", "Pan"), ("cut", "Cut line"), ("ruler", "Ruler"))
+"""What dragging on empty ground does: name and words."""
+
+CHECKS = (
+    ("symmetric", "Keep symmetry", "left follows right, and a panel its own other half"),
+    ("sewn", "Keep seams", "what is sewn to a moved point follows, so that both sides of a seam stay equally long"),
+    ("align", "Snap to points", "a dragged point comes in line with others; Alt frees it"),
+    ("handles", "Handles", "of curves at what is selected"),
+    ("possible", "Possible points", "all places for control points; click one to add it"),
+    ("between", "Mirrored panels", "panels that are mirror images have one colour"),
+    ("within", "Symmetry within panels", "axes, and points that are images have one colour"),
+    ("difference", "Difference", "the pattern that was opened, dashed"),
+)
+"""Options that are on or off: name, words, what they do. The first two hold for every change."""
+
+NUMBERS = (
+    ("step", "Step of arrow keys [mm]", 1, 0.1),
+    ("grid", "Grid [mm], 0: none", 0, 0.5),
+    ("allowance", "Allowance shown [mm]", 0, 1),
+)
+"""Options that are numbers: name, words, least, step."""
+
+STARTS_ON = ("symmetric", "sewn", "align", "handles")
+"""What is on when the page opens."""
+
+
+@router.get("/results/{job}/edit")
+def edit_result(job: str, rooms: RoomsOf, visitor: VisitorOf) -> Response:
+    """Return the editor with the pattern of a result."""
+    row = find_own(rooms, visitor.caller, job)
+    return _draw_editor(row.name, visitor, job=row.id)
+
+
+@router.get("/templates/{name}/edit")
+def edit_template(name: str, rooms: RoomsOf, visitor: VisitorOf) -> Response:
+    """Return the editor with a template; there is no drape of it."""
+    read_template(rooms, name)
+    return _draw_editor(name, visitor, template=name)
+
+
+def _draw_editor(name: str, visitor: Visitor, job: str = "", template: str = "") -> Response:
+    back = html('<a href="/results/{}">Result</a>', job) if job else Html()
+    content = html(
+        EDITOR, name=name, job=job, base=template, back=back,
+        tools=join(
+            html('<button type="button" data-tool="{}" aria-pressed="{}">{}</button>', tool, pressed, words)
+            for pressed, (tool, words) in zip(("true", "false", "false", "false"), TOOLS, strict=True)
+        ),
+        checks=join(
+            html('<label title="{}"><input type="checkbox" data-option="{}"{}> {}</label>', told, option,
+                 Html(" checked") if option in STARTS_ON else Html(), words)
+            for option, words, told in CHECKS
+        ),
+        numbers=join(
+            html('<label>{} <input type="number" data-option="{}" value="{}" min="0" max="1000" step="{}"></label>',
+                 words, option, value, step)
+            for option, words, value, step in NUMBERS
+        ),
+        drape=html(DRAPE) if job else Html(),
+    )  # fmt: skip
+    return draw_shell(f"Edit {name}", content, visitor, ["edit/editor.js"])
+
+
+EDITOR = """<link rel="stylesheet" href="/static/edit/edit.css">
+<div class="row"><h1>Edit {name}</h1>{back}</div>
+<div id="editor" data-job="{job}" data-template="{base}">
+<div class="tools" id="commands"></div>
+<div class="tools" role="group" aria-label="Tool">{tools}</div>
+<p id="said" role="status" aria-live="polite">Loading the pattern.</p>
+<p id="board-help" class="hushed">
+Arrow keys move what is selected, or the view where nothing is. N and P select the next and
+the previous control point. The list of shortcuts has the rest.</p>
+<div class="boards">
+<svg id="board" class="board" tabindex="0" role="application" aria-label="Pattern"
+ aria-describedby="board-help"></svg>
+<div id="space" class="space" hidden></div>
+<div class="beside">
+<section class="card" aria-labelledby="options-title"><h2 id="options-title">Options</h2>
+<div class="options">{checks}{numbers}</div></section>
+<section class="card" aria-labelledby="selection-title"><h2 id="selection-title">Selection</h2>
+<div id="selection"></div></section>
+</div>
+</div>
+<div class="asides">
+<section class="card" aria-labelledby="file-title"><h2 id="file-title">File</h2>
+<div class="row"><button type="button" id="download">Download JSON</button>
+<label class="row">Template's name
+<input id="template-name" maxlength="64" autocomplete="off"></label>
+<button type="button" id="save-template">Save as template</button></div>
+<div id="saved" role="status"></div></section>
+{drape}
+<section class="card" aria-labelledby="seams-title"><h2 id="seams-title">Seams</h2><p id="seams-summary"></p>
+<p class="soft">Lengths of both sides in mm; ×: a gathered seam's ratio.</p>
+<div class="wide" tabindex="0" role="region" aria-labelledby="seams-title"><table><thead><tr><th scope="col">Sides</th>
+<th scope="col" class="number">mm</th><th scope="col" class="number">mm</th><th scope="col" class="number">apart</th>
+</tr></thead><tbody id="seams"></tbody></table></div>
+</section>
+<section class="card" aria-labelledby="difference-title"><h2 id="difference-title">Difference to the opened pattern</h2>
+<ul id="differences"></ul></section>
+<details class="card"><summary>Shortcuts</summary><dl id="shortcuts" class="keys"></dl></details>
+</div>
+</div>"""
+"""The page; buttons, tables and drawings are filled in by its script."""
+
+DRAPE = """<section class="card" aria-labelledby="drape-title"><h2 id="drape-title">Drape</h2>
+<div class="row"><button type="button" id="drape" class="primary">Drape it</button>
+<button type="button" id="cancel-drape" hidden>Cancel</button></div>
+<div id="draping" role="status"></div><div id="findings"></div><div id="verdicts"></div>
+<h3>Versions</h3><ul id="versions"><li>None yet.</li></ul></section>"""
+"""What a result's pattern has beside a template's: the drape and the versions."""

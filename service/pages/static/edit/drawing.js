@@ -1,0 +1,211 @@
+/** The pattern as one SVG drawing, in mm with y down: a group for each panel, redrawn where its panel or its look changed. */
+
+import { draw } from '../dom.js';
+import { between, isStraight, pathCommand, placeOnChord, unitPoint } from './edge_geometry.js';
+import { chordOf, getPanel, handlePoints } from './pattern_model.js';
+import { possiblePoints } from './point_operations.js';
+import { kindOf } from './session.js';
+import { findMirrors, imagePoints } from './symmetry.js';
+
+/** Colours for pairs of panels or points; they come again after this many. */
+const COLOURS = 8;
+/** Length of a notch [mm]. */
+const NOTCH = 6;
+
+const mm = ([x, y]) => [1e3 * x, -1e3 * y];
+const pair = ([x, y]) => `${x.toFixed(3)} ${y.toFixed(3)}`;
+/** A dot that keeps its size at any zoom: a line without length and with a round or square end. */
+const dot = (name, at, data) => draw('path', { class: `dot ${name}`, d: `M ${pair(mm(at))} h 0.001`, ...data });
+
+export class Drawing {
+  /** @param {SVGSVGElement} svg @param {import("./session.js").Session} session */
+  constructor(svg, session) {
+    this.session = session;
+    this.groups = new Map();
+    this.layer = draw('g', { class: 'panels' });
+    this.marks = draw('g', { class: 'marks' });
+    svg.append(this.layer, this.marks);
+  }
+
+  /** Draw the shown state; what has not changed stays. */
+  render() {
+    const { session } = this,
+      { pattern } = session;
+    const shared = this.shareLooks(pattern);
+    for (const [name, group] of this.groups) {
+      if (getPanel(pattern, name)) continue;
+      group.element.remove();
+      this.groups.delete(name);
+    }
+    for (const panel of pattern.panels) {
+      const selected = session.selection.filter((item) => item.panel === panel.name);
+      const look = JSON.stringify([selected, shared.get(panel.name), session.options]);
+      const place = session.placeOf(panel.name);
+      let group = this.groups.get(panel.name);
+      if (!group) {
+        group = { element: draw('g', { class: 'panel', 'data-panel': panel.name }) };
+        this.groups.set(panel.name, group);
+        this.layer.append(group.element);
+      }
+      if (group.place !== place) {
+        const turn = (-place.turn * 180) / Math.PI;
+        group.element.setAttribute(
+          'transform',
+          `translate(${(1e3 * place.x).toFixed(4)} ${(-1e3 * place.y).toFixed(4)}) rotate(${turn.toFixed(6)})`,
+        );
+      }
+      if (group.panel !== panel || group.look !== look)
+        group.element.replaceChildren(...this.drawPanel(panel, selected, shared.get(panel.name)));
+      Object.assign(group, { panel, look, place });
+    }
+  }
+
+  /** Return what of a panel's look depends on others: mirror colours, seams that do not match, what failed. */
+  shareLooks(pattern) {
+    const { options, faults = [] } = this.session;
+    const looks = new Map(
+      pattern.panels.map((panel) => [
+        panel.name,
+        { mirror: null, images: null, faults: faults.filter((fault) => fault.panel === panel.name) },
+      ]),
+    );
+    if (!options.between && !options.within) return looks;
+    findMirrors(pattern).forEach(({ source, target, order }, k) => {
+      const [a, b] = [pattern.panels[source].name, pattern.panels[target].name];
+      if (a !== b && options.between) {
+        looks.get(a).mirror = { colour: k % COLOURS, other: b };
+        looks.get(b).mirror = { colour: k % COLOURS, other: a };
+      }
+      if (a === b && options.within) looks.get(a).images = order;
+    });
+    return looks;
+  }
+
+  drawPanel(panel, selected, look) {
+    const { session } = this,
+      { options, pattern } = session;
+    const outline = this.outline(panel);
+    const parts = [];
+    if (options.allowance > 0)
+      parts.push(draw('path', { class: 'allowance', d: outline, 'stroke-width': 2 * options.allowance }));
+    const whole = selected.some((item) => kindOf(item) === 'panel');
+    const colour = look.mirror ? ` pair-${look.mirror.colour}` : '';
+    parts.push(
+      draw('path', {
+        class: `cloth${whole ? ' selected' : ''}${colour}`,
+        d: outline,
+        'data-mirror': look.mirror?.other,
+      }),
+    );
+    if (look.images) parts.push(axisOf(pattern, panel));
+    if (options.difference) {
+      const before = getPanel(session.original, panel.name);
+      if (before) parts.push(draw('path', { class: 'before', d: this.outline(before) }));
+    }
+    panel.edges.forEach((edge, at) => parts.push(this.drawEdge(panel, at, selected, look)));
+    panel.notches.forEach(([edge, at]) => parts.push(drawNotch(panel, edge, at)));
+    parts.push(nameOf(panel));
+    if (options.possible) {
+      for (const spot of possiblePoints({ ...pattern, panels: [panel] }))
+        parts.push(dot('possible', spot.place, { 'data-edge': spot.edge }));
+    }
+    if (options.handles) parts.push(...this.drawHandles(panel, selected));
+    panel.points.forEach((point, at) => {
+      const chosen = selected.some((item) => item.point === at);
+      const image = look.images ? ` image image-${Math.min(at, look.images[at]) % COLOURS}` : '';
+      const fault = look.faults.some((one) => one.point === at) ? ' fault' : '';
+      parts.push(
+        dot(`point${chosen ? ' selected' : ''}${image}${fault}`, point, {
+          'data-point': at,
+          'data-image': look.images?.[at],
+        }),
+      );
+    });
+    return parts;
+  }
+
+  outline(panel) {
+    const commands = panel.edges.map((edge, at) => pathCommand(edge, drawnEdge(panel, at)));
+    return `M ${pair(mm(panel.points[0]))} ${commands.join(' ')} Z`;
+  }
+
+  drawEdge(panel, at, selected, look) {
+    const chosen = selected.some((item) => kindOf(item) === 'edge' && item.edge === at);
+    const fault = look.faults.some((one) => one.edge === at && one.point === undefined) ? ' fault' : '';
+    const drawn = drawnEdge(panel, at);
+    return draw('path', {
+      class: `edge${chosen ? ' selected' : ''}${fault}`,
+      d: `M ${pair(drawn[0])} ${pathCommand(panel.edges[at], drawn)}`,
+      'data-edge': at,
+    });
+  }
+
+  /** Draw the handles of curves at selected points and of selected edges. */
+  drawHandles(panel, selected) {
+    const count = panel.points.length;
+    return panel.edges.flatMap((edge, at) => {
+      const near = selected.some((item) => item.edge === at || item.point === at || item.point === (at + 1) % count);
+      if (!near || !edge.handles.length) return [];
+      const ends = chordOf(panel, at);
+      return handlePoints(panel, at).flatMap((place, handle) => {
+        const chosen = selected.some((item) => item.edge === at && item.handle === handle) ? ' selected' : '';
+        const from = edge.kind === 'cubic' ? ends[handle] : between(...ends, 0.5);
+        return [
+          draw('path', { class: 'arm', d: `M ${pair(mm(from))} L ${pair(mm(place))}` }),
+          dot(`handle${chosen}`, place, { 'data-edge': at, 'data-handle': handle }),
+        ];
+      });
+    });
+  }
+
+  /** Draw what lies over the panels: a box, a ruler, a line to cut along; board mm. */
+  mark(...elements) {
+    this.marks.replaceChildren(...elements);
+  }
+}
+
+function drawnEdge(panel, at) {
+  const [start, end] = chordOf(panel, at);
+  return [start, ...handlePoints(panel, at), end].map(mm);
+}
+
+function drawNotch(panel, edge, at) {
+  const place = (share) => mm(placeOnChord([unitPoint(panel.edges[edge], share)], ...chordOf(panel, edge))[0]);
+  const here = place(at),
+    way = isStraight(panel.edges[edge])
+      ? [place(0), place(1)]
+      : [place(Math.max(at - 0.01, 0)), place(Math.min(at + 0.01, 1))];
+  const along = [way[1][0] - way[0][0], way[1][1] - way[0][1]],
+    size = Math.hypot(...along) || 1;
+  return draw('path', {
+    class: 'notch',
+    d: `M ${pair(here)} l ${pair([(NOTCH * along[1]) / size, (-NOTCH * along[0]) / size])}`,
+  });
+}
+
+function nameOf(panel) {
+  const middle = [0, 1].map((k) => panel.points.reduce((sum, point) => sum + point[k], 0) / panel.points.length);
+  const [x, y] = mm(middle);
+  const text = draw('text', { class: 'name', x: x.toFixed(1), y: y.toFixed(1) });
+  text.textContent = panel.name;
+  return text;
+}
+
+/** Draw the axis on which a panel is its own mirror image. */
+function axisOf(pattern, panel) {
+  const index = pattern.panels.indexOf(panel);
+  const { rotation } = findMirrors(pattern).find(({ source, target }) => source === index && target === index);
+  const angle = Math.atan2(rotation[1][0], rotation[0][0]) / 2,
+    way = [Math.cos(angle), Math.sin(angle)];
+  const middle = [0, 1].map((k) => panel.points.reduce((sum, point) => sum + point[k], 0) / panel.points.length);
+  const along = panel.points.map((point) => (point[0] - middle[0]) * way[0] + (point[1] - middle[1]) * way[1]);
+  const ends = [Math.min(...along) - 0.03, Math.max(...along) + 0.03].map((t) =>
+    mm([middle[0] + t * way[0], middle[1] + t * way[1]]),
+  );
+  return draw('path', { class: 'axis', d: `M ${pair(ends[0])} L ${pair(ends[1])}` });
+}
+
+/** Return the images of a selected point, to be told in words. */
+export function describeImages(pattern, point) {
+  return imagePoints(pattern, findMirrors(pattern), point).map((image) => `${image.panel} ${image.point + 1}`);
+}

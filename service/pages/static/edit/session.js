@@ -1,0 +1,213 @@
+/**
+ * What is edited and how: the states of the pattern, the selection, the options. Views listen and draw what it holds.
+ *
+ * Events: `pattern` (the shown state is another), `selection`, `options`, `said` (a message for people), `hover`.
+ *
+ * @typedef {import("./movement.js").Item} Item   or {panel, edge} for an edge, or {panel} for a whole panel
+ */
+
+import { getPanel, PatternError } from './pattern_model.js';
+import { layOut } from './layout.js';
+
+/** Most states that undo keeps; unchanged panels are shared between them. */
+const KEPT = 500;
+
+/** Return what kind of item is selected: `point`, `handle`, `edge` or `panel`. */
+export function kindOf(item) {
+  if (item.point !== undefined) return 'point';
+  if (item.handle !== undefined) return 'handle';
+  return item.edge !== undefined ? 'edge' : 'panel';
+}
+
+/** Tell whether two items are the same. */
+export const sameItem = (a, b) =>
+  a.panel === b.panel && a.point === b.point && a.edge === b.edge && a.handle === b.handle;
+
+export class Session extends EventTarget {
+  /** @param {import("./pattern_model.js").Pattern} pattern */
+  constructor(pattern) {
+    super();
+    this.start(pattern);
+    this.tool = 'select';
+    this.options = {
+      symmetric: true,
+      sewn: true,
+      step: 1,
+      grid: 0,
+      align: true,
+      possible: false,
+      between: false,
+      within: false,
+      allowance: 0,
+      difference: false,
+      handles: true,
+    };
+  }
+
+  /** Begin with another pattern; what was done before cannot be undone. */
+  start(pattern) {
+    this.original = pattern;
+    this.states = [pattern];
+    this.at = 0;
+    this.shown = null;
+    this.selection = [];
+    this.places = layOut(pattern);
+    this.tell('pattern');
+    this.tell('selection');
+  }
+
+  /** Return the state that is shown: what a drag makes, else the present one. */
+  get pattern() {
+    return this.shown ?? this.states[this.at];
+  }
+
+  /** Return the present state, without what a drag shows. */
+  get present() {
+    return this.states[this.at];
+  }
+
+  get canUndo() {
+    return this.at > 0;
+  }
+
+  get canRedo() {
+    return this.at < this.states.length - 1;
+  }
+
+  /** Return the options that operations keep to. */
+  get keep() {
+    return { symmetric: this.options.symmetric, sewn: this.options.sewn };
+  }
+
+  /** Return where a panel lies. */
+  placeOf(name) {
+    return this.pattern.layout[name] ?? this.places[name] ?? { x: 0, y: 0, turn: 0 };
+  }
+
+  /** Show a state without keeping it: a drag. */
+  preview(pattern) {
+    this.shown = pattern;
+    this.tell('pattern');
+  }
+
+  /** Forget what was shown. */
+  cancel() {
+    if (this.shown === null) return;
+    this.shown = null;
+    this.tell('pattern');
+  }
+
+  /** Keep a state as the next one. */
+  commit(pattern = this.shown) {
+    this.shown = null;
+    if (pattern && pattern !== this.present) {
+      this.states = [...this.states.slice(Math.max(this.at - KEPT, 0), this.at + 1), pattern];
+      this.at = this.states.length - 1;
+    }
+    this.dropGone();
+    this.tell('pattern');
+  }
+
+  /**
+   * Change the pattern by an operation; where it refuses, say why and change nothing.
+   *
+   * @param {(pattern: object) => object} operation
+   * @param {string} done   what to say
+   */
+  change(operation, done) {
+    try {
+      const next = operation(this.present);
+      this.commit(next);
+      this.say(done);
+      return true;
+    } catch (error) {
+      this.refuse(error);
+      return false;
+    }
+  }
+
+  /** Say why something was not done; what is no refusal is a fault and is thrown on. */
+  refuse(error) {
+    if (!(error instanceof PatternError)) throw error;
+    this.say(error.message, true);
+  }
+
+  undo() {
+    this.step(-1, 'Undone.', 'There is nothing to undo.');
+  }
+
+  redo() {
+    this.step(1, 'Done again.', 'There is nothing to do again.');
+  }
+
+  step(by, done, refused) {
+    const at = this.at + by;
+    if (at < 0 || at >= this.states.length) return this.say(refused);
+    this.at = at;
+    this.shown = null;
+    this.dropGone();
+    this.tell('pattern');
+    return this.say(done);
+  }
+
+  /** Select items, or with `more` turn each on or off beside what is selected. */
+  select(items, more = false) {
+    if (!more) this.selection = items;
+    else {
+      const off = items.filter((item) => this.isSelected(item));
+      this.selection = [
+        ...this.selection.filter((item) => !off.some((other) => sameItem(item, other))),
+        ...items.filter((item) => !off.includes(item)),
+      ];
+    }
+    this.tell('selection');
+  }
+
+  isSelected(item) {
+    return this.selection.some((other) => sameItem(item, other));
+  }
+
+  /** Return the selected items of a kind. */
+  selected(kind) {
+    return this.selection.filter((item) => kindOf(item) === kind);
+  }
+
+  /** Unselect what the shown state does not have. */
+  dropGone() {
+    const kept = this.selection.filter((item) => {
+      const panel = getPanel(this.pattern, item.panel);
+      if (!panel) return false;
+      const edge = panel.edges[item.edge];
+      return item.point !== undefined
+        ? item.point < panel.points.length
+        : item.edge === undefined || (edge && (item.handle === undefined || item.handle < edge.handles.length));
+    });
+    if (kept.length === this.selection.length) return;
+    this.selection = kept;
+    this.tell('selection');
+  }
+
+  setOption(name, value) {
+    this.options = { ...this.options, [name]: value };
+    this.tell('options');
+  }
+
+  setTool(tool) {
+    this.tool = tool;
+    this.tell('options');
+  }
+
+  /** Say where in which panel the pointer is [m], or null. */
+  setHover(hover) {
+    this.hover = hover;
+    this.tell('hover');
+  }
+
+  say(text, bad = false) {
+    this.dispatchEvent(new CustomEvent('said', { detail: { text, bad } }));
+  }
+
+  tell(name) {
+    this.dispatchEvent(new Event(name));
+  }
+}
