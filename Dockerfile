@@ -5,12 +5,13 @@ ENV PIP_NO_CACHE_DIR=1 PIP_DISABLE_PIP_VERSION_CHECK=1
 RUN python -m venv /venv
 ENV PATH=/venv/bin:$PATH
 WORKDIR /src
-COPY constraints.txt ./
-# torch's CPU build; leave the index out for the CUDA build (several GB).
+COPY constraints.txt requirements.lock ./
+# torch's CPU build; https://pypi.org/simple has the CUDA build (several GB), which needs its nvidia packages, too.
 ARG TORCH_INDEX=https://download.pytorch.org/whl/cpu
-RUN pip install -c constraints.txt --index-url "$TORCH_INDEX" --extra-index-url https://pypi.org/simple torch
+RUN pip install --no-deps -c constraints.txt --index-url "$TORCH_INDEX" torch
+RUN pip install --require-hashes --no-deps -r requirements.lock
 COPY . .
-RUN pip install -c constraints.txt ".[postgres,s3]"
+RUN pip install --no-deps .
 
 FROM python:3.11-slim-bookworm
 # What the open3d wheel expects of the system (`garmentq doctor` names what is missing).

@@ -13,14 +13,19 @@ from ..core.errors import keep_printable
 from ..core.recovery import STAGES
 from ..service.backend import Backend
 from ..service.records import Event, JobReport
+from ..service.records import Progress as JobProgress
 from .family import FamilyEvents
-from .terminal import note
+from .terminal import note, show_duration
 
 if TYPE_CHECKING:
     from rich.progress import TaskID
 
 SILENT_SECONDS = 5.0
 """A job without an event for so long [s] may lack its broker or worker: a working stage reports twice a second."""
+
+
+WHOLE = ""
+"""Stands among the stages for the whole job."""
 
 
 class WaitTimedOut(Exception):
@@ -102,7 +107,7 @@ class Lines:
             note(_label(name, event.kind))
         elif progress.stage != self.stages.get(event.job):
             self.stages[event.job] = progress.stage
-            note(f"  {_label(name, progress.stage)} ...")
+            note(f"  {_label(name, progress.stage)} ...{_tell_whole(progress)}")
 
 
 class Bars:
@@ -138,7 +143,11 @@ class Bars:
         if progress is None:
             if event.kind not in ("queued", "started", "succeeded"):
                 self.progress.console.print(keep_printable(_label(name, event.kind)), markup=False)
+            if event.kind == "succeeded" and (event.job, WHOLE) in self.tasks:
+                self.progress.update(self.tasks[event.job, WHOLE], completed=1.0, message="")
             return
+        if progress.overall is not None:
+            self._draw_whole(event.job, name, progress.overall, progress.left_seconds)
         task = (event.job, progress.stage)
         if task not in self.tasks:
             self._finish_before(*task)
@@ -146,12 +155,27 @@ class Bars:
             self.tasks[task] = self.progress.add_task(shown, total=1.0, message="")
         self.progress.update(self.tasks[task], completed=progress.fraction, message=keep_printable(progress.message))
 
+    def _draw_whole(self, job: str, name: str, share: float, left: float | None) -> None:
+        """Draw how far a job is in all, above its stages."""
+        if (job, WHOLE) not in self.tasks:
+            self.tasks[job, WHOLE] = self.progress.add_task(keep_printable(_label(name, "all")), total=1.0, message="")
+        message = "" if left is None else f"{show_duration(left)} to go"
+        self.progress.update(self.tasks[job, WHOLE], completed=share, message=message)
+
     def _finish_before(self, job: str, stage: str) -> None:
         order = STAGES.index(stage) if stage in STAGES else len(STAGES)
         for (other, name), task in self.tasks.items():
-            if other == job and (name not in STAGES or STAGES.index(name) < order):
+            if other == job and name != WHOLE and (name not in STAGES or STAGES.index(name) < order):
                 self.progress.update(task, completed=1.0)
                 self.progress.stop_task(task)
+
+
+def _tell_whole(progress: JobProgress) -> str:
+    """Return how far the whole is, behind the name of a stage that begins."""
+    if progress.overall is None:
+        return ""
+    left = "" if progress.left_seconds is None else f", {show_duration(progress.left_seconds)} to go"
+    return f" {round(100 * progress.overall)} % of all{left}"
 
 
 def _label(name: str, text: str) -> str:

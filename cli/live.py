@@ -15,7 +15,7 @@ from ..service.records import Job
 from ..service.states import ENDED, State
 from .family import arrange, find_family, indent
 from .follow import WaitTimedOut
-from .terminal import show, show_time
+from .terminal import show, show_left, show_time
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -59,13 +59,13 @@ def draw_queue(backend: Backend, rows: Sequence[Job]) -> RenderableType:
     workers = [[row.name, row.queues, row.concurrency, show_time(row.started), show_time(row.seen)] for row in living]
     jobs = [
         [row.id, indent(depth, row.name), row.queue, row.priority, row.state, row.stage]
-        + [round(100 * row.progress), row.attempts]
+        + [round(100 * row.overall), show_left(row), row.attempts]
         for depth, row in arrange(rows)
     ]
     return Group(
         Text(title),
         _table(["worker", "queues", "slots", "since", "seen"], workers),
-        _table(["job", "name", "queue", "priority", "state", "stage", "%", "attempt"], jobs),
+        _table(["job", "name", "queue", "priority", "state", "stage", "% of all", "to go", "attempt"], jobs),
     )
 
 
@@ -108,12 +108,15 @@ def draw_batch(rows: Sequence[Job]) -> RenderableType:
     from rich.progress_bar import ProgressBar
     from rich.text import Text
 
-    total = sum(1.0 if row.state in ENDED else row.progress for row in rows)
+    total = sum(1.0 if row.state in ENDED else row.overall for row in rows)
     counts = Counter(row.state for row in rows)
     text = "  ".join(f"{state} {count}" for state, count in sorted(counts.items()))
-    running = [[row.id, row.name, row.stage, round(100 * row.progress)] for row in rows if row.state == State.RUNNING]
+    running = [
+        [row.id, row.name, row.stage, round(100 * row.overall), show_left(row)]
+        for row in rows if row.state == State.RUNNING
+    ]  # fmt: skip
     bar = ProgressBar(total=max(1, len(rows)), completed=total, width=60)
-    return Group(bar, Text(text), _table(["job", "name", "stage", "%"], running[:BATCH_ROWS]))
+    return Group(bar, Text(text), _table(["job", "name", "stage", "% of all", "to go"], running[:BATCH_ROWS]))
 
 
 def _table(columns: Sequence[str], rows: Sequence[Sequence[object]]) -> RenderableType:

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 def command(job: str | None, limit: int, watch: bool, home: Path | None, as_json: bool) -> None:
     """Show the jobs, or one of them.
 
-    A job that another one made stands under that one; one job is shown with all below it.
+    A job that another one made stands under that one; one job is shown with all below it. How far a job is in all, and
+    the time to go, follow from what the stages of earlier jobs of its kind and method took.
 
     \b
     Example:
@@ -34,7 +35,7 @@ def command(job: str | None, limit: int, watch: bool, home: Path | None, as_json
     from ..service.health import find_troubles
     from ..service.settings import read_settings
     from .family import arrange, find_family, indent
-    from .terminal import note, print_error, print_json, print_table, show_time
+    from .terminal import note, print_error, print_json, print_table, show_left, show_time
 
     backend = open_backend(read_settings(home=home))
     if watch:
@@ -48,10 +49,10 @@ def command(job: str | None, limit: int, watch: bool, home: Path | None, as_json
             print_json(one.as_json())
         return
     print_table(
-        ["job", "name", "kind", "state", "verdict", "stage", "%", "attempts", "created", "ended"],
+        ["job", "name", "kind", "state", "verdict", "stage", "% of all", "to go", "attempts", "created", "ended"],
         [
             [one.id, indent(depth, one.name), one.kind, show_state(one), one.verdict, one.stage]
-            + [round(100 * one.progress), one.attempts, show_time(one.created), show_time(one.finished)]
+            + [round(100 * one.overall), show_left(one), one.attempts, show_time(one.created), show_time(one.finished)]
             for depth, one in arrange(found)
         ],
     )

@@ -7,11 +7,14 @@ import io
 import json
 import time
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..core.errors import keep_printable
+
+if TYPE_CHECKING:
+    from ..service.records import Job
 
 
 def print_json(value: Any) -> None:
@@ -75,6 +78,20 @@ def show(cell: object) -> str:
     if isinstance(cell, float):
         return f"{cell:.4g}"
     return keep_printable(str(cell))
+
+
+def show_duration(seconds: float | None) -> str:
+    """Return a time to go as minutes and seconds, hours before them where there are any."""
+    if seconds is None:
+        return "-"
+    minutes, rest = divmod(max(0, round(seconds)), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02}:{rest:02}" if hours else f"{minutes}:{rest:02}"
+
+
+def show_left(job: Job) -> str:
+    """Return the time to go of a running job, as far as it is known."""
+    return show_duration(None if job.expected_end is None else job.expected_end - time.time())
 
 
 def show_time(seconds: float | None) -> str:

@@ -8,24 +8,30 @@ import sys
 from pathlib import Path
 from typing import Any
 
-HEAD = """# Made by `make lock` for Linux x86_64 and Python 3.11. Install with
+HEAD = """# Made by `make lock` for Linux x86_64 and Python 3.11. torch comes apart: which of its builds is right
+# depends on the machine, and each has another hash. It is taken from the index of that build alone:
+#   pip install --no-deps --index-url https://download.pytorch.org/whl/cpu TORCH
 #   pip install --require-hashes --no-deps -r requirements.lock && pip install --no-deps .
-# With hashes a package of the same name on another index is refused; this one has torch's CPU build.
---extra-index-url https://download.pytorch.org/whl/cpu
+# What prints its hash:
+#   pip download --no-deps --index-url https://download.pytorch.org/whl/cpu TORCH && pip hash torch-*.whl
 """
+APART = "torch"
 LINE = re.compile(r"(?P<name>[A-Za-z0-9._-]+)==(?P<version>[^ ]+) --hash=sha256:(?P<hash>[0-9a-f]{64})")
 
 
 def write_lock(report: dict[str, Any]) -> str:
-    """Return a lock file: each package of pip's report by name, version and hash, but the project itself."""
-    lines = []
+    """Return a lock file: each package of pip's report by name, version and hash, but the project itself and torch."""
+    lines, head = [], HEAD
     for one in report["install"]:
         name = re.sub(r"[-_.]+", "-", one["metadata"]["name"]).lower()
         if name == "garmentq":
             continue
+        if name == APART:
+            head = HEAD.replace("TORCH", f"{name}=={one['metadata']['version'].split('+')[0]}")
+            continue
         digest = one["download_info"]["archive_info"]["hashes"]["sha256"]
         lines.append(f"{name}=={one['metadata']['version']} --hash=sha256:{digest}")
-    return HEAD + "\n".join(sorted(lines)) + "\n"
+    return head + "\n".join(sorted(lines)) + "\n"
 
 
 def write_list(lock: str) -> str:
@@ -40,6 +46,9 @@ def write_list(lock: str) -> str:
         }
         for found in LINE.finditer(lock)
     ]
+    if apart := re.search(rf"{APART}==([0-9.]+)", lock):
+        purl = f"pkg:pypi/{APART}@{apart[1]}"
+        components.append({"type": "library", "name": APART, "version": apart[1], "purl": purl})
     listed = {"bomFormat": "CycloneDX", "specVersion": "1.5", "version": 1, "components": components}
     return json.dumps(listed, indent=1)
 

@@ -60,6 +60,10 @@ class Client(RemoteBackend):
         """Delete an ended job with all below it and all that reads its results."""
         return Deleted(**self._ask_object("DELETE", f"/v1/jobs/{quote(job, safe='')}", tries=1))
 
+    def delete_person(self, name: str) -> Deleted:
+        """Delete the scans and uploads of a name, and all that was made of them."""
+        return Deleted(**self._ask_object("DELETE", f"/v1/persons/{quote(name, safe='')}", tries=1))
+
     def forget_upload(self, kind: str, sha256: str) -> Deleted:
         """Forget an upload, one of `scans`, `bodies`, `labels`, `patterns`, `motions`; jobs keep what they name."""
         return Deleted(**self._ask_object("DELETE", f"/v1/{kind}/{quote(sha256, safe='')}", tries=1))

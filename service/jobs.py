@@ -33,7 +33,7 @@ IDS_AT_ONCE = 500
 LOST, LOSS = "job.worker_lost", "worker_lost"
 """Code of a job whose workers died too often; event of a process that died under one."""
 FRESH = {
-    "attempts": 0, "cancel": False, "finished": None, "stage": "", "progress": 0.0,
+    "attempts": 0, "cancel": False, "finished": None, "stage": "", "progress": 0.0, "overall": 0.0,
     "bad_input": False, "error_code": None, "error_message": None, "verdict": None, "result": None,
     "delays": 0, "delay_code": None, "not_before": None,
 }  # fmt: skip
@@ -147,7 +147,7 @@ def move(
     source, key = (State.RUNNING, job.job) if isinstance(job, Claim) else (State(job.state), job.id)
     if to not in TRANSITIONS[source]:
         raise MoveForbidden(f"job {key} cannot go from {source} to {to}.")
-    values = {"state": to, "touched": clock(), "owner": None, "lease_until": None, **values}
+    values = {"state": to, "touched": clock(), "owner": None, "lease_until": None, "expected_end": None, **values}
     if source in ENDED:
         values |= FRESH
     if to in ENDED:
@@ -199,17 +199,6 @@ def look(database: Database, claim: Claim) -> Pulse:
     return Pulse(cancel is not None, bool(cancel))
 
 
-def report(database: Database, claim: Claim, stage: str, fraction: float, message: str) -> None:
-    """Show how far a stage is (fraction in 0..1).
-
-    Raises:
-        FenceLost: where the job belongs to someone else.
-    """
-    with database.write() as session:
-        write_fenced(session, claim, stage=stage, progress=fraction, touched=clock())
-        record(session, claim.job, "progress", stage=stage, fraction=round(fraction, 4), message=message)
-
-
 def write_fenced(session: Session, claim: Claim, **values: Any) -> None:
     """Change the job's row if the claim still holds; call it first in a transaction that writes anything for a job.
 
@@ -228,7 +217,7 @@ def succeed(session: Session, claim: Claim, result: dict[str, Any]) -> None:
     """
     gates = result.get("gates")
     verdict = worst_verdict(Verdict(gate["verdict"]) for gate in gates) if gates else None
-    move(session, claim, State.SUCCEEDED, "succeeded", progress=1.0, result=result, verdict=verdict)
+    move(session, claim, State.SUCCEEDED, "succeeded", progress=1.0, overall=1.0, result=result, verdict=verdict)
 
 
 def fail(database: Database, claim: Claim, code: str, message: str, bad_input: bool) -> None:

@@ -83,6 +83,8 @@ class JobRow(Base):
     finished: Mapped[float | None]
     stage: Mapped[str] = mapped_column(String(32), default="")
     progress: Mapped[float] = mapped_column(default=0.0)
+    overall: Mapped[float] = mapped_column(default=0.0, server_default="0")
+    expected_end: Mapped[float | None]
     error_code: Mapped[str | None] = mapped_column(String(64))
     error_message: Mapped[str | None] = mapped_column(Text)
     bad_input: Mapped[bool] = mapped_column(default=False)

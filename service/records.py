@@ -94,7 +94,8 @@ class Event:
         """Return how far a stage is, where the event reports that."""
         if self.kind != "progress":
             return None
-        return Progress(str(self.data["stage"]), float(self.data["fraction"]), str(self.data["message"]))
+        whole = (read_optional(self.data.get(name)) for name in ("overall", "left_seconds"))
+        return Progress(str(self.data["stage"]), float(self.data["fraction"]), str(self.data["message"]), *whole)
 
     @classmethod
     def from_row(cls, row: EventRow) -> Self:
@@ -109,11 +110,13 @@ class Event:
 
 @dataclass(frozen=True)
 class Progress:
-    """Report how far a stage is: `fraction` in 0..1, and a message for people."""
+    """State how far a job is: a fraction of a stage, and of the whole with the time to go [s] where these are known."""
 
     stage: str
     fraction: float
     message: str
+    overall: float | None = None
+    left_seconds: float | None = None
 
 
 @dataclass(frozen=True)
@@ -179,7 +182,9 @@ class Delay:
 
 @dataclass(frozen=True)
 class Job:
-    """Show how far a job is: `progress` of its stage in 0..1, times in s since 1970.
+    """Show how far a job is: `progress` of its stage and `overall` of the whole in 0..1, times in s since 1970.
+
+    `expected_end` is when a running job should end, as far as earlier jobs of its like tell.
 
     `family` is the id of the root job, its own for a root, which has no `parent`; `verdict` is the worst of its gates,
     `pass`, `doubtful` or `fail`, and None where nothing was judged.
@@ -203,6 +208,8 @@ class Job:
     parent: str | None = None
     verdict: str | None = None
     delay: Delay | None = None
+    overall: float = 0.0
+    expected_end: float | None = None
 
     @classmethod
     def from_row(cls, row: JobRow) -> Job:
@@ -313,12 +320,13 @@ class JobReport(Job):
 
 def _read_row(row: JobRow) -> dict[str, Any]:
     """Return the fields of a `Job` from its row."""
-    own = ("error", "progress", "delay")
+    own = ("error", "progress", "delay", "overall")
     kept = {item.name: getattr(row, item.name) for item in fields(Job) if item.name not in own}
     error = Failure(row.error_code, row.error_message or "") if row.error_code else None
     rests = row.state == State.QUEUED and row.delay_code is not None and row.not_before is not None
     delay = Delay(row.delay_code or "", row.not_before or 0.0) if rests else None
-    return {**kept, "error": error, "delay": delay, "progress": round(row.progress, 4), "family": row.family or row.id}
+    shares = {"progress": round(row.progress, 4), "overall": round(row.overall, 4)}
+    return {**kept, **shares, "error": error, "delay": delay, "family": row.family or row.id}
 
 
 def _read_job(found: Json) -> dict[str, Any]:
@@ -342,6 +350,8 @@ def _read_job(found: Json) -> dict[str, Any]:
         "queue": str(found["queue"]),
         "priority": int(found["priority"]),
         "verdict": str(found["verdict"]) if found["verdict"] else None,
+        "overall": float(found.get("overall", 0.0)),
+        "expected_end": read_optional(found.get("expected_end")),
         "delay": Delay(str(delay["code"]), float(delay["until"])) if (delay := found.get("delay")) else None,
     }
 

@@ -25,9 +25,10 @@ from ..core.hooks import Arrays, Hooks
 from ..core.limited import LONGEST_MESSAGE, is_memory_short
 from ..service.checking import STAGE, check_files
 from ..service.database import Database, DatabaseUnreachable
-from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, put_off, release, report
+from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, put_off, release
 from ..service.kinds import Kind, Turned, Work, find_files, find_kind, read_request
 from ..service.outage import find_outage, note_outage
+from ..service.progress import Pace, Pacer, learn_pace, report
 from ..service.results import CHECKPOINT, PREVIOUS, export_files, load_checkpoint, save_checkpoint, store_result
 from ..service.services import Services
 from ..service.settings import ServiceSettings
@@ -119,7 +120,8 @@ def _work(services: Services, held: Claim, watch: Watch) -> str:
             if turned is not None:
                 held = persist(partial(turn, database, held, turned.kind, turned.request), watch)
                 kind, request, work, _ = _begin(services, held, watch, folder / "2")
-            result = kind.run(request, work, make_hooks(database, store, held, watch))
+            pace = persist(partial(learn_pace, database, held.kind, held.request, kind.stages), watch)
+            result = kind.run(request, work, make_hooks(database, store, held, watch, pace))
             if watch.reason in ("lost", "cancelled"):
                 return _stop(database, held, watch.reason, settings.max_seconds)
             return persist(partial(store_result, database, store, held, kind, result, work.out), watch)
@@ -218,8 +220,9 @@ def unpack(services: Services, held: Claim, folder: Path, kind: Kind, request: A
     return replace(work, inputs=inputs)
 
 
-def make_hooks(database: Database, store: Store, held: Claim, watch: Watch) -> Hooks:
-    """Connect a pipeline's four calls to the job's row."""
+def make_hooks(database: Database, store: Store, held: Claim, watch: Watch, pace: Pace = Pace()) -> Hooks:  # noqa: B008
+    """Connect a pipeline's four calls to the job's row; `pace` tells how far a stage brings the whole."""
+    pacer = Pacer(pace)
     last: dict[str, Any] = {"stage": "", "at": 0.0}
 
     def on_progress(stage: str, fraction: float, message: str) -> None:
@@ -229,7 +232,7 @@ def make_hooks(database: Database, store: Store, held: Claim, watch: Watch) -> H
         last.update(stage=stage, at=now)
         log.debug("job %s: %s %.2f", held.job, stage, fraction, extra=make_note(held, stage))
         with going_on(held.job, make_note(held, stage)):
-            report(database, held, stage, fraction, message)
+            report(database, held, pacer.note(stage, fraction, message))
 
     def save(name: str, arrays: Arrays) -> None:
         buffer = io.BytesIO()

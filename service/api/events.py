@@ -36,7 +36,7 @@ PLACES = ("owner",)
 LARGEST_ID = 2**63 - 1
 EXAMPLE = {
     "id": 17, "job": "3685ecfd4f81", "at": 1795250000.5, "kind": "progress",
-    "data": {"stage": "drape", "fraction": 0.4, "message": ""},
+    "data": {"stage": "drape", "fraction": 0.4, "message": "", "overall": 0.34, "left_seconds": 41.0},
 }  # fmt: skip
 
 

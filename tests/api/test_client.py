@@ -109,6 +109,11 @@ def ask_everything(service: Client, finished: str, folder: Path) -> None:
     assert service.match(finished, service.upload("patterns", folder / "mine.json"))["pairs"]
     assert service.check_pattern(json.loads(service.read_template("skirt")))["is_sound"]
     service.list_templates(), service.read_template("skirt"), service.import_template("mine", folder / "mine.json")
+    service.delete_template("mine")
+    hook, _ = service.create_webhook("https://127.0.0.1.invalid/")
+    assert service.test_webhook(hook.id).error and service.list_webhooks() == [hook]
+    service.delete_webhook(hook.id)
+    refused(service.delete_person, "nobody")
     service.list_materials(), service.read_material("denim"), service.import_materials(folder / "fabric.json")
     service.delete_material("mine")
     assert "garmentq" in service.read_metrics() and service.read_health()["version"] == garmentq.__version__

@@ -16,7 +16,7 @@ from garmentq.core.simulate import get_fabric, write_fabrics
 from garmentq.service import records
 from garmentq.service.backend import Backend, open_backend
 from garmentq.service.families import make_children
-from garmentq.service.jobs import claim, fail, find_job, report
+from garmentq.service.jobs import claim, fail, find_job
 from garmentq.service.kinds import pack_request, read_request
 from garmentq.service.kinds.kind import ChildRequest
 from garmentq.service.kinds.person_request import PersonRequest
@@ -24,6 +24,7 @@ from garmentq.service.kinds.recover_request import RecoverRequest
 from garmentq.service.local import LocalBackend
 from garmentq.service.local_token import make_local_token
 from garmentq.service.order import Order, PartOrder
+from garmentq.service.progress import report
 from garmentq.service.query import JobQuery
 from garmentq.service.records import Job, JobReport
 from garmentq.service.remote import RemoteBackend
@@ -97,7 +98,7 @@ def test_equal_records(local, remote, order, settings, database, store, tmp_path
     forced = Order(order.scan, order.body, settings=RecoverySettings(seed=2))
     failed = remote.submit(remote.check_order(forced)).job
     held = claim(database, failed, "test", 60.0)
-    report(database, held, "drape", 0.123456789, "half \u00fcber")
+    report(database, held, records.Progress("drape", 0.123456789, "half \u00fcber", 0.256789, 61.23))
     fail(database, held, "scan.x", "bad", bad_input=True)
     built_in = Order(order.scan, "builtin:female,height=1.70")
     queued = local.submit(built_in).job
@@ -136,7 +137,8 @@ def test_equal_records(local, remote, order, settings, database, store, tmp_path
     assert isinstance(found, JobReport) and found.state is State.FAILED and found.progress == 0.1235
     assert found.error == records.Failure("scan.x", "bad") and found.bad_input
     assert found.settings["seed"] == 2
-    assert remote.poll_events(failed).events[2].progress == records.Progress("drape", 0.1235, "half \u00fcber")
+    told = remote.poll_events(failed).events[2].progress
+    assert told == records.Progress("drape", 0.1235, "half \u00fcber", 0.2568, 61.2)
     assert type(remote.find_jobs_by_id([done])[0]) is Job
 
 

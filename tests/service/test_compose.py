@@ -140,7 +140,9 @@ def test_the_dockerfile():
     assert len(stages) == 2 and stages[0][1] == "build" and "--from=build" in text
     last = text.rsplit("\nFROM ", 1)[1]
     assert re.search(r"^USER 10001:10001$", last, re.MULTILINE) and "pip" not in last
-    assert '".[postgres,s3]"' in text and 'ENTRYPOINT ["garmentq"]' in last
+    lock = (ROOT / "requirements.lock").read_text(encoding="utf-8")
+    assert "-r requirements.lock" in text and "\npsycopg==" in lock and "\nboto3==" in lock
+    assert 'ENTRYPOINT ["garmentq"]' in last
     assert {"secrets", ".git"} <= set((ROOT / ".dockerignore").read_text(encoding="utf-8").split())
     sources = re.findall(r"^COPY (?!--from)(\S+)", text, re.MULTILINE)
     assert all((ROOT / source).exists() for source in sources)

@@ -21,12 +21,13 @@ from garmentq.service.jobs import (
     read_events,
     release,
     renew,
-    report,
 )
 from garmentq.service.kinds.recover import Recover
 from garmentq.service.models import ArtifactRow, EventRow, JobRow, MetricRow, OutboxRow
+from garmentq.service.progress import report
 from garmentq.service.query import list_jobs
 from garmentq.service.reaper import dispatch, drop_duty, hold_duty, is_idle, reap, remind
+from garmentq.service.records import Progress
 from garmentq.service.results import load_checkpoint, save_checkpoint, store_result
 from garmentq_home import make_environment
 from garmentq_standin import make_recovery
@@ -93,7 +94,7 @@ def test_a_zombie_writes_nothing(database, store, queue_job, tmp_path):
     folder.mkdir()
     (folder / "a.txt").write_text("a")
     for write in (
-        lambda: report(database, zombie, "drape", 0.5, ""),
+        lambda: report(database, zombie, Progress("drape", 0.5, "")),
         lambda: fail(database, zombie, "x", "x", bad_input=False),
         lambda: end_cancelled(database, zombie),
         lambda: release(database, zombie),

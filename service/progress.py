@@ -1,0 +1,125 @@
+"""How far a job is in all, and when it should end: stages weigh what they took in earlier jobs of its kind."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from sqlalchemy import case, select
+
+from .database import Database, clock
+from .jobs import Claim, record, write_fenced
+from .models import JobRow
+from .records import Progress
+from .states import State
+
+LATEST_JOBS = 1000
+"""Newest jobs among which earlier ones of a kind are looked for: a look into one index, however many there are."""
+
+LEARNT_JOBS = 20
+"""Earlier jobs of a kind and method whose means are taken; older ones were made on another machine or version."""
+
+BELIEVED_SHARE = 0.1
+"""Share of a job from which its own speed is believed; before that it is that of its start."""
+
+
+@dataclass(frozen=True)
+class Pace:
+    """Describe what jobs of a kind and method take.
+
+    Attributes:
+        weights: Time of each stage in its order, in any unit.
+        seconds: Time of a whole job [s]; None where none was seen.
+    """
+
+    weights: Mapping[str, float] = field(default_factory=dict)
+    seconds: float | None = None
+
+    def find_share(self, stage: str, fraction: float) -> float | None:
+        """Return how far a job is in all, 0..1, that is at a fraction of a stage; None where the stage is not known."""
+        total = sum(self.weights.values())
+        if stage not in self.weights or total <= 0.0:
+            return None
+        names = list(self.weights)
+        before = sum(self.weights[name] for name in names[: names.index(stage)])
+        return min(1.0, (before + fraction * self.weights[stage]) / total)
+
+    def find_left(self, share: float, elapsed: float) -> float | None:
+        """Return the time to go [s] of a job at a share of it, `elapsed` seconds after its start; None: not known.
+
+        It is what earlier jobs took for the rest, or what this one would take at its own speed, if that is longer.
+        """
+        if self.seconds is None:
+            return None
+        own = elapsed / share if share >= BELIEVED_SHARE else 0.0
+        return (1.0 - share) * max(self.seconds, own)
+
+
+class Pacer:
+    """Tell how far a running job is in all, from how far it is in a stage; never less than before."""
+
+    def __init__(self, pace: Pace) -> None:
+        """Begin now."""
+        self.pace, self.begun, self.share = pace, time.monotonic(), 0.0
+
+    def note(self, stage: str, fraction: float, message: str) -> Progress:
+        """Return a stage's progress with that of the whole."""
+        found = self.pace.find_share(stage, fraction)
+        if found is None:
+            return Progress(stage, fraction, message)
+        self.share = max(self.share, found)
+        left = self.pace.find_left(self.share, time.monotonic() - self.begun)
+        return Progress(stage, fraction, message, self.share, left)
+
+
+def learn_pace(database: Database, kind: str, request: Mapping[str, Any], stages: Sequence[str]) -> Pace:
+    """Return what earlier jobs of a kind took, those with the same method.
+
+    Args:
+        database: Where they are.
+        kind: Name of the kind.
+        request: The job's own request, as it was stored.
+        stages: The kind's stages in order; without earlier jobs each has the same share, and no time is told.
+    """
+    newest = select(JobRow.id).order_by(JobRow.created.desc()).limit(LATEST_JOBS).scalar_subquery()
+    wanted = (
+        select(JobRow.request, JobRow.result, (JobRow.finished - JobRow.started).label("seconds"))
+        .where(JobRow.id.in_(newest), JobRow.kind == kind, JobRow.state == State.SUCCEEDED, JobRow.attempts == 1)
+        .order_by(JobRow.created.desc())
+        .limit(3 * LEARNT_JOBS)
+    )
+    with database.read() as session:
+        rows = session.execute(wanted).all()
+    rows = [row for row in rows if _method(row.request) == _method(request)][:LEARNT_JOBS]
+    weights: dict[str, float] = {}
+    for row in rows:
+        for stage, seconds in ((row.result or {}).get("stage_seconds") or {}).items():
+            weights[stage] = weights.get(stage, 0.0) + float(seconds)
+    if not weights:
+        return Pace(dict.fromkeys(stages, 1.0))
+    return Pace(weights, sum(float(row.seconds) for row in rows) / len(rows))
+
+
+def report(database: Database, claim: Claim, progress: Progress) -> None:
+    """Show how far a job is; an attempt that begins anew never shows less of the whole than the one before.
+
+    Raises:
+        FenceLost: where the job belongs to someone else.
+    """
+    stage, fraction, share, left = progress.stage, progress.fraction, progress.overall, progress.left_seconds
+    values: dict[str, Any] = {"stage": stage, "progress": fraction, "touched": clock()}
+    note: dict[str, Any] = {"stage": stage, "fraction": round(fraction, 4), "message": progress.message}
+    if share is not None:
+        values["overall"] = case((JobRow.overall > share, JobRow.overall), else_=share)
+        values["expected_end"] = None if left is None else clock() + left
+        note |= {"overall": round(share, 4), "left_seconds": None if left is None else round(left, 1)}
+    with database.write() as session:
+        write_fenced(session, claim, **values)
+        record(session, claim.job, "progress", **note)
+
+
+def _method(request: Mapping[str, Any]) -> object:
+    settings = request.get("settings")
+    return settings.get("method") if isinstance(settings, Mapping) else None
