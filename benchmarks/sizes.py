@@ -42,7 +42,7 @@ def main() -> None:
     """Drape all."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("templates", nargs="*", default=TEMPLATES)
-    parser.add_argument("--fabric", default="cotton_jersey")
+    parser.add_argument("--fabric", default="single_jersey")
     parser.add_argument("--only", action="append", help="a size by its name, several times")
     parser.add_argument("--out", type=Path, help="draw each size here")
     given = parser.parse_args()

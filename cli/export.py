@@ -18,18 +18,22 @@ LARGEST_TABLE = 1 << 20
 
 @dataclass(frozen=True)
 class ProductionOptions:
-    """Describe what was typed about files for production; each field is the option of its name."""
+    """Describe what was typed about files that are written on demand; each field is the option of its name."""
 
     dialect: str | None
     allowance: str | None
     paper: str | None
     fold: bool
+    texel: float | None
     timeout: float | None
     workers: int | None
+    out: Path
+    home: Path | None
+    as_json: bool
 
 
 def production_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options of files for production; the command takes them as one `production: ProductionOptions`."""
+    """Add the options of files that are written on demand; the command takes one `production: ProductionOptions`."""
     options = [
         click.option("--dialect", type=click.Choice(DIALECTS), help="Whose DXF is written.  [default: aama]"),
         click.option(
@@ -38,8 +42,12 @@ def production_options(function: Callable[..., Any]) -> Callable[..., Any]:
         ),
         click.option("--paper", help="a4, letter, a3, a0, roll, or roll:WIDTH in mm.  [default: a4]"),
         click.option("--fold", is_flag=True, help="Draw symmetric pieces as halves on the fold of the cloth."),
+        click.option("--texel", type=float, help="Width of a texel of a texture: 0.5, 1 or 2 mm.  [default: 1]"),
         timeout_option,
         workers_option,
+        out_option,
+        known_home_option,
+        json_option,
     ]
     return gather(ProductionOptions, options, "production")(function)
 
@@ -49,9 +57,6 @@ def production_options(function: Callable[..., Any]) -> Callable[..., Any]:
 @click.argument("names", nargs=-1)
 @click.option("--as", "form", type=click.Choice(tuple(FORMATS)), help="Write it in another format.")
 @production_options
-@out_option
-@known_home_option
-@json_option
 @click.pass_context
 def command(
     context: click.Context,
@@ -59,9 +64,6 @@ def command(
     names: tuple[str, ...],
     form: str | None,
     production: ProductionOptions,
-    out: Path,
-    home: Path | None,
-    as_json: bool,
 ) -> None:
     """Copy a job's files into a folder, or write its garment in another format.
 
@@ -82,26 +84,17 @@ def command(
         if names:
             raise click.UsageError("give names of stored files, or --as FORMAT, not both.")
         options = {"format": form, **read_options(production)}
-        context.exit(write_production(job, options, production, Place(out, home, as_json)))
-    if any((production.dialect, production.allowance, production.paper, production.fold)):
-        raise click.UsageError("--dialect, --allowance, --paper and --fold go with --as FORMAT.")
-    backend = open_backend(read_settings(home=home))
+        context.exit(write_production(job, options, production))
+    if any((production.dialect, production.allowance, production.paper, production.fold, production.texel)):
+        raise click.UsageError("--dialect, --allowance, --paper, --fold and --texel go with --as FORMAT.")
+    backend = open_backend(read_settings(home=production.home))
     found = backend.find_job(job)
-    _print_paths(found.id, backend.export_files(found.id, out.absolute(), names), as_json)
-
-
-@dataclass(frozen=True)
-class Place:
-    """Describe where files go, in which home their job is, and how they are told of."""
-
-    out: Path
-    home: Path | None
-    as_json: bool
+    _print_paths(found.id, backend.export_files(found.id, production.out.absolute(), names), production.as_json)
 
 
 def read_options(production: ProductionOptions) -> dict[str, Any]:
     """Return the fields of an export's request that were typed."""
-    given: dict[str, Any] = {"dialect": production.dialect, "paper": production.paper}
+    given: dict[str, Any] = {"dialect": production.dialect, "paper": production.paper, "texel": production.texel}
     if production.allowance is not None:
         given["allowance"] = read_table(production.allowance)
     if production.fold:
@@ -127,7 +120,7 @@ def read_table(text: str) -> str:
         raise click.UsageError(f"'{text[:60]}' cannot be read as text.") from error
 
 
-def write_production(job: str, options: Mapping[str, Any], production: ProductionOptions, place: Place) -> int:
+def write_production(job: str, options: Mapping[str, Any], production: ProductionOptions) -> int:
     """Queue an export, wait for it, copy its files, print the paths, and return the exit status."""
     from ..service.backend import open_backend
     from ..service.derived import DerivedOrder
@@ -138,7 +131,7 @@ def write_production(job: str, options: Mapping[str, Any], production: Productio
     from .follow import Wait, WaitTimedOut, follow
     from .terminal import note, print_error
 
-    settings = read_settings(home=place.home)
+    settings = read_settings(home=production.home)
     backend = open_backend(settings)
     done = backend.submit_derived(DerivedOrder("export", job, options))
 
@@ -149,14 +142,14 @@ def write_production(job: str, options: Mapping[str, Any], production: Productio
     if done.state != State.SUCCEEDED:
         keep_up()
     try:
-        report = follow(backend, done.job, Wait(production.timeout, place.as_json, keep_up))[0]
+        report = follow(backend, done.job, Wait(production.timeout, production.as_json, keep_up))[0]
     except WaitTimedOut:
         note(f"job {done.job} goes on; `garmentq export {done.job}` copies its files.")
         return exits.TIMED_OUT
     if report.error:
         print_error(report.error.code, report.error.message)
     if report.state == State.SUCCEEDED:
-        _print_paths(done.job, backend.export_files(done.job, place.out.absolute()), place.as_json)
+        _print_paths(done.job, backend.export_files(done.job, production.out.absolute()), production.as_json)
     return exits.job_status(report, False)
 
 

@@ -10,19 +10,16 @@ from typing import Any
 
 import click
 
-from .export import Place, ProductionOptions, production_options, read_options, read_table, write_production
-from .options import json_option, known_home_option, out_option
+from .export import ProductionOptions, production_options, read_options, read_table, write_production
 
 
 @click.command("sizes")
 @click.argument("job")
 @click.option("--step", type=float, default=4.0, show_default=True, help="Between sizes, in bust, waist and hip [cm].")
 @click.option("--range", "span", default="-2..2", show_default=True, help="Steps below and above the wearer's size.")
+@click.option("--drape", is_flag=True, help="Drape each size on a body by its measures, too; 10 to 30 s of CPU a size.")
 @click.option("--table", help="A file of sizes instead: name,bust,waist,hip,height in cm, CSV or JSON.")
 @production_options
-@out_option
-@known_home_option
-@json_option
 @click.pass_context
 def command(
     context: click.Context,
@@ -30,17 +27,19 @@ def command(
     step: float,
     span: str,
     table: str | None,
+    drape: bool,
     production: ProductionOptions,
-    **place: Any,
 ) -> None:
     """Grade a result's pattern to other sizes.
 
     Writes a pattern for each size, a nest of all sizes as PDF and DXF, and the base size with its grade rules. Every
-    control point moves by what the base pattern's draft changes; a pattern without a draft is scaled, and says so.
+    control point moves by what the base pattern's draft changes; a pattern without a draft is scaled, and says so. With
+    --drape also each size on a body of the wearer's figure with its girths, in A pose, with verdicts in sizes.json.
 
     \b
     Example:
       garmentq sizes 3685ecfd4f81 --step 4 --range -2..4 --out sizes
+      garmentq sizes 3685ecfd4f81 --range -1..1 --drape --out tried_on
       garmentq sizes 3685ecfd4f81 --table sizes.csv --dialect gerber
     """
     options: dict[str, Any] = {"format": "sizes", "step": step, **read_options(production)}
@@ -50,7 +49,9 @@ def command(
     options.update(first=int(found[1]), last=int(found[2]))
     if table is not None:
         options["sizes"] = read_sizes(read_table(table))
-    context.exit(write_production(job, options, production, Place(place["out"], place["home"], place["as_json"])))
+    if drape:
+        options["drape"] = True
+    context.exit(write_production(job, options, production))
 
 
 def read_sizes(text: str) -> list[dict[str, Any]]:

@@ -20,9 +20,7 @@ from .options import home_option, json_option, workers_option
 )  # fmt: skip
 @home_option
 @json_option
-def command(
-    workers: int | None, is_serving: bool, host: str, port: int, home: Path | None, as_json: bool
-) -> None:
+def command(workers: int | None, is_serving: bool, host: str, port: int, home: Path | None, as_json: bool) -> None:
     """Start the embedded broker and worker.
 
     They stop after a while without work. With --serve they stay, and start again where they die, until this command is

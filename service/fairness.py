@@ -18,9 +18,7 @@ from .states import State
 
 def is_due() -> ColumnElement[bool]:
     """Return the condition of a job that does not rest; a rest longer than any is of a clock that was set back."""
-    return or_(
-        JobRow.not_before.is_(None), JobRow.not_before <= clock(), JobRow.not_before > clock() + LONGEST_SECONDS
-    )
+    return or_(JobRow.not_before.is_(None), JobRow.not_before <= clock(), JobRow.not_before > clock() + LONGEST_SECONDS)
 
 
 def choose_job(session: Session, wakeup: str) -> str | None:

@@ -105,7 +105,6 @@ class Caller:
         if scope not in self.scopes and "admin" not in self.scopes:
             raise ScopeMissing(f"the key lacks the scope '{scope}'; ask for one that has it.")
 
-
     def may_hurry(self, priority: int) -> None:
         """Check the priority of a job.
 

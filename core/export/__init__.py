@@ -2,14 +2,12 @@
 
 from ..pattern import save_pattern, write_pattern
 from .animation import write_animation
-from .layout import lay_out
 from .meshes import uv_layout, write_meshes, write_ply
 from .pattern_svg import pattern_svg, write_svg
 from .report import report_html
 from .result import plain, write_recovery
 
 __all__ = [
-    "lay_out",
     "pattern_svg",
     "plain",
     "report_html",

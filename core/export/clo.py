@@ -16,8 +16,8 @@ import numpy as np
 from ..errors import BadInput
 from ..pattern import Edge, EdgeRef, Panel, Pattern, edge_length, edge_points, equalise_seams, panel_outline
 from ..pattern.curves import chord, is_flat_arc, place_on_chord, unit_circle
+from ..pieces import lay_out
 from ..simulate import Fabric
-from .layout import lay_out
 from .sewn_mesh import plain_names
 
 MM = 1e3

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..mesh import polyline_length, resample_polyline
 from ..pattern import EdgeRef, Pattern, edge_points
-from .layout import lay_out
+from ..pieces import lay_out
 
 SCALE = 10
 """The report's drawing is 1:10: a dress's pieces then fit the width of a page."""

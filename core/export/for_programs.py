@@ -88,7 +88,8 @@ def write_texture(production: Production, folder: Path) -> list[Path]:
     if production.scan is None or not production.scan.is_file():
         raise ScanMissing()
     scan = read_colours(production.scan, production.files)
-    return write_textured(meshes[0], scan, folder, garment_stem(production.files)).files
+    stem = garment_stem(production.files)
+    return write_textured(meshes[0], scan, folder, stem, production.options.texel).files
 
 
 def read_colours(scan: Path, result: Path) -> ColouredScan:

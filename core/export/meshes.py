@@ -10,7 +10,7 @@ import numpy as np
 
 from ..mesh import vertex_normals
 from ..pattern import Garment
-from .layout import lay_out
+from ..pieces import lay_out
 
 UV_GAP = 0.02
 """Space between panels in the uv plane [m]: a texture may bleed 2 cm over an edge before it meets another panel."""

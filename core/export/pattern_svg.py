@@ -11,7 +11,7 @@ import numpy as np
 
 from ..pattern import Panel, Pattern, contains, edge_points, panel_outline
 from ..pattern.svg_path import edge_path
-from .layout import lay_out
+from ..pieces import lay_out
 
 SHEET = 1.4
 """Width of the sheet [m]: the usable width of common cloth."""

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from ..pattern import Pattern, panel_outline
+from ..pieces import lay_out
 from ..wear import Worn
-from .layout import lay_out
 from .person import on_white
 from .picture import ColouredMesh, aim, draw, png_base64
 from .sewn_mesh import SewnMesh

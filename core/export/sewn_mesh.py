@@ -12,8 +12,8 @@ import numpy as np
 
 from ..mesh import vertex_normals
 from ..pattern import EdgeRef, Garment, edge_length
+from ..pieces import lay_out
 from ..simulate import Fabric
-from .layout import lay_out
 from .meshes import UV_GAP, uv_layout
 
 FABRIC_UNITS = {

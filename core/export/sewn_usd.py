@@ -19,6 +19,21 @@ class UsdMissing(BadInput):
     code = "export.usd_missing"
 
 
+def write_usdz(usd: Path) -> Path:
+    """Pack a USD file with the texture that it names into one `.usdz` beside it, and return that.
+
+    Raises:
+        UsdMissing: where the extra `usd` is not installed.
+    """
+    if not can_write_usd():
+        raise UsdMissing()
+    from pxr import UsdUtils
+
+    path = usd.with_suffix(".usdz")
+    UsdUtils.CreateNewUsdzPackage(str(usd), str(path))
+    return path
+
+
 def write_sewn_usd(mesh: SewnMesh, path: Path, image: Path | None = None) -> Path:
     """Write a binary USD file of one welded mesh [m], y up.
 

@@ -14,7 +14,7 @@ from ..texture.bake import check_texel
 from .prints import draw_print, list_prints
 from .sewn_files import write_sewn_glb, write_sewn_obj
 from .sewn_mesh import SewnMesh
-from .sewn_usd import write_sewn_usd
+from .sewn_usd import write_sewn_usd, write_usdz
 from .usd_mesh import can_write_usd
 
 
@@ -35,8 +35,8 @@ def write_textured(mesh: SewnMesh, scan: ColouredScan, folder: Path, stem: str, 
     """Bake a scan's colours and write them.
 
     Writes `STEM_texture.png`, `STEM_texture_mask.png` (white: seen, grey: filled from around it, black: no cloth),
-    `STEM_textured.glb`, `.obj` with `.mtl` and `.json`, `.usd` where the extra is installed, and the prints of
-    `list_prints` as `STEM_print_PIECE.png`: at true scale by the resolution that each states.
+    `STEM_textured.glb`, `.obj` with `.mtl` and `.json`, `.usd` and `.usdz` where the extra is installed, and the prints
+    of `list_prints` as `STEM_print_PIECE.png`: at true scale by the resolution that each states.
 
     Args:
         mesh: The detail mesh, which lies on the scan.
@@ -60,6 +60,7 @@ def write_textured(mesh: SewnMesh, scan: ColouredScan, folder: Path, stem: str, 
     files += write_sewn_obj(mesh, folder / f"{stem}_textured.obj", image)
     if can_write_usd():
         files.append(write_sewn_usd(mesh, folder / f"{stem}_textured.usd", image))
+        files.append(write_usdz(files[-1]))
     for name, places in list_prints(mesh.garment.pattern):
         path = folder / f"{stem}_print_{name}.png"
         path.write_bytes(_png(draw_print(mesh, baked, places, texel), texel))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..pattern import save_pattern
-from ..pieces import Piece, PieceSet, make_pieces, stack_up
+from ..pieces import Piece, PieceSet, lay_out, make_pieces
 from .dialects import BY_NAME
 from .drawing import draw_lines, keep_ascii, list_texts, place_texts
 from .dxf import Block, Rules, dxf_text, rule_text, write_archive
@@ -117,7 +117,7 @@ def nest_pdf(sizes: list[Size], pieces: list[PieceSet], width: float) -> bytes:
     low = np.array([np.min([one.pieces[n].cut.points.min(axis=0) for one in pieces], axis=0) for n in range(count)])
     high = np.array([np.max([one.pieces[n].cut.points.max(axis=0) for one in pieces], axis=0) for n in range(count)])
     room = max(width / 1e3, float((high - low)[:, 0].max()) + 2.0 * MARGIN / 1e3)
-    corners = stack_up(high - low, GAP, room - 2.0 * MARGIN / 1e3)
+    corners = lay_out(high - low, GAP, room - 2.0 * MARGIN / 1e3, stacked=True)
     legend = MARGIN * (len(sizes) + 3)
     shifts = 1e3 * (corners - low) + [MARGIN, MARGIN + legend]
     parts = ["0 G 0 g 1 J 1 j\n"]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from ..errors import keep_printable
 from ..pieces import PieceSettings, read_allowances
+from ..texture import check_texel
 from .errors import FormatUnknown, SizesBad
 from .papers import find_paper
 from .registry import DIALECTS, FORMATS
@@ -39,6 +40,8 @@ class ExportOptions:
         step: Difference between sizes in bust, waist and hip [cm].
         first, last: Steps from the smallest and to the largest size; 0 is the wearer's own.
         sizes: The sizes of a table; they stand instead of the step.
+        drape: True to drape each size on a body by its measures.
+        texel: Width of a texel of a texture [mm].
     """
 
     format: str
@@ -50,6 +53,8 @@ class ExportOptions:
     first: int = -2
     last: int = 2
     sizes: tuple[SizeLine, ...] = ()
+    drape: bool = False
+    texel: float = 1.0
 
     def __post_init__(self) -> None:
         """Refuse what there is not.
@@ -59,11 +64,13 @@ class ExportOptions:
             SheetTooSmall: where a roll has another width.
             AllowanceBad: where an allowance is none.
             SizesBad: where sizes are none.
+            TexelBad: where a texel has another width.
         """
         for name, known in ((self.format, tuple(FORMATS)), (self.dialect, DIALECTS)):
             if name not in known:
                 raise FormatUnknown(f"'{keep_printable(str(name)[:40])}' is none of {', '.join(known)}.")
         find_paper(self.paper)
+        check_texel(self.texel)
         read_allowances(self.allowance)
         if not 0.5 <= self.step <= 20.0:
             raise SizesBad(f"sizes are 0.5 to 20 cm apart, not {self.step:g}.")

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ..drape import measure_wearer
+from ..hooks import SILENT, Hooks
 from ..pattern import BodyMeasures, save_pattern
 from ..pieces import PieceSet, Style, make_pieces
 from ..wear import Worn
@@ -30,12 +31,14 @@ class Production:
         options: What is to be written.
         files: Folder of the result's files, for writers that need its meshes.
         scan: The scan's file, or what was read of it, for writers that need its colours; None where there is none.
+        hooks: Progress and cancellation, for writers that compute long.
     """
 
     worn: Worn
     options: ExportOptions
     files: Path
     scan: Path | None = None
+    hooks: Hooks = SILENT
 
     @cached_property
     def measures(self) -> BodyMeasures:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..pieces import PieceSet, stack_up
+from ..pieces import PieceSet, lay_out
 from .drawing import Line, Text, draw_lines, list_texts, place_texts
 
 GAP = 0.01
@@ -59,5 +59,5 @@ def place_boxes(pieces: PieceSet, width: float) -> tuple[np.ndarray, np.ndarray]
     """Return what moves each piece to its place on a sheet [m], shape [n, 2], and the sheet's size [m], shape [2]."""
     low = np.array([piece.cut.points.min(axis=0) for piece in pieces.pieces])
     sizes = np.array([piece.cut.points.max(axis=0) for piece in pieces.pieces]) - low
-    corners = stack_up(sizes, GAP, max(width, widest(pieces)) - 2.0 * GAP) + GAP
+    corners = lay_out(sizes, GAP, max(width, widest(pieces)) - 2.0 * GAP, stacked=True) + GAP
     return corners - low, (corners + sizes).max(axis=0) + GAP

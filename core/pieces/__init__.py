@@ -3,8 +3,9 @@
 from .allowance import WIDTHS, Allowances, read_allowances
 from .errors import AllowanceBad, PieceBad
 from .flatten import TOLERANCE, flatten_edge, flatten_outline
-from .layout import CLOTH_WIDTH, Lay, lay_on_cloth, stack_up
+from .layout import CLOTH_WIDTH, Copy, Lay, lay_on_cloth
 from .make import PieceSettings, Style, make_pieces
+from .nesting import nest_on_cloth
 from .numbers import CutNumbers, PieceNumbers, describe_pieces, measure_pieces
 from .piece import (
     SEWN,
@@ -20,6 +21,7 @@ from .piece import (
     PieceSide,
     SeamWalk,
 )
+from .shelves import lay_out
 
 __all__ = [
     "CLOTH_WIDTH",
@@ -29,6 +31,7 @@ __all__ = [
     "WIDTHS",
     "AllowanceBad",
     "Allowances",
+    "Copy",
     "CutLine",
     "CutNumbers",
     "EdgeUse",
@@ -49,8 +52,9 @@ __all__ = [
     "flatten_edge",
     "flatten_outline",
     "lay_on_cloth",
+    "lay_out",
     "make_pieces",
     "measure_pieces",
+    "nest_on_cloth",
     "read_allowances",
-    "stack_up",
 ]

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..pattern import polygon_area
 from .piece import Piece
+from .shelves import lay_out
 
 CLOTH_WIDTH = 1.40
 """The usual usable width of cloth [m]."""
@@ -15,20 +16,45 @@ CLOTH_WIDTH = 1.40
 CLOTH_GAP = 0.01
 """Free space between pieces on cloth [m]: room for the blade."""
 
+ON_FOLD = 1e-9
+"""A point this near to the fold [m] lies on it: all were put there."""
+
+
+@dataclass(frozen=True)
+class Copy:
+    """Describe one copy of a piece as it is cut, a folded one opened.
+
+    Attributes:
+        name: The piece's.
+        outline: Its cut line, counter-clockwise, the warp along y [m], shape [n, 2].
+    """
+
+    name: str
+    outline: np.ndarray
+
 
 @dataclass(frozen=True)
 class Lay:
-    """Describe how much cloth the pieces of a garment need, laid side by side along the warp.
+    """Describe how much cloth the pieces of a garment need.
 
     Attributes:
         width: Usable width of the cloth [m].
         length: Length that is used [m]; infinite where a piece is wider than the cloth.
         used: Share of the cloth that ends up in pieces.
+        copies: Each where it lies: x across the cloth, y along it; empty where a piece is wider.
     """
 
     width: float
     length: float
     used: float
+    copies: tuple[Copy, ...] = ()
+
+    @classmethod
+    def of(cls, copies: tuple[Copy, ...], width: float) -> Lay:
+        """Describe copies that lie on cloth from y = 0."""
+        length = max(float(copy.outline[:, 1].max()) for copy in copies)
+        area = sum(polygon_area(copy.outline) for copy in copies)
+        return cls(width, length, area / (length * width), copies)
 
 
 def lay_on_cloth(pieces: tuple[Piece, ...], width: float = CLOTH_WIDTH) -> Lay:
@@ -36,44 +62,33 @@ def lay_on_cloth(pieces: tuple[Piece, ...], width: float = CLOTH_WIDTH) -> Lay:
 
     A shelf layout of bounding boxes, smaller pieces stacked beside taller ones: what a cutter betters by hand.
     """
-    sizes, area = [], 0.0
-    for piece in pieces:
-        opened = 2.0 if piece.fold is not None else 1.0
-        sizes += [np.ptp(piece.cut.points, axis=0) * [opened, 1.0]] * piece.quantity
-        area += opened * piece.quantity * polygon_area(piece.cut.points)
-    if not sizes or max(size[0] for size in sizes) > width:
+    copies = list_copies(pieces)
+    sizes = np.array([np.ptp(copy.outline, axis=0) for copy in copies]).reshape(-1, 2)
+    if not copies or sizes[:, 0].max() > width:
         return Lay(width, float("inf"), 0.0)
-    corners = stack_up(np.array(sizes), CLOTH_GAP, width)
-    length = float((corners[:, 1] + np.array(sizes)[:, 1]).max())
-    return Lay(width, length, area / (length * width))
+    corners = lay_out(sizes, CLOTH_GAP, width, stacked=True)
+    laid = [
+        Copy(copy.name, copy.outline - copy.outline.min(axis=0) + corner)
+        for copy, corner in zip(copies, corners, strict=True)
+    ]
+    return Lay.of(tuple(laid), width)
 
 
-def stack_up(sizes: np.ndarray, gap: float, width: float) -> np.ndarray:
-    """Put boxes on shelves, tallest first, each upon a lower one of its shelf where there is room for it.
+def list_copies(pieces: tuple[Piece, ...]) -> list[Copy]:
+    """Return what is cut of pieces: of a pair half of them mirrored, folded ones opened."""
+    found = []
+    for piece in pieces:
+        outline = piece.cut.points if piece.fold is None else _unfold(piece)
+        mirrored = (outline * [-1.0, 1.0])[::-1]
+        for number in range(piece.quantity):
+            found.append(Copy(piece.name, mirrored if piece.pair and number % 2 else outline))
+    return found
 
-    Args:
-        sizes: Width and height of each box [m], shape [n, 2]; none is wider than `width`.
-        gap: Free space between boxes [m].
-        width: Where a shelf ends [m].
 
-    Returns:
-        Lower left corner of each box [m], shape [n, 2]; the first shelf stands on y = 0.
-    """
-    corners = np.zeros((len(sizes), 2))
-    columns: list[list[float]] = []  # x, width, y of the next box, top of the shelf
-    bottom = top = right = 0.0
-    for i in sorted(range(len(sizes)), key=lambda i: (-float(sizes[i, 1]), -float(sizes[i, 0]), i)):
-        wide, tall = float(sizes[i, 0]), float(sizes[i, 1])
-        room = [c for c in columns if wide <= c[1] + 1e-9 and c[2] + tall <= c[3] + 1e-9]
-        if room:
-            column = room[0]
-            corners[i] = column[0], column[2]
-            column[2] += tall + gap
-            continue
-        if not columns or right + wide > width + 1e-9:
-            bottom, right = top, 0.0
-            top = bottom + tall + gap
-        corners[i] = right, bottom
-        columns.append([right, wide, bottom + tall + gap, top - gap])
-        right += wide + gap
-    return corners
+def _unfold(piece: Piece) -> np.ndarray:
+    """Return the cut line of both halves of a folded piece."""
+    half, axis = piece.cut.points, float(piece.cut.points[:, 0].min())
+    on = half[:, 0] < axis + ON_FOLD
+    first = np.flatnonzero(on & ~np.roll(on, 1))  # the fold runs down on the left side of the right half
+    half = np.roll(half, -int(first[0]) - int(on.sum()) + 1, axis=0)[: len(half) - int(on.sum()) + 2]
+    return np.concatenate([half, (half[1:-1] * [-1.0, 1.0] + [2.0 * axis, 0.0])[::-1]])

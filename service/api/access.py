@@ -44,9 +44,7 @@ def get_rooms(request: Request) -> Rooms:
     return rooms
 
 
-def get_caller(
-    request: Request, described: Annotated[HTTPAuthorizationCredentials | None, Security(bearer)]
-) -> Caller:
+def get_caller(request: Request, described: Annotated[HTTPAuthorizationCredentials | None, Security(bearer)]) -> Caller:
     """Return who asks, whom the guard has let in; `described` only tells the OpenAPI page that a key is needed."""
     caller: Caller = request.scope[CALLER]
     return caller

@@ -29,6 +29,7 @@ READY: dict[str, Any] = {
 }  # fmt: skip
 HEALTHY: dict[int | str, dict[str, Any]] = {200: show_answer({"status": "ok", "version": "0.1.0"}, 200, Health)[200]}
 
+
 @router.get("/healthz", summary="Tell that the process lives.", responses={**HEALTHY, **show_refusals(403)})
 async def tell_health() -> Any:
     """Answer without touching anything."""

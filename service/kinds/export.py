@@ -50,9 +50,9 @@ class Export(Kind):
         from ...core.wear import load_worn
 
         clock = Clock(hooks)
-        with clock.stage("write", f"writing {request.format}"):
+        with clock.stage("write", f"writing {request.format}") as told:
             scan = None if request.scan is None else work.files / "scan" / request.scan.name
-            production = Production(load_worn(work.inputs[RESULT]), request, work.inputs[RESULT], scan)
+            production = Production(load_worn(work.inputs[RESULT]), request, work.inputs[RESULT], scan, told)
             write_production(production, work.out)
             pieces = production.pieces
         return Exported(pieces, clock)

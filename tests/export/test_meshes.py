@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.export import lay_out, uv_layout, write_meshes
+from garmentq.core.export import uv_layout, write_meshes
+from garmentq.core.pieces import lay_out
 
 
 @pytest.fixture(scope="module")
@@ -78,11 +79,12 @@ def test_uv_islands_do_not_overlap(garment) -> None:
     assert uv.min() >= 0.0
 
 
-def test_shelves_keep_boxes_apart() -> None:
+@pytest.mark.parametrize("stacked", [False, True])
+def test_shelves_keep_boxes_apart(stacked: bool) -> None:
     """Fails if a shelf were as high as its last box, or a wide box hid another."""
     sizes = np.random.default_rng(2).uniform(0.02, 0.9, (25, 2))
     sizes[3, 0] = 4.0
-    corners = lay_out(sizes, 0.01, 1.5)
+    corners = lay_out(sizes, 0.01, 1.5, stacked)
     for i in range(len(sizes)):
         for j in range(i):
             gap = np.maximum(corners[i] - corners[j] - sizes[j], corners[j] - corners[i] - sizes[i])

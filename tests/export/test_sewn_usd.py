@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
 from garmentq.core.export import sewn_usd
 from garmentq.core.export.sewn_mesh import SewnMesh
-from garmentq.core.export.sewn_usd import UsdMissing, write_sewn_usd
+from garmentq.core.export.sewn_usd import UsdMissing, write_sewn_usd, write_usdz
 from garmentq.core.pattern import load_draped_template
 from garmentq.core.simulate import get_fabric
 from PIL import Image
@@ -97,6 +98,17 @@ def test_a_texture_is_on_st_within_one(mesh: SewnMesh, tmp_path: Path) -> None:
     assert flat.min() >= 0.0 and flat.max() <= 1.0
     shader = UsdShade.Shader(stage.GetPrimAtPath("/garment/materials/panel_0/texture"))
     assert Path(shader.GetInput("file").Get().resolvedPath).name == "texture.png"
+
+
+def test_a_package_holds_mesh_and_texture(mesh: SewnMesh, tmp_path: Path) -> None:
+    """Fails if a phone gets a mesh without its texture, or other bytes for the same mesh."""
+    Image.fromarray(np.full((8, 8, 3), 128, np.uint8)).save(tmp_path / "texture.png")
+    usd = write_sewn_usd(mesh, tmp_path / "a.usd", tmp_path / "texture.png")
+    first = write_usdz(usd).read_bytes()
+    assert find_faults(tmp_path / "a.usdz") == []
+    with zipfile.ZipFile(tmp_path / "a.usdz") as package:
+        assert {Path(name).suffix for name in package.namelist()} == {".usd", ".png"}
+    assert write_usdz(usd).read_bytes() == first
 
 
 def test_same_mesh_same_bytes(mesh: SewnMesh, tmp_path: Path) -> None:

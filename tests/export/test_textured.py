@@ -47,7 +47,7 @@ def test_every_file_is_there_and_names_are_plain(written: dict[str, Path]) -> No
     """Fails if a panel's name left the folder."""
     wanted = {"tube_texture.png", "tube_texture_mask.png", "tube_textured.glb", "tube_textured.obj",
               "tube_textured.mtl", "tube_textured.json", "tube_print_FRONT.png", "tube_print_BACK.png"}  # fmt: skip
-    assert wanted <= set(written) <= wanted | {"tube_textured.usd"}
+    assert wanted <= set(written) <= wanted | {"tube_textured.usd", "tube_textured.usdz"}
 
 
 @pytest.mark.parametrize("name", ["tube_textured.glb", "tube_textured.obj"])

@@ -1,0 +1,83 @@
+"""Each size on a body by its measures."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from garmentq.core.body import MeasureRange, Tape, builtin_body, resize_body
+from garmentq.core.drape import measure_wearer
+from garmentq.core.export import sizes as written_sizes
+from garmentq.core.formats import ExportOptions, Production, write_production
+from garmentq.core.formats.grading import grade_sizes
+from garmentq.core.formats.size_drapes import drape_size
+from garmentq.core.pattern import load_draped_template
+from garmentq.core.simulate import get_fabric
+from garmentq.core.wear import Worn, is_sound
+from PIL import Image
+
+TEMPLATES = ("tshirt", "trousers", "skirt", "dress")
+
+
+def wear(name: str) -> Worn:
+    """Return a shipped drape as a garment that is worn."""
+    garment = load_draped_template(name)
+    if garment is None:
+        pytest.skip("no drape is shipped for this machine's triangulation")
+    waist = garment.contour("waist")
+    curve = None if waist is None else garment.nodes[waist.vertices]
+    body = builtin_body("builtin:female,height=1.70")
+    return Worn(garment, get_fabric("single_jersey"), body, curve, None, name, name)
+
+
+@pytest.mark.parametrize("growth", [0.0, -0.08, 0.12])
+def test_a_resized_body_has_the_measures(growth):
+    """Broken where a body by a size's measures misses one or its height by 3 mm, or is another person without any."""
+    wearer = builtin_body("builtin:male,height=1.80,weight=75,pose=A")
+    body = resize_body(wearer, dict.fromkeys(("chest", "waist", "hip"), growth))
+    tapes = [Tape.of(one) for one in (wearer, body)]
+    for place in ("chest", "waist", "hip"):
+        assert tapes[1].measure(place).value - tapes[0].measure(place).value == pytest.approx(growth, abs=3e-3)
+    assert np.ptp(body.rest_vertices[:, 1]) == pytest.approx(1.80, abs=3e-3)
+    if growth == 0.0:
+        assert np.abs(body.vertices - wearer.vertices).max() < 1e-6
+
+
+def test_files_of_draped_sizes_tell_each_size(tmp_path, monkeypatch):
+    """Broken where a size has no mesh or verdict, or one that no body has stops the others."""
+    worn = wear("tshirt")
+
+    def drape(_, size, base, hooks):
+        if size.name == "B96":
+            raise MeasureRange("no body is so")
+        return quick
+
+    class Quick:
+        """A drape that was made before."""
+
+        gates, warnings, metrics = (), (), {"ease.chest_mm": 40.0}
+
+    quick = Quick()
+    quick.worn = worn
+    monkeypatch.setattr(written_sizes, "drape_size", drape)
+    options = ExportOptions("sizes", first=-1, last=1, drape=True)
+    files = write_production(Production(worn, options, tmp_path), tmp_path / "out")
+    assert all(file.is_file() for file in files)
+    told = json.loads((tmp_path / "out" / "sizes.json").read_text())["sizes"]
+    assert [(one["name"], one["verdict"]) for one in told] == [("B88", "pass"), ("B92", "pass"), ("B96", "fail")]
+    assert told[2]["warnings"] == ["no body is so"] and told[1]["is_base"]
+    assert {"draped_B88.ply", "body_B92.ply", "nest.pdf", "pattern_B96.json"} <= {file.name for file in files}
+    with Image.open(tmp_path / "out" / "sizes.png") as picture:
+        assert picture.size == (600, 960)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_every_size_hangs_at_rest_on_its_body(name):
+    """Broken where a size of -2..4 steps of 4 cm does not come to rest, crosses itself, or lies in its body by 1 mm."""
+    worn = wear(name)
+    base = measure_wearer(worn.body)
+    for size in grade_sizes(worn.pattern, name, base, 1.70, ExportOptions("sizes", first=-2, last=4)):
+        metrics = drape_size(worn, size, base).metrics
+        assert is_sound(metrics), (size.name, metrics)
