@@ -35,7 +35,14 @@ def write_person(path):
 
 
 @pytest.mark.slow
-def test_two_garments_of_one_scan_are_two_jobs(tmp_path, blank_database, monkeypatch):
+@pytest.mark.parametrize(
+    "garments",
+    [
+        pytest.param({"--keep": {"2": "shorts"}, "--cloth": {"1": ""}}, id="shorts"),
+        pytest.param({"--keep": {"1": "tshirt", "2": "shorts"}}, id="both", marks=pytest.mark.nightly),
+    ],
+)
+def test_each_garment_of_a_scan_is_recovered(garments, tmp_path, blank_database, monkeypatch):
     """Broken where labels get lost between the command line and the worker, or one garment is recovered twice."""
     home = tmp_path / "home"
     home.mkdir(mode=0o700)
@@ -45,16 +52,16 @@ def test_two_garments_of_one_scan_are_two_jobs(tmp_path, blank_database, monkeyp
     cli = Cli(settings)
     person = write_person(tmp_path / "person.ply")
     ensure_services(settings, workers=1)
+    chosen = [word for option, labels in garments.items() for label in labels for word in (option, label)]
     try:
-        options = "--method deform --vertices 500 --wait".split()
-        done = cli("submit", person, "--keep", "1", "--keep", "2", *options)
+        done = cli("submit", person, *chosen, *"--method deform --vertices 500 --wait".split())
         assert done.returncode == 0, done.stderr
         jobs = done.stdout.split()
         found = [json.loads(cli("result", job, "--json").stdout) for job in jobs]
     finally:
         stop_services(settings)
-    assert len(set(jobs)) == 2
-    assert [one["garment"] for one in found] == ["tshirt", "shorts"]
+    assert len(set(jobs)) == len(jobs)
+    assert [one["garment"] for one in found] == list(garments["--keep"].values())
     for one in found:
         assert one["state"] == "succeeded" and one["body"].startswith("scan:")
         assert one["metrics"]["body.fit_rms_mm"] < 4.0, "the other garment must not count as skin"
