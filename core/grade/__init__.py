@@ -14,6 +14,7 @@ from .flattening import (
 )
 from .grading import GradeSettings, Grading, grade_pattern, move_pattern, step_without_folds
 from .isometry import Isometry, IsometrySettings
+from .neckline import NecklineFit, fit_necklines
 from .proportion import Proportions, find_proportions
 from .registration import RegistrationSettings, register_coarsely
 from .sliding import SlideSettings, slide_seams, solve_isometry
@@ -28,6 +29,7 @@ __all__ = [
     "Grading",
     "Isometry",
     "IsometrySettings",
+    "NecklineFit",
     "Proportions",
     "RegistrationSettings",
     "SlideSettings",
@@ -39,6 +41,7 @@ __all__ = [
     "complete_target",
     "find_proportions",
     "fit_control_points",
+    "fit_necklines",
     "flat_contours",
     "grade_pattern",
     "hidden_folds",

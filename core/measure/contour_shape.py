@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..body import JOINTS, PARENTS, Body
-from ..mesh import polyline_length, resample_polyline
+from ..grade import NecklineFit, fit_necklines
+from ..mesh import ClosedCurve, corner_angles, resample_polyline
 from ..pattern import Garment
+from ..pattern.parts import Neckline, corner_turn
 from ..segment import Contour, Target, smooth_loop, unroll_neck
 
-CORNER_SPAN = 0.03
-"""Length at each side of the middle over which a neckline's direction is taken [m]: two teeth of a cut along triangles.
-A round neckline of 7 cm radius turns by 25 degrees there, a V by 100."""
+CORNER_SPAN = 0.012
+"""Length at each side of the middle within which a pattern's edge may turn for its corner [m]: less than an edge of a
+coarse mesh. A round neckline of 7 cm radius turns by 20 degrees there."""
 
 FINE = 400
 """Parts of half a neckline between which distances are taken: less than 1 mm each."""
@@ -36,10 +40,12 @@ def measure_contour_shapes(garment: Garment, nodes: np.ndarray, target: Target, 
         body: The wearer.
 
     Returns:
-        `shape.neck_corner_deg`: by how much more one neckline turns in its middle than the other, in front or behind,
-        whichever is more. `shape.neck_mm`: the largest distance of the two lines of the neck, unrolled. `shape.NAME_mm`
-        of any other contour: the largest distance along the limb or trunk that it goes round. What either has not is
-        left out.
+        `shape.neck_corner_deg`: difference of the corners in the middle of the pattern's neckline and of the scan's, in
+        front or behind, whichever is more. The pattern's is measured in the flat cloth, so that no drape bends it; the
+        scan's is that of the straight V of its width and depth where its line is nearest to a V, for worn cloth bows
+        what was cut straight, and none where it is nearest to another neckline. `shape.neck_mm`: the largest distance
+        of the two lines of the neck, unrolled. `shape.NAME_mm` of any other contour: the largest distance along the
+        limb or trunk that it goes round. What either has not is left out.
     """
     found: dict[str, float | None] = {}
     ours = {contour.name: nodes[contour.vertices] for contour in garment.contours}
@@ -49,29 +55,61 @@ def measure_contour_shapes(garment: Garment, nodes: np.ndarray, target: Target, 
         mine, theirs = ours[contour.name], target.vertices[contour.vertices]
         if contour.name == "neck":
             found |= _compare_necks(mine, theirs, body)
+            found |= _compare_corners(garment, nodes, target, body)
         else:
             found[f"shape.{contour.name}_mm"] = MM * _compare_edges(mine, theirs, _axis(contour, body))
     return found
 
 
 def _compare_necks(mine: np.ndarray, theirs: np.ndarray, body: Body) -> dict[str, float | None]:
-    """Return the largest distance of two neck lines, and the difference of the turns of their middles."""
+    """Return the largest distance of two neck contours, each unrolled in front and behind."""
     lines, others = unroll_neck(mine, body), unroll_neck(theirs, body)
     if lines is None or others is None:
         return {}
-    gaps, turns = [], []
-    for line, other in ((lines.front, others.front), (lines.back, others.back)):
-        gaps.append(max(_largest_gap(line, other), _largest_gap(other, line)))
-        turns.append(abs(middle_turn(line) - middle_turn(other)))
-    return {"shape.neck_corner_deg": float(np.degrees(max(turns))), "shape.neck_mm": MM * max(gaps)}
+    pairs = ((lines.front, others.front), (lines.back, others.back))
+    return {"shape.neck_mm": MM * max(_largest_gap(one, two) for pair in pairs for one, two in (pair, pair[::-1]))}
 
 
-def middle_turn(line: np.ndarray) -> float:
-    """Return by how much a neckline turns in its middle [rad], given half of it from the side, shape [n, 2]."""
-    share = min(CORNER_SPAN / max(polyline_length(line), 1e-9), 0.5)
-    fine = resample_polyline(line, 1 + FINE)
-    across, down = np.abs(fine[-1] - fine[-1 - round(share * FINE)])
-    return 2.0 * float(np.arctan2(down, across))
+def _compare_corners(garment: Garment, nodes: np.ndarray, target: Target, body: Body) -> dict[str, float | None]:
+    """Return by how much the corners in the middle of a pattern's neckline and of a scan's differ."""
+    fits = fit_necklines(target, body)
+    if fits is None:
+        return {}
+    loop = next(contour.vertices for contour in garment.contours if contour.name == "neck")
+    lateral = (body.joint("left_shoulder") - body.joint("right_shoulder")) * (1.0, 0.0, 1.0)
+    off, ahead = nodes[loop] @ lateral, nodes[loop] @ np.cross(lateral, (0.0, 1.0, 0.0))
+    off = off - (off.max() + off.min()) / 2
+    apart = []
+    for side, fit in ((ahead > ahead.mean(), fits.front[0]), (ahead <= ahead.mean(), fits.back[0])):
+        middle = int(np.flatnonzero(side)[np.abs(off[side]).argmin()])
+        apart.append(abs(flat_turn(garment, loop, middle) - _corner(fit)))
+    return {"shape.neck_corner_deg": float(np.degrees(max(apart)))}
+
+
+def _corner(fit: NecklineFit) -> float:
+    """Return the corner in the middle of the neckline that is nearest to a contour [rad]."""
+    if fit.throat.kind is not Neckline.V:
+        return 0.0
+    return corner_turn(replace(fit.throat, bow=0.0), fit.half_width)
+
+
+def flat_turn(garment: Garment, loop: np.ndarray, middle: int) -> float:
+    """Return by how much an open edge turns in the flat cloth within `CORNER_SPAN` of one of its nodes [rad], >= 0.
+
+    At a node of a border the edge turns by pi less the sum of the angles of the flat triangles there: also where a
+    seam ends, whatever the panels' places.
+
+    Args:
+        garment: The pattern, meshed and sewn.
+        loop: Nodes along the edge, closed.
+        middle: Which of them.
+    """
+    flat = np.c_[garment.uv, np.zeros(len(garment.uv))]
+    angles = np.bincount(garment.faces.ravel(), corner_angles(flat, garment.uv_faces).ravel(), len(garment.nodes))
+    order = np.roll(loop, -middle)
+    arc = ClosedCurve(garment.nodes[order]).arc
+    within = np.minimum(arc[:-1], arc[-1] - arc[:-1]) < CORNER_SPAN
+    return abs(float((np.pi - angles[order[within]]).sum()))
 
 
 def _largest_gap(line: np.ndarray, other: np.ndarray) -> float:

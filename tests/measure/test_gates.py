@@ -57,7 +57,7 @@ def test_a_good_result_passes_every_gate() -> None:
         ("surface_rms_mm__t2s", "surface_fit_t2s", 6.0, 20.0),
         ("seam_mismatch_mm", "seams", 1.0, 5.0),
         ("pattern__corner_deg", "fairness", 12.0, 40.0),
-        ("shape__neck_corner_deg", "neckline", 75.0, 120.0),
+        ("shape__neck_corner_deg", "neckline", 45.0, 115.0),
         ("shape__hem_mm", "contour_shape", 60.0, 150.0),
         ("pattern__beyond_human", "plausible", 1.2, 10.0),
         ("body_penetration_mm", "penetration", 2.0, 8.0),
