@@ -210,7 +210,7 @@ def order_options(function: Decorator) -> Decorator:
         click.option(
             "--part",
             multiple=True,
-            metavar="PART=CHOICE",
+            metavar="[PART:]NAME=CHOICE",
             help="Part of the cut, overruling what the scan shows: neckline=v; see `templates list --parts`.",
         ),
         *method_options(),

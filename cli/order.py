@@ -82,24 +82,25 @@ def make_choices(options: OrderOptions, templates: Mapping[str, str]) -> dict[st
         templates: Pattern file or template's name of each part that has one.
     """
     garments, fabrics = (split_choice(name, getattr(options, name))[1] for name in ("garment", "fabric"))
-    locks = split_locks(options.lock)
+    locks, parts = split_lists(options.lock), split_lists(options.part)
     found = {}
     for word in WORDS:
-        if word in {*templates, *garments, *fabrics, *locks}:
+        if word in {*templates, *garments, *fabrics, *locks, *parts}:
             template = templates.get(word)
             file = find_file(template)
             name = None if file is not None else template
-            found[word] = PartOrder(file, name, garments.get(word), fabrics.get(word), locks.get(word))
+            own = (garments.get(word), fabrics.get(word), locks.get(word), parts.get(word))
+            found[word] = PartOrder(file, name, *own)
     return found
 
 
-def split_locks(typed: Sequence[str]) -> dict[str, str]:
-    """Return the locks of each part, those of all under no word, separated by commas."""
+def split_lists(typed: Sequence[str]) -> dict[str, str]:
+    """Return what an option that may come several times says of each part, of all under no word, by commas."""
     found: dict[str, list[str]] = {}
     for text in typed:
-        part, lock = split_part(text)
-        found.setdefault(part, []).append(lock)
-    return {part: ",".join(locks) for part, locks in found.items()}
+        part, value = split_part(text)
+        found.setdefault(part, []).append(value)
+    return {part: ",".join(values) for part, values in found.items()}
 
 
 def describe_choice(order: Order) -> str:
@@ -128,7 +129,7 @@ def make_settings(options: OrderOptions) -> RecoverySettings:
         preset=options.preset,
         garment=split_choice("garment", options.garment)[0],
         fabric=split_choice("fabric", options.fabric)[0] or RecoverySettings().fabric,
-        lock=split_locks(options.lock).get(""),
+        lock=split_lists(options.lock).get(""),
         free=options.free,
         units=options.units,
         up=options.up,
@@ -139,7 +140,7 @@ def make_settings(options: OrderOptions) -> RecoverySettings:
         keep_colour=options.keep_colour,
         colour_tolerance=options.colour_tolerance,
         cloth=",".join(options.cloth) or None,
-        parts=",".join(options.part) or None,
+        parts=split_lists(options.part).get(""),
     )
 
 

@@ -115,6 +115,15 @@ class RecoverySettings:
 
         return parse_parts(self.parts or "")
 
+    def overrule_parts(self, own: str | None) -> str | None:
+        """Return the choices of parts with those of one garment, `neckline=v`, before those for all."""
+        if own is None:
+            return self.parts
+        words = [word.strip() for word in own.split(",")]
+        named = {word.partition("=")[0].strip() for word in words}
+        common = [word.strip() for word in (self.parts or "").split(",")]
+        return ",".join([*(word for word in common if word and word.partition("=")[0].strip() not in named), *words])
+
     @property
     def locks(self) -> tuple[str, ...]:
         """Give the locks one by one."""

@@ -25,6 +25,7 @@ class PartOrder:
         garment: Category that overrides the one found, or None.
         fabric: Name in the fabric library, a fabric itself, or None.
         lock: What the fit takes as given, separated by commas, or None.
+        parts: Choices of parts of the cut, `neckline=v`, or None; they go before those for all.
     """
 
     template: Path | None = None
@@ -32,6 +33,7 @@ class PartOrder:
     garment: str | None = None
     fabric: str | Fabric | None = None
     lock: str | None = None
+    parts: str | None = None
 
 
 @dataclass(frozen=True)

@@ -102,7 +102,8 @@ def _check_person(order: Order) -> None:
             raise SettingsBad(f"'{word[:40]}' is no garment; name one of {', '.join(words)}.")
         if one.template is not None:
             _check_file(one.template, FileUnreadable(f"there is no pattern file '{one.template}'; check the path."))
-        _check_names(replace(order.settings, garment=one.garment, lock=one.lock))
+        parts = order.settings.overrule_parts(one.parts)
+        _check_names(replace(order.settings, garment=one.garment, lock=one.lock, parts=parts))
 
 
 def _check_file(path: Path, missing: BadInput) -> None:

@@ -153,7 +153,7 @@ class RemoteBackend(RemoteLibraries):
         for word, one in order.choices.items():
             pattern = self.upload("patterns", one.template) if one.template is not None else None
             template = None if pattern else one.name
-            own = {"garment": one.garment, "fabric": one.fabric, "lock": one.lock}
+            own = {"garment": one.garment, "fabric": one.fabric, "lock": one.lock, "cut": one.parts}
             told = {"pattern": pattern, "template": template, **own}
             parts[word] = {name: value for name, value in told.items() if value is not None}
         said = {"as": order.given_as, "wearing": order.wearing, "marks": list(order.marks), "parts": parts}

@@ -219,7 +219,9 @@ def _describe(order: Order, scan: Stored, store: Store) -> dict[str, Any]:
 def _describe_person(order: Order, scan: Stored, store: Store) -> dict[str, Any]:
     """Describe an order of a whole person likewise."""
     choices = {
-        word: PartChoice(_keep_template(one.template, one.name, store) or one.name, one.garment, one.fabric, one.lock)
+        word: PartChoice(
+            _keep_template(one.template, one.name, store) or one.name, one.garment, one.fabric, one.lock, one.parts
+        )
         for word, one in order.choices.items()
     }
     request = PersonRequest(

@@ -223,7 +223,7 @@ def _unpack(rooms: Rooms, caller: Caller, wanted: JobIn, folder: Path) -> Order:
 
     def choose(word: str, one: PartIn) -> PartOrder:
         file = unpack(f"pattern-{word}", one.pattern, "patterns") if one.pattern else None
-        return PartOrder(file, one.template, one.garment, one.fabric, one.lock)
+        return PartOrder(file, one.template, one.garment, one.fabric, one.lock, one.cut)
 
     body: Path | str | None = wanted.body
     if wanted.body is not None and not is_builtin(wanted.body):

@@ -56,6 +56,9 @@ class PartIn(BaseModel):
     garment: Text | None = None
     fabric: Text | None = None
     lock: Text | None = None
+    cut: Text | None = Field(
+        None, description="Choices of parts of the cut, neckline=v,sleeve=long, before those for all."
+    )
 
 
 class JobIn(BaseModel):

@@ -34,12 +34,15 @@ class PartChoice:
         garment: Category that overrides the one found, or None.
         fabric: Name of a shipped fabric, a fabric itself where it was imported, or None.
         lock: What the fit takes as given, separated by commas, or None.
+        parts: Choices of parts of the cut, `neckline=v`, or None. Left out of a stored request where it is None: equal
+            orders of releases that did not have it are the same job.
     """
 
     template: FileRef | str | None = None
     garment: str | None = None
     fabric: str | Fabric | None = None
     lock: str | None = None
+    parts: str | None = field(default=None, metadata={"is_left_out": True})
 
 
 @dataclass(frozen=True)
@@ -123,7 +126,8 @@ class PersonRequest:
         default = RecoverySettings()
         settings = replace(
             self.settings, template=template, garment=choice.garment, fabric=choice.fabric or default.fabric,
-            lock=choice.lock, keep=None, keep_colour=None, cloth=None, labels_key=None,
+            lock=choice.lock, parts=self.settings.overrule_parts(choice.parts), keep=None, keep_colour=None, cloth=None,
+            labels_key=None,
         )  # fmt: skip
         return RecoverRequest(None, None, None, settings, part=word)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from garmentq.cli.order import split_choice, split_locks
+from garmentq.cli.order import split_choice, split_lists
 from garmentq.core.body import builtin_body
 from garmentq.core.settings import SettingsBad
 from garmentq.service.jobs import find_job
@@ -93,6 +93,7 @@ def test_all_garments_of_a_person(ask, work, database, tmp_path):
     (tmp_path / "base.json").write_text((Path(__file__).parents[2] / "core/pattern/library/skirt.json").read_text())
     words = ("--fabric", "upper:denim", "--template", f"lower:{tmp_path / 'base.json'}", "--garment", "lower:skirt")
     words += ("--template", "upper:tshirt", "--lock", "fabric", "--lock", "upper:panel:front", "--mark", "upper=0,1,0")
+    words += ("--part", "neckline=crew,sleeve=cap", "--part", "upper:neckline=v")
     scan = put_file(tmp_path, "anna.ply")
     done = ask("submit", scan, *words, "--tag", "spring")
     assert done.returncode == 0, done.stderr
@@ -106,6 +107,8 @@ def test_all_garments_of_a_person(ask, work, database, tmp_path):
     assert (chosen["upper"]["fabric"], chosen["upper"]["template"]) == ("denim", "tshirt")
     assert (chosen["lower"]["fabric"], chosen["lower"]["template"]) == ("cotton_poplin", "base")
     assert (chosen["upper"]["lock"], chosen["lower"]["lock"]) == ("panel:front", "fabric")
+    parts = ("sleeve=cap,neckline=v", "neckline=crew,sleeve=cap")
+    assert (chosen["upper"]["parts"], chosen["lower"]["parts"]) == parts
     out = tmp_path / "out"
     done = ask("run", scan, *words, "--out", out)
     assert done.returncode == 0, done.stderr
@@ -138,7 +141,7 @@ def test_parts_in_front(tmp_path):
     """Breaks where a lock's own colon is taken for a part's, or what comes twice passes."""
     assert split_choice("fabric", ("denim", "upper:linen")) == ("denim", {"upper": "linen"})
     assert split_choice("template", ("a:b", "one-piece:x:y")) == ("a:b", {"one-piece": "x:y"})
-    assert split_locks(("panel:front", "upper:panel:a", "upper:fabric")) == {
+    assert split_lists(("panel:front", "upper:panel:a", "upper:fabric")) == {
         "": "panel:front", "upper": "panel:a,fabric"
     }  # fmt: skip
     with pytest.raises(SettingsBad):
