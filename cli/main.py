@@ -18,6 +18,7 @@ COMMANDS = {
     "submit": "Queue one or more scans.",
     "dress": "Dress another body in a stored result.",
     "refit": "Make a stored result to another body's measures.",
+    "edit": "Drape an edited pattern of a stored result.",
     "animate": "Move a stored result with its wearer.",
     "status": "Show the jobs, or one of them.",
     "logs": "Show what happened to a job.",

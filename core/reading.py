@@ -96,3 +96,29 @@ def load_reading(path: Path) -> Reading:
         return replace(kept.reading, pattern=replace(kept.reading.pattern, extra=json.loads(kept.extra)))
     except (ValueError, RecursionError) as error:
         raise ReaderCrashed() from error
+
+
+@dataclass(frozen=True)
+class _GivenPattern:
+    """A pattern, and as JSON what its file held beyond it."""
+
+    pattern: Pattern
+    extra: str
+
+
+def save_given_pattern(pattern: Pattern, path: Path) -> None:
+    """Write a pattern that was read from a user's file as plain arrays."""
+    write_record(_GivenPattern(replace(pattern, extra={}), json.dumps(pattern.extra)), path)
+
+
+def load_given_pattern(path: Path) -> Pattern:
+    """Read what `save_given_pattern` wrote in a limited process, which is not believed.
+
+    Raises:
+        ReaderCrashed: where it is something else.
+    """
+    kept = read_record(_GivenPattern, path)
+    try:
+        return replace(kept.pattern, extra=json.loads(kept.extra))
+    except (ValueError, RecursionError) as error:
+        raise ReaderCrashed() from error

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .queue_records import Queue
     from .records import Artifact, Job, JobReport, Key, News
     from .submission import Order, Submitted
+    from .versions import Version
     from .webhook_records import Receipt, Webhook
 
 
@@ -88,6 +89,9 @@ class Backend(Protocol):
         Raises:
             GarmentqError: with the code of what cannot be used.
         """
+
+    def list_versions(self, job: str) -> list[Version]:
+        """Return all versions of the result that a job is one of: the first, and every edit, oldest first."""
 
     def cancel(self, job: str) -> State:
         """Ask a job to stop, and return its state after that."""

@@ -175,3 +175,26 @@ def check_motion(request: dict[str, Any], files: str) -> dict[str, Any]:
             "notes": list(recording.notes),
         }
     }
+
+
+def check_edit(request: dict[str, Any], files: str) -> dict[str, Any]:
+    """Read the file of an edited pattern in a limited process, and write it as arrays.
+
+    Args:
+        request: The job's request, as it is stored, with the field `pattern`.
+        files: Folder that holds each file of the request, as FIELD/NAME.
+
+    Returns:
+        What was understood, as JSON values.
+
+    Raises:
+        BadInput: where it cannot be used.
+    """
+    from ..core.pattern import load_pattern
+    from ..core.reading import describe_pattern, save_given_pattern
+    from .kinds.edit_request import PATTERN
+
+    folder = Path(files)
+    pattern = load_pattern(folder / "pattern" / request["pattern"]["name"])
+    save_given_pattern(pattern, folder / PATTERN)
+    return {"pattern": describe_pattern(pattern)}

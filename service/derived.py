@@ -73,6 +73,7 @@ def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
         JobUnknown: where the result's job is none that the key may see.
         InputWrong: where its result is of a kind that cannot be used.
         InputNotEnded: where it has no result.
+        PatternUnsound: where an edited pattern cannot be draped.
         ResultOld: where it was stored by a version that kept no garment to be worn again.
         LabelBad: where name or tags cannot be used.
     """
@@ -87,6 +88,7 @@ def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
     if {place for place, _ in find_files(request)} - files.keys():  # whoever knows a hash has not handed the file in
         raise RequestBad("a file of the request is named among its options; upload it and name it among the files.")
     row = find_job(services.database, order.result)
+    kind.refuse(services.store, asked)
     with services.database.write() as session:
         if order.key and session.get(OwnerRow, (order.key, row.id)) is None:
             raise JobUnknown(f"there is no job '{order.result[:40]}'; `garmentq status` lists them all.")

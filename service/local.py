@@ -29,6 +29,7 @@ from .records import Artifact, Event, Job, JobReport, Key, News
 from .services import Services, open_services
 from .settings import ServiceSettings
 from .states import State
+from .versions import Version, list_versions
 from .webhook_records import Receipt, Webhook
 
 if TYPE_CHECKING:
@@ -101,6 +102,10 @@ class LocalBackend:
     def submit_derived(self, order: derived.DerivedOrder) -> submission.Submitted:
         """Keep an order's files, and queue the job that works on a stored result."""
         return derived.submit_derived(self.services, order)
+
+    def list_versions(self, job: str) -> list[Version]:
+        """Return all versions of the result that a job is one of, oldest first."""
+        return list_versions(self._database, jobs.find_job(self._database, job).id)
 
     def cancel(self, job: str) -> State:
         """Ask a job to stop, and return its state after that."""

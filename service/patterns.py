@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import tempfile
 from pathlib import Path
 from typing import Any
 
 from ..core.errors import BadInput
 from ..core.limited import Bounds, call_limited
+from .store import Store
 
 BOUNDS = Bounds(memory_bytes=1024**3, cpu_seconds=20, wall_seconds=60.0, answer_bytes=8 * 1024**2)
 """What examining a document may cost: a pattern of six panels takes 1 s, most of it to start."""
@@ -31,13 +33,14 @@ def examine_pattern(path: Path) -> dict[str, Any]:
     return call_limited("garmentq.core.pattern.examine:examine_file", {"source": str(path.absolute())}, BOUNDS).result
 
 
-def refuse_unsound(path: Path) -> None:
-    """Refuse a pattern file that cannot be draped.
+def refuse_unsound(store: Store, sha256: str) -> None:
+    """Refuse a stored pattern file that cannot be draped.
 
     Raises:
         PatternUnsound: with every finding.
     """
-    found = examine_pattern(path)
+    with tempfile.TemporaryDirectory() as folder:
+        found = examine_pattern(store.copy(sha256, Path(folder) / "pattern.json"))
     if not found["is_sound"]:
         first = next(one for one in found["findings"] if one["severity"] == "error")
         raise PatternUnsound(f"{first['message']} ({first['code']})", found["findings"])

@@ -41,6 +41,7 @@ from .results import choose_files
 from .states import State
 from .store import ArtifactDamaged
 from .submission import BodyUnreadable, Order, Submitted
+from .versions import Version
 
 MOST_JOBS = 1000
 """Jobs of one question about states, as the service bounds it."""
@@ -48,7 +49,7 @@ MOST_JOBS = 1000
 POLL_SECONDS = 0.5
 """How often a service is asked for news [s]; progress is written twice a second."""
 
-UPLOADS = {"body": "bodies", "motion": "motions"}
+UPLOADS = {"body": "bodies", "motion": "motions", "pattern": "patterns"}
 """What each file of a derived job is uploaded as, by its field."""
 
 ID_LENGTH = 12
@@ -244,6 +245,10 @@ class RemoteBackend(RemoteLibraries):
         """Download a job's result files (all, or those named) into a folder, each checked against its hash."""
         files = choose_files(job, self.list_artifacts(job), names)
         return [self._download(job, file, folder) for file in files]
+
+    def list_versions(self, job: str) -> list[Version]:
+        """Return all versions of the result that a job is one of, oldest first."""
+        return read_all(Version.from_json, self._ask("GET", f"/v1/jobs/{quote(job, safe='')}/versions"), "versions")
 
     def cancel(self, job: str) -> State:
         """Ask a job to stop, and return its state after that."""

@@ -7,7 +7,7 @@ from html import escape
 
 import numpy as np
 
-from ..wear import Dressed, Worn
+from ..wear import Dressed, Ease, Worn
 from .judged_page import Heading, gates_html, head_html, manifest_html, numbers_html
 from .page import page_html
 from .person import on_white
@@ -27,13 +27,13 @@ TURNS = (0.0, 0.5 * np.pi, np.pi)
 def draw_wearers(dressed: Dressed) -> bytes:
     """Return a PNG: above the first wearer, then the new one, the strain and the pressure; front, side and back."""
     strain, pressure = dressed.strain / MOST_STRAIN, dressed.pressure / MOST_PRESSURE
-    rows = [_row(dressed.before, CLOTH), _row(dressed.worn, DRAPED)]
-    rows += [_row(dressed.worn, colour_of(np.clip(share, 0.0, 1.0))) for share in (strain, pressure)]
+    rows = [draw_wearer(dressed.before, CLOTH), draw_wearer(dressed.worn, DRAPED)]
+    rows += [draw_wearer(dressed.worn, colour_of(np.clip(share, 0.0, 1.0))) for share in (strain, pressure)]
     return base64.b64decode(png_base64(np.concatenate(rows, axis=0)))
 
 
-def _row(worn: Worn, colour: np.ndarray) -> np.ndarray:
-    """Draw a wearer in a garment from all sides, uint8, shape [height, 3 width, 4 or 3]."""
+def draw_wearer(worn: Worn, colour: np.ndarray) -> np.ndarray:
+    """Return a picture of a wearer in a garment from all sides, uint8, shape [height, 3 width, 4 or 3]."""
     body = worn.body
     surfaces = [
         ColouredMesh(body.vertices, body.faces, SKIN),
@@ -62,7 +62,7 @@ def report_dressed(dressed: Dressed, picture: bytes) -> str:
             _header(dressed),
             _pictures(picture),
             gates_html(dressed.gates),
-            _ease(dressed),
+            ease_html(dressed.ease),
             numbers_html(dressed.metrics),
             manifest_html(dressed.manifest),
         ],
@@ -91,11 +91,12 @@ def _pictures(picture: bytes) -> str:
     )
 
 
-def _ease(dressed: Dressed) -> str:
+def ease_html(ease: tuple[Ease, ...]) -> str:
+    """Return the table of both girths and the ease at each place; empty where there is none."""
     rows = "".join(
         f"<tr><td>{escape(one.place.replace('_', ' '))}</td><td class=num>{1e3 * one.garment:.0f}</td>"
         f"<td class=num>{1e3 * one.body:.0f}</td><td class=num>{1e3 * one.value:+.0f}</td></tr>"
-        for one in dressed.ease
+        for one in ease
     )
     head = "<tr><th>Girth [mm]</th><th class=num>Garment</th><th class=num>Body</th><th class=num>Ease</th></tr>"
     return f"<section><h2>Ease</h2><table>{head}{rows}</table></section>" if rows else ""

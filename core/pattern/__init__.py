@@ -8,6 +8,7 @@ from .examine import Finding, Severity, examine_file, find_faults
 from .fairness import fair_curves, unplanned_corners
 from .garment import Garment
 from .garmentcode import load_pattern, read_pattern, save_pattern, write_pattern
+from .laying import lay_over
 from .measures import BodyMeasures
 from .meshing import choose_edge_length, contains
 from .moving import move_by_drafts, scale_panels
@@ -61,6 +62,7 @@ __all__ = [
     "find_cut",
     "find_faults",
     "find_symmetry",
+    "lay_over",
     "list_templates",
     "load_draped_template",
     "load_pattern",

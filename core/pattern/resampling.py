@@ -48,7 +48,7 @@ def resample(source: Garment, nodes: np.ndarray, target: Garment) -> np.ndarray:
         own = np.flatnonzero((target.panel_of_uv == index) & ~on_outline)
         if len(own):
             faces = source.panel_of_face == index
-            corner, weight = _locate(flat, source.uv_faces[faces], target.uv[own])
+            corner, weight = locate(flat, source.uv_faces[faces], target.uv[own])
             found[own] = np.einsum("nk,nkd->nd", weight, nodes[source.uv_node[corner]])
     count = len(target.nodes)
     weight = np.bincount(target.uv_node, minlength=count)
@@ -61,10 +61,13 @@ def _along(line: np.ndarray, count: int) -> np.ndarray:
     return np.stack([np.interp(new, old, line[:, k]) for k in range(line.shape[1])], axis=1)
 
 
-def _locate(uv: np.ndarray, faces: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Give the corners (uv indices) and barycentric weights, shape [n, 3] each, of the triangle at each point.
+def locate(
+    uv: np.ndarray, faces: np.ndarray, points: np.ndarray, is_within: bool = True
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the corners (uv indices) and barycentric weights, shape [n, 3] each, of the triangle at each point.
 
-    A point that no triangle holds takes the one it is least outside of, its weights cut at zero.
+    A point that no triangle holds takes the one it is least outside of; its weights are cut at zero, or without
+    `is_within` stay as they are, so that the triangle's plane goes on.
     """
     a, b, c = (uv[faces[:, k]] for k in range(3))
     near = cKDTree((a + b + c) / 3.0).query(points, k=min(CANDIDATES, len(faces)))[1].reshape(len(points), -1)
@@ -76,5 +79,5 @@ def _locate(uv: np.ndarray, faces: np.ndarray, points: np.ndarray) -> tuple[np.n
     weight = np.stack([1.0 - second - third, second, third], axis=-1)
     best = weight.min(axis=-1).argmax(axis=1)
     row = np.arange(len(points))
-    chosen = np.maximum(weight[row, best], 0.0)
+    chosen = np.maximum(weight[row, best], 0.0) if is_within else weight[row, best]
     return faces[near[row, best]], chosen / chosen.sum(axis=1, keepdims=True)

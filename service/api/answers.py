@@ -11,6 +11,7 @@ from .. import records
 from ..catalogue import Template
 from ..records import Artifact
 from ..states import State
+from ..versions import Version
 from ..webhook_records import Webhook as WebhookRecord
 from .schemas import Sha256
 
@@ -109,6 +110,12 @@ class Files(_Answer):
     """List the files of a job."""
 
     files: list[Artifact]
+
+
+class Versions(_Answer):
+    """List the versions of a result."""
+
+    versions: list[Version]
 
 
 class Wearer(_Answer):

@@ -27,8 +27,9 @@ from ..query import MOST_SKIPPED, JobQuery, find_jobs
 from ..results import report_jobs
 from ..submission import Submitted, clean_name, own_name, submit
 from ..uploads import begin_once, end_once, find_upload
+from ..versions import list_versions
 from .access import Reader, Rooms, RoomsOf, Submitter, find_own
-from .answers import Asked, Changed, Job, Jobs
+from .answers import Asked, Changed, Job, Jobs, Versions
 from .problems import RequestBad, show_answer
 from .schemas import AnyJobIn, DerivedIn, JobIn, PartIn, Text
 
@@ -45,9 +46,13 @@ EXAMPLE = {
     "cpu_seconds": 71.2, "peak_mb": 900.0, "kind": "recover", "family": "3685ecfd4f81", "parent": None, "children": [],
     "inputs": {}, "waits": [], "tags": ["spring"], "details": {}, "delay": None,
 }  # fmt: skip
-UPLOADED_AS = {"body": "bodies", "motion": "motions"}
+UPLOADED_AS = {"body": "bodies", "motion": "motions", "pattern": "patterns"}
 """What the files of a derived job are uploaded as, by the request's field; other fields take any upload."""
 
+VERSION = {
+    "job": "5f1d0c9b7a3e", "predecessor": "3685ecfd4f81", "name": "skirt", "kind": "edit", "state": "succeeded",
+    "verdict": "pass", "created": 1795250100.0,
+}  # fmt: skip
 DELETED = {"jobs": ["3685ecfd4f81"], "uploads": 0, "files": 7, "size": 2048000, "young": 0}
 OF_PERSONS = ("given_as", "wearing", "marks", "parts")
 """Fields of a request that say something of a whole person."""
@@ -114,6 +119,16 @@ def list_jobs(
 def show_one(job: str, rooms: RoomsOf, caller: Reader) -> Any:
     """Return one job; a local user may name it by its first letters."""
     return show_job(rooms, find_own(rooms, caller, job))
+
+
+@router.get(
+    "/{job}/versions", summary="List the versions of a result.",
+    responses=show_answer({"versions": [VERSION]}, model=Versions),
+)  # fmt: skip
+def show_versions(job: str, rooms: RoomsOf, caller: Reader) -> Any:
+    """Return the result that was edited first and every version of it that is the caller's, oldest first."""
+    row = find_own(rooms, caller, job)
+    return {"versions": list_versions(rooms.database, row.id, "" if caller.sees_all else caller.key)}
 
 
 @router.post(

@@ -19,6 +19,7 @@ KINDS = {
     "person": "garmentq.service.kinds.person:Person",
     "dress": "garmentq.service.kinds.dress:Dress",
     "refit": "garmentq.service.kinds.dress:Refit",
+    "edit": "garmentq.service.kinds.edit:Edit",
     "animate": "garmentq.service.kinds.animate:Animate",
     "export": "garmentq.service.kinds.export:Export",
 }

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..settings import ServiceSettings
 
 
-GARMENTS = ("recover", "dress", "refit")
+GARMENTS = ("recover", "dress", "refit", "edit")
 """Kinds of job whose result is a worn garment."""
 
 GARMENT_FILES = ("worn.npz",)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from ..jobs import Claim
     from ..models import JobRow
     from ..settings import ServiceSettings
+    from ..store import Store
 
 PARENT = "parent"
 """Stands among a child's inputs for the job that it is made by."""
@@ -116,6 +117,16 @@ class Kind(ABC):
             for a request that names no file.
         """
         return ""
+
+    def refuse(self, store: Store, request: Any) -> None:
+        """Refuse a derived job when it is submitted, where its own small files cannot be used; in a limited process.
+
+        What is let through is checked again by `checker`.
+
+        Raises:
+            BadInput: where they cannot.
+        """
+        return
 
     def adopt(self, session: Session, request: dict[str, Any], row: JobRow) -> dict[str, Any]:
         """Return a derived job's request with what it takes of the job whose result it reads, when it is submitted.

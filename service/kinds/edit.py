@@ -1,0 +1,81 @@
+"""The kind `edit`: a stored result with another pattern, draped from where its garment hangs; a version of it."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from sqlalchemy.orm import Session
+
+from ..jobs import Claim
+from ..models import JobInputRow, JobRow
+from ..patterns import refuse_unsound
+from .dress import GARMENT_FILES, GARMENTS
+from .dress_request import RESULT
+from .edit_request import PATTERN, EditRequest, add_recovered
+from .kind import Kind, Outcome, Work
+from .rows import add_metrics, add_pattern, describe_body, show_garment, summarise
+
+if TYPE_CHECKING:
+    from ...core.edit import Edited
+    from ...core.hooks import Hooks
+    from ..settings import ServiceSettings
+    from ..store import Store
+
+PATTERN_CHECKER = "garmentq.service.checking:check_edit"
+"""What reads a pattern's file first, in a limited process."""
+
+
+class Edit(Kind):
+    """Drape an edited pattern on the wearer of a stored result."""
+
+    name = "edit"
+    request = EditRequest
+    stages: ClassVar[tuple[str, ...]] = ("check", "drape", "measure")
+    reads = MappingProxyType({RESULT: GARMENTS})
+
+    def checker(self, settings: ServiceSettings) -> str:
+        """Return the reader of patterns."""
+        return PATTERN_CHECKER
+
+    def refuse(self, store: Store, request: EditRequest) -> None:
+        """Refuse a pattern that cannot be sewn or meshed, with its place, when it is submitted."""
+        refuse_unsound(store, request.pattern.sha256)
+
+    def adopt(self, session: Session, request: dict[str, Any], row: JobRow) -> dict[str, Any]:
+        """Return the request with the recovered pattern."""
+        return add_recovered(session, request, row)
+
+    def choose_input(self, request: EditRequest, name: str) -> tuple[str, ...]:
+        """Return the garment on its wearer; no mesh, picture or report."""
+        return GARMENT_FILES
+
+    def run(self, request: EditRequest, work: Work, hooks: Hooks) -> Edited:
+        """Drape the pattern and write the files."""
+        from ...core.clock import Clock
+        from ...core.edit import drape_edit
+        from ...core.export.edited import write_edited
+        from ...core.pattern import load_pattern
+        from ...core.reading import load_given_pattern
+        from ...core.wear import load_worn
+
+        worn, clock = load_worn(work.inputs[RESULT]), Clock(hooks)
+        pattern = load_given_pattern(work.files / PATTERN)
+        file = request.recovered
+        recovered = worn.pattern if file is None else load_pattern(work.files / "recovered" / file.name)
+        edited = drape_edit(worn, pattern, recovered, clock)
+        write_edited(edited, work.out)
+        return edited
+
+    def store(self, session: Session, claim: Claim, result: Edited) -> Outcome:
+        """Add the rows of pattern, fabric, body and numbers."""
+        worn = result.worn
+        session.add(describe_body(claim.job, worn.body))
+        add_pattern(session, claim.job, worn.pattern, worn.fabric, (worn.category, worn.template))
+        add_metrics(session, claim.job, result.metrics)
+        return Outcome(summarise(result))
+
+    def show(self, session: Session, row: JobRow) -> dict[str, Any]:
+        """Return garment, template, fabric and body by name, and the job that it is a version of."""
+        read = session.get(JobInputRow, (row.id, RESULT))
+        return show_garment(session, row.id) | {"predecessor": read.input if read else None}

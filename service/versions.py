@@ -1,0 +1,86 @@
+"""Versions of a result: the one that was recovered or derived, and every edit of it, of an edit, and so on."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+from sqlalchemy import select
+
+from .database import Database
+from .kinds.dress_request import RESULT
+from .models import JobInputRow, JobRow, OwnerRow
+from .records import CLOSED, Json, check_id
+from .states import State
+
+if TYPE_CHECKING:
+    from sqlalchemy.orm import Session
+
+EDIT = "edit"
+"""The kind whose jobs are versions."""
+
+
+@dataclass(frozen=True)
+class Version:
+    """Name one version of a result: `predecessor` is the job that it was made from, null for the first; `created` in s
+    since 1970."""
+
+    __pydantic_config__: ClassVar = CLOSED
+    job: str
+    predecessor: str | None
+    name: str
+    kind: str
+    state: State
+    verdict: str | None
+    created: float
+
+    @classmethod
+    def from_json(cls, found: Json) -> Self:
+        """Read a service's answer."""
+        values = {item.name: found[item.name] for item in fields(cls)}
+        before = found["predecessor"]
+        ids = {"job": check_id(found["job"]), "predecessor": None if before is None else check_id(before)}
+        return cls(**values | ids | {"state": State(found["state"])})
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the version as JSON values."""
+        return asdict(self)
+
+
+def list_versions(database: Database, job: str, owner: str = "") -> list[Version]:
+    """Return all versions of the result that a job is one of, oldest first: each stands behind its predecessor.
+
+    Args:
+        database: Where they are.
+        job: Id of any of them.
+        owner: An API key's id: only jobs that it asked for; empty: all.
+    """
+    with database.read() as session:
+        first = job
+        while (before := _find_predecessor(session, first)) is not None:
+            first = before
+        found: dict[str, str | None] = {first: None}
+        level = [first]
+        while level:
+            asked = (
+                select(JobInputRow.job, JobInputRow.input)
+                .join(JobRow, JobRow.id == JobInputRow.job)
+                .where(JobRow.kind == EDIT, JobInputRow.name == RESULT, JobInputRow.input.in_(level))
+            )
+            pairs = session.execute(asked).all()
+            level = [row.job for row in pairs]
+            found |= {row.job: row.input for row in pairs}
+        wanted = select(JobRow).where(JobRow.id.in_(found)).order_by(JobRow.created, JobRow.id)
+        if owner:
+            wanted = wanted.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == owner)
+        rows = session.scalars(wanted).all()
+        return [Version(row.id, found[row.id], row.name, row.kind, row.state, row.verdict, row.created) for row in rows]
+
+
+def _find_predecessor(session: Session, job: str) -> str | None:
+    """Return the job that a version was made from; None for the first."""
+    row = session.get(JobRow, job)
+    if row is None or row.kind != EDIT:
+        return None
+    read = session.get(JobInputRow, (job, RESULT))
+    return None if read is None else read.input
