@@ -102,6 +102,7 @@ def ask_everything(service: Client, finished: str, folder: Path) -> None:
     service.find_job(job), service.find_jobs_by_id([job]), service.list_jobs(), service.find_jobs(JobQuery({}))
     service.poll_events(job), service.read_queue(), service.cancel(job), service.retry(job), service.cancel(job)
     service.delete_job(job)
+    assert [one.job for one in service.list_versions(finished)] == [finished]
     service.list_artifacts(finished), service.export_files(finished, folder / "out", ["pattern.svg"])
     assert service.read_archive(finished).startswith(b"PK")
     refused(service.read_export, finished, "nosuch.pdf")
