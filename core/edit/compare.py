@@ -66,8 +66,8 @@ def compare_versions(version: Pattern, recovered: Pattern) -> PatternDifference:
             continue
         old = places.pop(key)
         seam, change = version.seams[number], lengths[0][number] - lengths[1][old]
-        sides = [(ref.panel, ref.edge) for ref in (seam.a, seam.b)]
-        changes.append(SeamChange(number, old, *sides, (float(change[0]), float(change[1]))))
+        a, b = ((ref.panel, ref.edge) for ref in (seam.a, seam.b))
+        changes.append(SeamChange(number, old, a, b, (float(change[0]), float(change[1]))))
     panels = compare_patterns(version, recovered)
     return PatternDifference(panels, tuple(changes), tuple(added), tuple(sorted(places.values())))
 
