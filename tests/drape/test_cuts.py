@@ -83,7 +83,7 @@ def hang(name: str, gender: str, poses: tuple[str, ...]) -> None:
         "tshirt+neckline=boat,sleeve=cap",
         "tshirt+neckline=v,sleeve_head=raglan",
         "tshirt+collar=stand",
-        "long_sleeve_tshirt+sleeve_head=set-in,yoke=back",
+        "long_sleeve_tshirt+sleeve_head=set-in,yoke=back,cuff=band",
         "dress+neckline=v,skirt=half-circle,waist=seam",
         "dress+shaping=princess",
         "dress+shaping=princess,skirt=gored,waist=seam",

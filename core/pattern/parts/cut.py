@@ -58,6 +58,13 @@ class SleeveHead(StrEnum):
     RAGLAN = "raglan"
 
 
+class Cuff(StrEnum):
+    """What finishes a sleeve."""
+
+    NONE = "none"
+    BAND = "band"
+
+
 class Shaping(StrEnum):
     """What takes the trunk's hollow at the waist out of the cloth, beside the side seams."""
 
@@ -137,6 +144,7 @@ class Cut:
         shaping: Of bodice and skirt at the waist.
         yoke: Across the back of a bodice, or around the hips above a skirt.
         collar: On the neckline.
+        cuff: On each sleeve.
         neck_depth, back_depth: Of a neckline below the side neck point [m]; None: as the neckline is usually cut.
     """
 
@@ -155,6 +163,7 @@ class Cut:
     shaping: Shaping = Shaping.NONE
     yoke: Yoke = Yoke.NONE
     collar: Collar = Collar.NONE
+    cuff: Cuff = Cuff.NONE
 
     @property
     def category(self) -> str:
@@ -199,7 +208,7 @@ class Cut:
 
     def has_place_for(self, part: str) -> bool:
         """Check whether a garment of the cut's kind can have another choice of a part: trousers have no neckline."""
-        if part in ("neckline", "back_neckline", "sleeve", "sleeve_head", "collar"):
+        if part in ("neckline", "back_neckline", "sleeve", "sleeve_head", "collar", "cuff"):
             return self.bodice is not Bodice.NONE
         if part == "waist":
             return self.bodice is not Bodice.NONE and self.skirt is not Skirt.NONE
@@ -225,6 +234,7 @@ PARTS: dict[str, type[StrEnum]] = {
     "shaping": Shaping,
     "yoke": Yoke,
     "collar": Collar,
+    "cuff": Cuff,
 }
 """The parts of a cut by name, each with its choices."""
 

@@ -8,7 +8,21 @@ from ..division import divide_edges
 from ..measures import BodyMeasures
 from ..outline import sew_by_label
 from ..pattern import Panel, Pattern
-from .cut import Bodice, Collar, Cut, Legs, PartsConflict, Shaping, Skirt, SleeveHead, Waist, Waistband, Yoke
+from .cut import (
+    Bodice,
+    Collar,
+    Cuff,
+    Cut,
+    Legs,
+    PartsConflict,
+    Shaping,
+    Skirt,
+    Sleeve,
+    SleeveHead,
+    Waist,
+    Waistband,
+    Yoke,
+)
 from .legs import draw_legs, draw_suit
 from .skirts import SWEEP, draw_skirt
 from .tops import draw_shoulder, draw_top
@@ -34,6 +48,8 @@ def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None =
         cut.skirt is Skirt.NONE or (cut.bodice is not Bodice.NONE and cut.waist is Waist.NONE)
     ):
         raise PartsConflict("a hip yoke is a skirt's; choose a skirt, below a bodice with waist=seam.")
+    if cut.cuff is not Cuff.NONE and cut.sleeve in (Sleeve.NONE, Sleeve.CAP):
+        raise PartsConflict("a cuff needs a sleeve that goes round the arm; choose sleeve=short, elbow or long.")
     if cut.bodice is Bodice.NONE and (cut.collar is not Collar.NONE or cut.sleeve_head is not SleeveHead.FLAT):
         raise PartsConflict("a collar and a sleeve's head need a bodice; choose one, or leave them out.")
     if cut.waist is Waist.SEAM and (cut.bodice is Bodice.NONE or cut.skirt is Skirt.NONE):

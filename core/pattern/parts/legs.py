@@ -172,7 +172,7 @@ def draw_suit(cut: Cut, m: BodyMeasures) -> list[Panel]:
     for side, outline in (("front", front), ("back", back(drop))):
         panels.append(place_panel(f"{side}_left", outline, m.nape_height))
         panels.append(place_panel(f"{side}_right", mirror(outline), m.nape_height))
-    return panels + shoulder.sleeves(cut.sleeve, m.nape_height)
+    return panels + shoulder.sleeves(cut, m.nape_height)
 
 
 def _half_suit(

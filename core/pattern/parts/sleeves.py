@@ -22,6 +22,12 @@ CAP_HEIGHT = 1.0 / 3.0
 CAP_EASE = 0.04
 """By how much a set-in cap is longer than its armhole: 2 cm of a shirt's or dress's 45, less than a jacket's 3."""
 
+CUFF = 0.06
+"""Width of a cuff [m]: a shirt's."""
+
+CUFF_FULLNESS = 1.25
+"""Width of a sleeve by that of the cuff that it is gathered into: 6 cm of pleats in a shirt's."""
+
 FULL_CAP = 0.6
 """Length of the handles of a set-in cap by its half width: the cap then rises over the shoulder's end like a bell."""
 
@@ -55,60 +61,83 @@ of 22 cm passes the hand."""
 
 
 @dataclass(frozen=True)
-class SleeveFrame:
-    """The plane of a half sleeve: along the arm from the cap's top, and down across it.
+class SleeveEnd:
+    """Draw what lies below a sleeve's cap, in the plane of its half: along the arm from the cap's top, and across it.
 
     Attributes:
         top: Where the cap's top stands [m].
         cut: The sleeve's cut.
+        side: `front` or `back`.
+        banded: Whether the sleeve ends in a cuff of its own.
     """
 
     top: Point
     cut: SleeveCut
+    side: str = ""
+    banded: bool = False
 
-    def at(self, along: float, down: float) -> Point:
-        """Return the point `along` the arm from the cap's top and `down` across it [m]."""
+    def at(self, along: float, across: float) -> Point:
+        """Return the point `along` the arm from the cap's top and `across` it downwards [m]."""
         c, s = float(np.cos(self.cut.droop)), float(np.sin(self.cut.droop))
-        return (self.top[0] + along * c - down * s, self.top[1] - along * s - down * c)
+        return (self.top[0] + along * c - across * s, self.top[1] - along * s - across * c)
 
-    def cuff(self) -> tuple[Stroke, Stroke]:
-        """Return the strokes from the underarm along the lower seam to the cuff, and along the cuff to the fold."""
-        low, top = self.at(self.cut.length, self.cut.cuff_half), self.at(self.cut.length, 0.0)
-        return Stroke(low, label="undersleeve.left"), Stroke(top, contour="cuff.left")
+    def strokes(self) -> tuple[Stroke, Stroke]:
+        """Return the strokes from the underarm along the lower seam to the sleeve's end, and along that to the fold."""
+        if not self.banded:
+            low, top = self.at(self.cut.length, self.cut.cuff_half), self.at(self.cut.length, 0.0)
+            return Stroke(low, label="undersleeve.left"), Stroke(top, contour="cuff.left")
+        end = self.cut.length - CUFF
+        low, top = self.at(end, CUFF_FULLNESS * self.cut.cuff_half), self.at(end, 0.0)
+        return Stroke(low, label="undersleeve.left"), Stroke(top, label=f"cuffseam.{self.side}.left")
+
+    def place(self, outline: Outline, height: float) -> list[Panel]:
+        """Place the left half sleeve, its mirror image, and the halves of both cuffs."""
+        panels = self._place("sleeve", outline, height)
+        if self.banded:
+            end, wide = self.cut.length - CUFF, self.cut.cuff_half
+            start = self.at(end, 0.0)
+            strokes = (
+                Stroke(self.at(end, wide), label=f"cuffseam.{self.side}.left"),
+                Stroke(self.at(self.cut.length, wide), label="cuffunder.left"),
+                Stroke(self.at(self.cut.length, 0.0), contour="cuff.left"),
+                Stroke(start, label="cuffover.left"),
+            )
+            panels += self._place("cuff", Outline(start, strokes), height)
+        return panels
+
+    def _place(self, name: str, outline: Outline, height: float) -> list[Panel]:
+        # The warp runs along the arm; a grainline is a line, so its angle is given within a quarter turn of +y.
+        grain = (np.pi / 2 - self.cut.droop) * (1.0 if self.side == "front" else -1.0)
+        left = place_panel(f"{name}_{self.side}_left", outline, height, grain, "sleeve")
+        right = place_panel(f"{name}_{self.side}_right", mirror(outline), height, -grain, "sleeve")
+        return [left, right]
 
 
-def half_sleeves(side: str, tip: Point, cap: tuple[Stroke, ...], height: float, cut: SleeveCut) -> list[Panel]:
+def half_sleeves(end: SleeveEnd, cap: tuple[Stroke, ...], height: float) -> list[Panel]:
     """Draw the left half sleeve of one side in the body's plane and mirror it.
 
     Args:
-        side: `front` or `back`.
-        tip: Where the cap begins at the shoulder [m].
-        cap: From there to the underarm.
+        end: What lies below the cap.
+        cap: From its top at the shoulder to the underarm.
         height: Of the draft's origin [m].
-        cut: The sleeve's cut.
     """
-    frame = SleeveFrame(tip, cut)
-    return _place(side, Outline(tip, (*cap, *frame.cuff(), Stroke(tip, label="oversleeve.left"))), height, cut)
+    return end.place(Outline(end.top, (*cap, *end.strokes(), Stroke(end.top, label="oversleeve.left"))), height)
 
 
-def raglan_sleeves(
-    side: str, tip: Point, neck: Point, upper: tuple[Stroke, ...], height: float, cut: SleeveCut
-) -> list[Panel]:
+def raglan_sleeves(end: SleeveEnd, neck: Point, upper: tuple[Stroke, ...], height: float) -> list[Panel]:
     """Draw the left half of a raglan sleeve and mirror it.
 
     Args:
-        side: `front` or `back`.
-        tip: The shoulder's tip, where the shoulder seam goes on along the arm [m].
+        end: What lies below the shoulder's tip, where the shoulder seam goes on along the arm.
         neck: The side neck point [m].
         upper: From there along the neckline and down the raglan line to the underarm.
         height: Of the draft's origin [m].
-        cut: The sleeve's cut.
     """
-    over = (Stroke(tip, label="oversleeve.left"), Stroke(neck, label="shoulder.left"))
-    return _place(side, Outline(neck, (*upper, *SleeveFrame(tip, cut).cuff(), *over)), height, cut)
+    over = (Stroke(end.top, label="oversleeve.left"), Stroke(neck, label="shoulder.left"))
+    return end.place(Outline(neck, (*upper, *end.strokes(), *over)), height)
 
 
-def set_in_caps(tip: Point, cut: SleeveCut, armholes: tuple[float, float]) -> tuple[Stroke, Stroke]:
+def set_in_caps(end: SleeveEnd, armholes: tuple[float, float]) -> tuple[Stroke, Stroke]:
     """Draw the caps of a set-in sleeve's front and back half, from the top to the underarm.
 
     Both are one S-shaped cubic: level at the top, and running into the lower seam at a right angle. Their height and
@@ -116,8 +145,7 @@ def set_in_caps(tip: Point, cut: SleeveCut, armholes: tuple[float, float]) -> tu
     other's handles are drawn back until it has its own.
 
     Args:
-        tip: Where the cap begins at the shoulder [m].
-        cut: The sleeve's cut.
+        end: What lies below the cap.
         armholes: Lengths of the armhole's front and back [m].
 
     Raises:
@@ -126,17 +154,14 @@ def set_in_caps(tip: Point, cut: SleeveCut, armholes: tuple[float, float]) -> tu
     from scipy.optimize import brentq  # a mere reader of templates does not pay for it
 
     high = CAP_HEIGHT * sum(armholes)
-    if cut.length < high + 0.02:
+    if end.cut.length - (CUFF if end.banded else 0.0) < high + 0.02:
         raise PartsConflict("this sleeve ends above the underarm, within a set-in cap; choose sleeve_head=flat.")
-    frame = SleeveFrame(tip, cut)
 
     def cap(wide: float, bow: float) -> Stroke:
-        return Stroke(
-            frame.at(high, wide), (frame.at(0.0, bow * wide), frame.at(high, (1.0 - bow) * wide)), label="cap"
-        )
+        return Stroke(end.at(high, wide), (end.at(0.0, bow * wide), end.at(high, (1.0 - bow) * wide)), label="cap")
 
     def excess(stroke: Stroke, armhole: float) -> float:
-        return length(Outline(tip, (stroke,)), "cap") - (1.0 + CAP_EASE) * armhole
+        return length(Outline(end.top, (stroke,)), "cap") - (1.0 + CAP_EASE) * armhole
 
     full = max(armholes)
     wide = brentq(lambda w: excess(cap(w, FULL_CAP), full), 0.02, 2 * full, xtol=1e-12)
@@ -145,11 +170,3 @@ def set_in_caps(tip: Point, cut: SleeveCut, armholes: tuple[float, float]) -> tu
         for own in armholes
     ]
     return cap(wide, bows[0]), cap(wide, bows[1])
-
-
-def _place(side: str, outline: Outline, height: float, cut: SleeveCut) -> list[Panel]:
-    # The warp runs along the arm; a grainline is a line, so its angle is given within a quarter turn of +y.
-    grain = np.pi / 2 - cut.droop
-    left = place_panel(f"sleeve_{side}_left", outline, height, grain if side == "front" else -grain, "sleeve")
-    right = place_panel(f"sleeve_{side}_right", mirror(outline), height, -grain if side == "front" else grain, "sleeve")
-    return [left, right]

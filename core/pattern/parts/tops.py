@@ -23,11 +23,11 @@ from ..outline import (
 )
 from ..pattern import Panel
 from .collars import collar_stand, sew_collar
-from .cut import Bodice, Collar, Cut, Legs, PartsConflict, Shaping, Skirt, Sleeve, SleeveHead, Waist, Yoke
+from .cut import Bodice, Collar, Cuff, Cut, Legs, PartsConflict, Shaping, Skirt, Sleeve, SleeveHead, Waist, Yoke
 from .necklines import Throat, draw_neckline, side_neck
 from .shaping import APEX_BELOW, GODET, Waistline, draw_princess
 from .skirts import half_waist
-from .sleeves import SLEEVES, half_sleeves, raglan_sleeves, set_in_caps
+from .sleeves import SLEEVES, SleeveEnd, half_sleeves, raglan_sleeves, set_in_caps
 
 FACES = ("front", "back")
 
@@ -66,27 +66,28 @@ class Shoulder:
             return [line, *neck[1:]]
         return [*self.armholes[face], Stroke(self.neck, label="shoulder.left"), *self.necklines[face]]
 
-    def sleeves(self, sleeve: Sleeve, height: float) -> list[Panel]:
-        """Return the half sleeves of both arms; none where there is no sleeve.
+    def sleeves(self, cut: Cut, height: float) -> list[Panel]:
+        """Return the half sleeves of both arms, with their cuffs; none where there is no sleeve.
 
         Raises:
             PartsConflict: where the sleeve is too short for its head.
         """
-        if sleeve is Sleeve.NONE:
+        if cut.sleeve is Sleeve.NONE:
             return []
-        panels, cut = [], SLEEVES[sleeve]
+        panels = []
+        ends = [SleeveEnd(self.tip, SLEEVES[cut.sleeve], side, cut.cuff is Cuff.BAND) for side in FACES]
         caps: list[tuple[Stroke, ...]] = [walk_back(Outline(self.under, armhole)) for armhole in self.armholes]
         if self.head is SleeveHead.SET_IN:
             front, back = (length(Outline(self.under, armhole), "scye") for armhole in self.armholes)
-            drawn = set_in_caps(self.tip, cut, (front, back))
-            caps = [_named(cap, armhole, self) for cap, armhole in zip(drawn, caps, strict=True)]
-        for face, side in enumerate(FACES):
+            own = set_in_caps(ends[0], (front, back))
+            caps = [_named(cap, armhole, self) for cap, armhole in zip(own, caps, strict=True)]
+        for face, end in enumerate(ends):
             if self.head is SleeveHead.RAGLAN:
                 neck, line = self._raglan(face)
                 upper = (neck[0], *walk_back(Outline(self.under, (line,))))
-                panels += raglan_sleeves(side, self.tip, self.neck, upper, height, cut)
+                panels += raglan_sleeves(end, self.neck, upper, height)
             else:
-                panels += half_sleeves(side, self.tip, caps[face], height, cut)
+                panels += half_sleeves(end, caps[face], height)
         return panels
 
     def _raglan(self, face: int) -> tuple[tuple[Stroke, ...], Stroke]:
@@ -193,7 +194,7 @@ def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
         panels += [place_panel(part, outline, m.nape_height) for part, outline in outlines]
     if cut.collar is Collar.STAND:
         panels += collar_stand(shoulder.neck, shoulder.necklines, m.nape_height)
-    sleeves = shoulder.sleeves(cut.sleeve, m.nape_height)
+    sleeves = shoulder.sleeves(cut, m.nape_height)
     if not sleeves:
         return panels
     return sorted([*panels, *sleeves], key=lambda panel: (panel.name not in FACES, panel.name))
