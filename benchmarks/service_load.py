@@ -24,6 +24,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "standin"))
 
 from garmentq.service.database import Database, open_database
 from garmentq.service.keys import create_key
+from garmentq.service.local_token import read_local_token
 from garmentq.service.models import JobRow, MaterialRow, MetricRow, OwnerRow, PatternRow, ScanRow
 from garmentq.service.query import find_jobs, parse_conditions
 from garmentq.service.settings import ServiceSettings
@@ -97,9 +98,12 @@ def measure_uploads(settings: ServiceSettings, count: int = 50, size: int = 20 *
         answers: list[int] = []
         base = mesh(0, size)
 
+        headers = {"authorization": f"Bearer {read_local_token(settings.home)}"}
+
         def send(index: int) -> None:
             content = base[:-20] + index.to_bytes(7, "little") + base[-13:]
-            answers.append(httpx.post(f"{url}/v1/scans?name={index}.ply", content=content, timeout=300).status_code)
+            answer = httpx.post(f"{url}/v1/scans?name={index}.ply", content=content, headers=headers, timeout=300)
+            answers.append(answer.status_code)
 
         threads = [threading.Thread(target=send, args=(index,)) for index in range(count)]
         begun = time.monotonic()

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from scipy.spatial import cKDTree
 
 from .geometry import unit
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 NEIGHBOURS = 24
 """Points that a plane is fitted to: with 2 mm of noise at 5 mm of spacing the normal is within some 10 degrees."""
@@ -28,7 +32,7 @@ def estimate_normals(points: np.ndarray, drawn: np.ndarray | None = None, count:
         drawn: Indices of the points that are asked for, shape [m], or None: all.
         count: Neighbours, itself included.
     """
-    tree, asked = cKDTree(points), points if drawn is None else points[drawn]
+    tree, asked = _make_tree(points), points if drawn is None else points[drawn]
     found = []
     for start in range(0, len(asked), BLOCK):
         near = points[tree.query(asked[start : start + BLOCK], min(count, len(points)))[1]]
@@ -42,7 +46,7 @@ def find_normals(points: np.ndarray) -> np.ndarray:
     if len(points) <= MOST:
         return estimate_normals(points)
     subset = points[thin_points(points, MOST)]
-    normals, tree = estimate_normals(subset), cKDTree(subset)
+    normals, tree = estimate_normals(subset), _make_tree(subset)
     return np.concatenate([normals[tree.query(points[s : s + BLOCK])[1]] for s in range(0, len(points), BLOCK)])
 
 
@@ -58,7 +62,7 @@ def smooth_normals(points: np.ndarray, normals: np.ndarray, drawn: np.ndarray, c
         drawn: Indices of the points that are asked for.
         count: Neighbours, itself included: a disk of 2.5 cm radius at 12 mm spacing.
     """
-    _, index = cKDTree(points).query(points[drawn], k=min(count, len(points)))
+    _, index = _make_tree(points).query(points[drawn], k=min(count, len(points)))
     mean = normals[index].sum(axis=1)
     return np.asarray(mean / np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-12))
 
@@ -79,9 +83,9 @@ def orient_normals(
         inner_normals: Their outward unit normals, shape [k, 3].
         rounds: How often each point asks its neighbours; a fold's flank is within a few of them.
     """
-    _, near = cKDTree(inner_points).query(positions)
+    _, near = _make_tree(inner_points).query(positions)
     trust = np.einsum("na,na->n", normals, inner_normals[near])
-    _, index = cKDTree(positions).query(positions, k=min(10, len(positions)))
+    _, index = _make_tree(positions).query(positions, k=min(10, len(positions)))
     alike = np.einsum("nka,na->nk", normals[index], normals)
     belief = trust.copy()
     for _ in range(rounds):
@@ -92,7 +96,7 @@ def orient_normals(
 def faces_outward(points: np.ndarray, normals: np.ndarray) -> int:
     """Find whether the normals of a closed surface's points face outward (1), inward (-1), or disagree (0)."""
     rows = thin_points(points, 20_000)
-    near = cKDTree(points[rows]).query(points[rows], min(7, len(rows)))[1][:, 1:]
+    near = _make_tree(points[rows]).query(points[rows], min(7, len(rows)))[1][:, 1:]
     agree = np.einsum("nki,ni->nk", normals[rows][near], normals[rows]) > 0.0
     if agree.mean() < AGREE:
         return 0
@@ -109,7 +113,7 @@ CALMED = 8
 
 def calm_normals(positions: np.ndarray, normals: np.ndarray) -> np.ndarray:
     """Average unit normals, shape [n, 3], over their neighbours of the same side where they are mostly noise."""
-    _, near = cKDTree(positions).query(positions, k=min(CALMED, len(positions)))
+    _, near = _make_tree(positions).query(positions, k=min(CALMED, len(positions)))
     around = normals[near]
     if np.median(1.0 - np.linalg.norm(around.mean(axis=1), axis=1)) < ROUGH:
         return normals
@@ -131,3 +135,9 @@ def thin_points(points: np.ndarray, count: int) -> np.ndarray:
             break
         edge *= float(np.sqrt(len(rows) / count))  # points of a surface: cells grow with the square of 1 / edge
     return np.sort(rows)
+
+
+def _make_tree(points: np.ndarray) -> cKDTree:
+    from scipy.spatial import cKDTree  # on first use: the API imports this module and asks for no normals
+
+    return cKDTree(points)

@@ -40,9 +40,17 @@ EXAMPLE = {
 }  # fmt: skip
 
 
+def describe_answers() -> dict[int | str, dict[str, Any]]:
+    """Describe both forms of the answer."""
+    described = show_answer({"events": [EXAMPLE], "state": "running"}, model=News)
+    stream = f'id: 17\nevent: progress\ndata: {json.dumps(EXAMPLE)}\n\nevent: end\ndata: {{"state": "succeeded"}}\n\n'
+    described[200]["content"]["text/event-stream"] = {"schema": {"type": "string"}, "example": stream}
+    return described
+
+
 @router.get(
     "/{job}/events", summary="Follow a job.",
-    responses=show_answer({"events": [EXAMPLE], "state": "running"}, model=News),
+    responses=describe_answers(),
 )  # fmt: skip
 async def follow_job(
     job: str,

@@ -7,6 +7,7 @@ import ipaddress
 import logging
 import uuid
 from collections.abc import Awaitable, Callable, MutableMapping
+from functools import partial
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -67,11 +68,12 @@ class Guard:
         self.app = app
         self.limits = limits
         self.is_open = is_open
+        self._records: set[asyncio.Task[None]] = set()
 
     async def __call__(self, scope: Message, receive: Receive, send: Send) -> None:
         """Handle one request."""
         if scope["type"] != "http":
-            await self.app(scope, receive, send)
+            await self.app(scope, partial(self._finish, receive), send)
             return
         request = uuid.uuid4().hex[:16]
         token = REQUEST.set(request)
@@ -94,7 +96,7 @@ class Guard:
                 return
             await self._bounded(_as_get(scope), receive, tell)
         finally:
-            await self._record(scope, status, request)
+            self._record_later(scope, status, request)
             REQUEST.reset(token)
 
     async def _admit(self, scope: Message) -> Any:
@@ -119,10 +121,22 @@ class Guard:
             return answer_error(error)
         return None
 
+    def _record_later(self, scope: Message, status: int, request: str) -> None:
+        """Write the audit log beside what comes next: a client's next request need not wait for it."""
+        if scope.get(CALLER) is not None and is_recorded(scope["method"], scope["path"], status):
+            task = asyncio.create_task(self._record(scope, status, request))
+            self._records.add(task)
+            task.add_done_callback(self._records.discard)
+
+    async def _finish(self, receive: Receive) -> Message:
+        """Hand on a message; when the service is to stop, the audit log is written first."""
+        message = await receive()
+        if message["type"] == "lifespan.shutdown":
+            await asyncio.gather(*self._records)
+        return message
+
     async def _record(self, scope: Message, status: int, request: str) -> None:
-        caller: Caller | None = scope.get(CALLER)
-        if caller is None or not is_recorded(scope["method"], scope["path"], status):
-            return
+        caller: Caller = scope[CALLER]
         done = f"{scope['method']} {status}"
         try:
             database = scope["app"].state.rooms.database

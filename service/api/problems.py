@@ -142,6 +142,13 @@ REASONS = {
 }
 """What the refusals mean."""
 
+EXAMPLE_CODES = {
+    400: "request.refused", 401: "key.missing", 403: "key.scope_missing", 404: "job.unknown", 408: "request.too_slow",
+    409: "job.not_ended", 413: "request.too_large", 416: "request.refused", 422: "request.bad",
+    429: "key.too_many_requests", 503: "service.database_unreachable", 507: "store.full",
+}  # fmt: skip
+"""A code of each."""
+
 ALWAYS = (400, 401, 403, 404, 413, 422, 429, 503)
 """Refusals that any route under /v1 may give: each reads a key, a query and the database."""
 
@@ -161,7 +168,17 @@ def show_answer(
 
 def show_refusals(*statuses: int) -> dict[int | str, dict[str, Any]]:
     """Describe refusals for the OpenAPI page."""
-    problem = {"type": "urn:garmentq:job.unknown", "title": "job.unknown", "status": 404, "code": "job.unknown"}
-    example = problem | {"detail": "there is no job 'nosuch'; `garmentq status` lists them all."}
-    content = {MEDIA: {"schema": PROBLEM, "example": example}}
-    return {status: {"description": REASONS[status], "content": content} for status in sorted(set(statuses))}
+    return {
+        status: {
+            "description": REASONS[status],
+            "content": {MEDIA: {"schema": PROBLEM, "example": _show_problem(status)}},
+        }
+        for status in sorted(set(statuses))
+    }
+
+
+def _show_problem(status: int) -> dict[str, Any]:
+    code = EXAMPLE_CODES[status]
+    return {
+        "type": f"urn:garmentq:{code}", "title": code, "status": status, "code": code, "detail": REASONS[status],
+    }  # fmt: skip

@@ -10,7 +10,7 @@ from pydantic import Tag as Choice
 
 from ...core.body import BUILTIN
 from ...core.person import GARMENTS
-from ...core.settings import RecoverySettings
+from ...core.settings import METHODS, PRESETS, RecoverySettings
 from ..order import GIVEN_AS
 from ..states import QUEUES
 
@@ -30,7 +30,17 @@ MOST_JOBS = 1000
 """Jobs of one question; a larger batch asks more than once."""
 
 
+ALLOWED = {
+    "method": METHODS, "preset": PRESETS, "units": ("m", "cm", "mm", "inch", "foot"), "up": ("y", "z", "-y", "-z"),
+    "free": ("symmetry",),
+}  # fmt: skip
+"""Closed sets among the settings, as the document tells them; `RecoverySettings` refuses others, by its code."""
+
+
 def _field(name: str, hint: Any) -> Any:
+    if name in ALLOWED:
+        known = [*ALLOWED[name], *([None] if hint == (str | None) else [])]
+        return Annotated[Text if hint is str else Text | None, Field(json_schema_extra={"enum": known})]
     if name == "seed":
         return Annotated[int, Field(ge=0, le=LARGEST_SEED)]
     if hint is str or name == "fabric":  # by its name only
@@ -41,6 +51,7 @@ def _field(name: str, hint: Any) -> Any:
 _HINTS = get_type_hints(RecoverySettings)
 SettingsIn: Any = create_model(
     "Settings",
+    __doc__="Choose how a garment is recovered; what is left out is as `garmentq run` has it (docs/cli.md).",
     __config__=ConfigDict(extra="forbid"),
     **{f.name: (_field(f.name, _HINTS[f.name]), f.default) for f in fields(RecoverySettings) if f.name != "template"},  # type: ignore[call-overload]
 )

@@ -9,7 +9,6 @@ from starlette.concurrency import run_in_threadpool
 
 from ..keys import Caller
 from ..states import State
-from ..webhook_delivery import send
 from ..webhook_records import Receipt
 from ..webhooks import create_webhook, delete_webhook, list_webhooks, make_trial
 from .access import Reader, RoomsOf, Submitter
@@ -63,6 +62,8 @@ def delete(webhook: WebhookId, rooms: RoomsOf, caller: Submitter) -> Any:
 )  # fmt: skip
 async def test(webhook: WebhookId, rooms: RoomsOf, caller: Submitter) -> Any:
     """Send a message of the type `test` once, and return the answer's status or why there was none, within 5 s."""
+    from ..webhook_delivery import send  # not at every start: it brings an HTTP client
+
     message = await run_in_threadpool(make_trial, rooms.database, webhook, _find_realm(caller))
     return await send(message, rooms.settings.webhook_networks)
 

@@ -206,6 +206,13 @@ def test_every_answer_has_an_id_and_a_policy(client, caplog):
         assert "default-src 'none'" in answer.headers["content-security-policy"]
         assert answer.headers["x-content-type-options"] == "nosniff"
     assert len(seen) == 5
+    document = answer.json()
+    settings = document["components"]["schemas"]["Settings"]
+    assert settings["properties"]["method"]["enum"] == ["deform", "inverse", "hybrid"] and settings["description"]
+    events = document["paths"]["/v1/jobs/{job}/events"]["get"]["responses"]
+    assert set(events["200"]["content"]) == {"application/json", "text/event-stream"}
+    assert all(events[key]["content"][kind]["example"]["status"] == int(key) for key in events if key != "200"
+               for kind in events[key]["content"])  # fmt: skip
     page = client.get("/docs")
     assert page.status_code == 200 and "/v1/jobs/{job}/result.zip" in page.text
     assert "<script" not in page.text and not re.search(r"(src|href|url|action)\W{1,3}(https?:)?//", page.text)
@@ -254,8 +261,9 @@ def test_what_is_deleted_is_gone(client, settings, database, store, tmp_path):
     assert gone.status_code == 200 and gone.json()["uploads"] == 1 and gone.json()["files"] == 0
     assert store.size(scan) and client.get(f"/v1/scans/{scan}", headers=ours).status_code == 404
     assert client.get(f"/v1/scans/{scan}", headers=theirs).status_code == 200
+    wanted = {("DELETE 200", f"/v1/jobs/{job}"), ("DELETE 200", f"/v1/scans/{scan}"), ("POST 202", "/v1/jobs")}
+    wait_for(lambda: wanted <= {(row.action, row.subject) for row in list_accesses(database)})
     done = [(row.action, row.subject) for row in list_accesses(database)]
-    assert ("DELETE 200", f"/v1/jobs/{job}") in done and ("POST 202", "/v1/jobs") in done
     assert not any(action.startswith("DELETE 4") for action, _ in done)
 
 
