@@ -14,7 +14,8 @@ def move_by_drafts(pattern: Pattern, old: Pattern, new: Pattern) -> Pattern | No
     """Return a pattern whose control points are moved by what two drafts differ in, seams made equal.
 
     p + D(m1) - D(m0), with D the draft for measures m: a grade rule for each control point. Handles are relative and
-    follow; panels move in the first drape, too.
+    follow, also of edges that are straight in the draft and were recovered as curves; panels move in the first drape,
+    too.
 
     Args:
         pattern: The pattern that fits m0.
@@ -23,7 +24,7 @@ def move_by_drafts(pattern: Pattern, old: Pattern, new: Pattern) -> Pattern | No
     Returns:
         The pattern for m1, or None where control points of pattern and drafts do not correspond.
     """
-    if [_form(panel) for panel in old.panels] != [_form(panel) for panel in pattern.panels]:
+    if [(panel.name, len(panel.points)) for panel in old.panels] != [(p.name, len(p.points)) for p in pattern.panels]:
         return None
     triples = zip(pattern.panels, old.panels, new.panels, strict=True)
     return equalise_seams(replace(pattern, panels=tuple(_move(*panels) for panels in triples)), like=pattern)
@@ -45,11 +46,6 @@ def scale_panels(pattern: Pattern, across: float, along: float) -> Pattern:
         points = middle + factors * (panel.points - middle)
         panels.append(replace(panel, points=points, translation=panel.translation * along))
     return equalise_seams(replace(pattern, panels=tuple(panels)), like=pattern)
-
-
-def _form(panel: Panel) -> tuple[str, int, tuple[str, ...]]:
-    """Return what two panels have in common whose control points correspond."""
-    return panel.name, len(panel.points), tuple(edge.kind for edge in panel.edges)
 
 
 def _move(panel: Panel, old: Panel, new: Panel) -> Panel:

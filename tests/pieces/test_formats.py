@@ -19,18 +19,12 @@ from garmentq.core.formats.sheet import arrange
 from garmentq.core.formats.tiled_pdf import MARGIN, draw_sheet, pieces_pdf, roll_page, tile
 from garmentq.core.pattern import Edge, Panel, Pattern, edge_length, list_templates, load_template
 from garmentq.core.pieces import PieceSettings, Style, flatten_outline, lay_on_cloth, make_pieces, read_allowances
+from garmentq_pieces import TEMPLATES, pieces_of
 from pypdf import PdfReader
 from shapely import LineString, Point, Polygon
 
 NAMES = [info.name for info in list_templates()]
 POINT = 72.0 / 25.4
-
-
-@functools.cache
-def pieces_of(name, text="", fold=False):
-    """Make the pieces of a template once for all tests."""
-    style = Style(name, "bust 92 waist 72 hip 100 height 170", "cotton_jersey")
-    return make_pieces(load_template(name), PieceSettings(read_allowances(text), fold), style)
 
 
 @functools.cache
@@ -129,7 +123,7 @@ def test_a_half_piece_has_its_mirror_line():
     assert fold.dxf.start.x == fold.dxf.end.x
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", TEMPLATES)
 @pytest.mark.parametrize("fold", [pytest.param(False, marks=pytest.mark.nightly), True])
 def test_every_template_is_written_in_every_format(name, fold):
     """Broken where a template has no PDF, SVG or DXF, or the same pieces give other bytes."""
@@ -213,18 +207,18 @@ def test_path_coordinates_are_the_cut_lines():
     assert np.allclose([float(page.mediabox[2]) / POINT], [914.0])
 
 
-def test_texts_lie_within_their_pieces():
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_texts_lie_within_their_pieces(name):
     """Broken where a label sticks out of its piece, is under 5 mm, or covers a notch."""
-    for name in NAMES:
-        sheet = arrange(pieces_of(name), 1.4)
-        for texts, piece, shift in zip(sheet.texts, sheet.pieces.pieces, sheet.shifts, strict=True):
-            assert texts, (name, piece.name)
-            net = Polygon(flatten_outline(piece.net)[0] + shift)
-            for text in texts:
-                x, y = text.centre
-                box = shapely.box(x - text.width / 2, y, x + text.width / 2, y + text.size)
-                assert text.size >= 0.005 and box.within(net)
-                assert not any(box.intersects(Point(notch.point + shift)) for notch in piece.notches)
+    sheet = arrange(pieces_of(name), 1.4)
+    for texts, piece, shift in zip(sheet.texts, sheet.pieces.pieces, sheet.shifts, strict=True):
+        assert texts, piece.name
+        net = Polygon(flatten_outline(piece.net)[0] + shift)
+        for text in texts:
+            x, y = text.centre
+            box = shapely.box(x - text.width / 2, y, x + text.width / 2, y + text.size)
+            assert text.size >= 0.005 and box.within(net)
+            assert not any(box.intersects(Point(notch.point + shift)) for notch in piece.notches)
 
 
 def test_archive_holds_both_files_and_a_note(tmp_path):

@@ -1,7 +1,5 @@
 """Production pieces against the pattern they come from, and their cut lines against another library's offsets."""
 
-import functools
-
 import numpy as np
 import pytest
 from garmentq.core.pattern import (
@@ -12,7 +10,6 @@ from garmentq.core.pattern import (
     Seam,
     edge_length,
     edge_points,
-    list_templates,
     load_template,
 )
 from garmentq.core.pieces import (
@@ -25,22 +22,15 @@ from garmentq.core.pieces import (
     make_pieces,
     read_allowances,
 )
+from garmentq_pieces import TEMPLATES, pieces_of
 from shapely import LineString, Point, Polygon
-
-NAMES = [info.name for info in list_templates()]
 
 
 def settings(text="", fold=False):
     return PieceSettings(read_allowances(text), fold)
 
 
-@functools.cache
-def pieces_of(name, text="", fold=False):
-    """Make the pieces of a template once for all tests."""
-    return make_pieces(load_template(name), settings(text, fold))
-
-
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", TEMPLATES)
 def test_unfolded_pieces_are_the_panels(name):
     """Broken where joining, pairing or folding moves an edge: each panel comes back out of the pieces to 1e-6 m."""
     pattern = load_template(name)
@@ -94,7 +84,7 @@ def test_half_sleeves_are_one_piece_cut_as_a_pair():
     assert "oversleeve" not in labels and labels.count("undersleeve") == 2
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", TEMPLATES)
 def test_both_sides_of_each_seam_are_equally_long(name):
     """Broken where a seam of the pieces walks off by more than 0.5 mm, is lost, or counts a folded half once."""
     pattern = load_template(name)
@@ -108,7 +98,7 @@ def test_both_sides_of_each_seam_are_equally_long(name):
         assert sum(seam.lengths[0] for seam in made.seams) == pytest.approx(total - lost, abs=1e-6)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", TEMPLATES)
 def test_cut_lines_are_what_shapely_offsets(name):
     """Broken where an even allowance is not 10 mm everywhere: shapely's mitred buffer differs by under 0.2 mm2."""
     even = ",".join(f"{use}=10" for use in EdgeUse if use not in ("dart", "fold"))
@@ -120,7 +110,7 @@ def test_cut_lines_are_what_shapely_offsets(name):
         assert cut.symmetric_difference(net.buffer(0.01, join_style="mitre", mitre_limit=3.0)).area < 2e-7
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", TEMPLATES)
 def test_each_edge_has_its_allowance(name):
     """Broken where a side of the cut line is not at its edge's allowance (0.01 mm), or the outline crosses itself."""
     for piece in pieces_of(name).pieces:
@@ -136,7 +126,7 @@ def test_each_edge_has_its_allowance(name):
                     assert line.distance(at) == pytest.approx(piece.edges[number].width, abs=1e-5)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", TEMPLATES)
 def test_hems_turned_up_lie_on_cloth(name):
     """Broken where a hem, mirrored at its fold, sticks out of the piece: its sides must mirror the side seams'."""
     for piece in pieces_of(name).pieces:
@@ -157,7 +147,7 @@ def test_hems_turned_up_lie_on_cloth(name):
             assert turned.difference(cut).area < 1e-8  # 0.01 mm2
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", TEMPLATES)
 def test_notches_stand_on_vertices_and_point_inward(name):
     """Broken where a plotter finds a notch beside the outline, outside it, or deeper than the allowance."""
     for fold in (False, True):
@@ -171,7 +161,7 @@ def test_notches_stand_on_vertices_and_point_inward(name):
                 assert np.linalg.norm(notch.sew - notch.point) > notch.depth or notch.purpose == "hem"
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", TEMPLATES)
 def test_both_sides_of_a_seam_are_notched_alike(name):
     """Broken where a notch has no counterpart: the same distance from the seam's start on both sides."""
     made = pieces_of(name)

@@ -2,6 +2,7 @@
 
 import functools
 import io
+from dataclasses import replace
 
 import ezdxf
 import numpy as np
@@ -12,11 +13,11 @@ from garmentq.core.formats.dialects import BY_NAME
 from garmentq.core.formats.dxf import Block, dxf_text, rule_text
 from garmentq.core.formats.grading import grade_sizes
 from garmentq.core.formats.nest import find_rules, nest_pdf
-from garmentq.core.pattern import BodyMeasures, Panel, Pattern, list_templates, load_template, seam_mismatch
+from garmentq.core.pattern import BodyMeasures, Edge, Panel, Pattern, load_template, seam_mismatch
 from garmentq.core.pieces import make_pieces
+from garmentq_pieces import TEMPLATES
 from pypdf import PdfReader
 
-NAMES = [info.name for info in list_templates()]
 BASE = BodyMeasures()
 
 
@@ -27,7 +28,13 @@ def sizes_of(name, first=-1, last=1):
     return pattern, grade_sizes(pattern, name, BASE, 1.70, ExportOptions("sizes", first=first, last=last))
 
 
-@pytest.mark.parametrize("name", NAMES)
+@functools.cache
+def pieces_of_sizes(name):
+    """Make the pieces of those sizes once for all tests."""
+    return [make_pieces(size.pattern) for size in sizes_of(name)[1]]
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
 def test_seams_of_all_sizes_walk_and_the_base_stays(name):
     """Broken where step 0 changes a point, a seam walks off by 0.5 mm, or a size is told apart by nothing."""
     pattern, sizes = sizes_of(name)
@@ -55,7 +62,7 @@ def test_rules_move_the_base_onto_the_nest(name, dialect):
     """Broken where a rule table and the nest disagree: every point with a rule, moved, is a vertex of the nest."""
     _, sizes = sizes_of(name)
     rule = BY_NAME[dialect]
-    pieces = [make_pieces(size.pattern) for size in sizes]
+    pieces = pieces_of_sizes(name)
     base = next(n for n, size in enumerate(sizes) if size.is_base)
     moves, rules = find_rules(pieces, base)
     assert set(rules) == {piece.name for piece in pieces[base].pieces}
@@ -98,8 +105,8 @@ def read_rules(text):
 
 def test_nest_is_one_page_of_all_sizes():
     """Broken where a size or the base's mark is missing from the nest."""
-    _, sizes = sizes_of("skirt")
-    content = nest_pdf(sizes, [make_pieces(size.pattern) for size in sizes], 914.0)
+    _, sizes = sizes_of("tshirt")
+    content = nest_pdf(sizes, pieces_of_sizes("tshirt"), 914.0)
     (page,) = PdfReader(io.BytesIO(content)).pages
     assert all(size.name in page.extract_text() for size in sizes) and "base" in page.extract_text()
 
@@ -112,6 +119,20 @@ def test_a_table_says_girths_and_heights():
     small, base, large = (size.measures for size in sizes)
     assert (small.bust, small.waist, small.hip) == (0.84, 0.64, 0.92) and large.waist == base.waist
     assert small.nape_height == pytest.approx(base.nape_height * 1.65 / 1.70)
+
+
+def test_a_recovered_curve_is_graded_by_the_draft():
+    """Broken where an edge that is straight in the draft, and was recovered as a curve, makes sizes approximate."""
+    pattern = load_template("trousers")
+    panel = pattern.panels[0]
+    edges = tuple(
+        Edge("cubic", np.array([[0.3, 0.02], [0.7, 0.02]]), edge.label, edge.contour) if edge.kind == "line" else edge
+        for edge in panel.edges
+    )
+    assert any(edge.kind == "line" for edge in panel.edges)
+    curved = replace(pattern, panels=(replace(panel, edges=edges), *pattern.panels[1:]))
+    sizes = grade_sizes(curved, "trousers", BASE, 1.70, ExportOptions("sizes", first=-1, last=1))
+    assert all(size.is_drafted for size in sizes)
 
 
 def test_a_pattern_without_a_draft_is_scaled_and_says_so():

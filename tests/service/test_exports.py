@@ -69,20 +69,23 @@ def test_an_export_is_made_once_kept_and_served(result, settings, database, tmp_
     backend.close()
 
 
-@pytest.mark.parametrize(
-    ("options", "code"),
-    [
-        ({}, "job.request_bad"), ({"format": "doc"}, "export.unknown"), ({"format": ["pdf"]}, "job.request_bad"),
-        ({"format": "pdf", "allowance": "hem=x"}, "pieces.allowance"),
-        ({"format": "pdf", "size": 1}, "job.request_bad"),
-        ({"format": "dxf", "dialect": "../x"}, "export.unknown"),
-        ({"format": "pdf", "paper": "roll:9"}, "export.paper"),
-    ],
+WRONG = (
+    ({}, "job.request_bad"), ({"format": "doc"}, "export.unknown"), ({"format": ["pdf"]}, "job.request_bad"),
+    ({"format": "pdf", "allowance": "hem=x"}, "pieces.allowance"),
+    ({"format": "pdf", "size": 1}, "job.request_bad"),
+    ({"format": "dxf", "dialect": "../x"}, "export.unknown"),
+    ({"format": "pdf", "paper": "roll:9"}, "export.paper"),
+    ({"format": "texture", "texel": 0.3}, "texture.texel"),
+    ({"format": "sizes", "drape": 1}, "job.request_bad"),
 )  # fmt: skip
-def test_wrong_requests_are_refused_at_once(options, code, result, settings):
+"""Options, and the code that they are refused with."""
+
+
+def test_wrong_requests_are_refused_at_once(result, settings):
     """Broken where a job is queued that can only fail."""
     backend = LocalBackend(settings)
-    with pytest.raises(GarmentqError) as caught:
-        backend.submit_derived(DerivedOrder("export", result, options))
-    assert caught.value.code == code
+    for options, code in WRONG:
+        with pytest.raises(GarmentqError) as caught:
+            backend.submit_derived(DerivedOrder("export", result, options))
+        assert (options, caught.value.code) == (options, code)
     backend.close()

@@ -1,0 +1,24 @@
+"""Pieces of shipped templates, made once for all tests of a process."""
+
+from __future__ import annotations
+
+import functools
+
+import pytest
+from garmentq.core.pattern import list_templates, load_template
+from garmentq.core.pieces import PieceSet, PieceSettings, Style, make_pieces, read_allowances
+
+DAILY = ("tshirt", "sleeved_dress", "trousers", "skirt", "jumpsuit")
+"""Templates with every kind of edge, seam and piece that there is; the others are cut from the same parts."""
+
+TEMPLATES = [
+    pytest.param(info.name, marks=() if info.name in DAILY else pytest.mark.nightly) for info in list_templates()
+]
+"""All of them, for a test's parameters; those that are not `DAILY` are left to the nightly run."""
+
+
+@functools.cache
+def pieces_of(name: str, text: str = "", fold: bool = False) -> PieceSet:
+    """Make the pieces of a template, with allowances as `--allowance` takes them."""
+    style = Style(name, "bust 92 waist 72 hip 100 height 170", "cotton_jersey")
+    return make_pieces(load_template(name), PieceSettings(read_allowances(text), fold), style)
