@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Annotated, Any, Literal, get_type_hints
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, StringConstraints, create_model
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, JsonValue, StringConstraints, create_model
 from pydantic import Tag as Choice
 
 from ...core.body import BUILTIN
@@ -39,7 +39,7 @@ ALLOWED = {
 
 def _field(name: str, hint: Any) -> Any:
     if name in ALLOWED:
-        known = [*ALLOWED[name], *([None] if hint == (str | None) else [])]
+        known: list[JsonValue] = [*ALLOWED[name], *([None] if hint == (str | None) else [])]
         return Annotated[Text if hint is str else Text | None, Field(json_schema_extra={"enum": known})]
     if name == "seed":
         return Annotated[int, Field(ge=0, le=LARGEST_SEED)]
