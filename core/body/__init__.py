@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from .skinning import rest_body, skin, unskin, weights_at
     from .smpl import SmplBad, is_smpl, load_smpl
     from .solid import Solid
+    from .untangling import untangle_outside
 
 _LAZY = {
     "MeasuresBad": "measures_file",
@@ -72,6 +73,7 @@ _LAZY = {
     "sample_distance": "distance",
     "skin": "skinning",
     "unskin": "skinning",
+    "untangle_outside": "untangling",
     "weights_at": "skinning",
 }
 # Modules with compiled kernels or heavy libraries: imported on first use, so that the room itself stays light.
@@ -125,6 +127,7 @@ __all__ = [
     "sample_distance",
     "skin",
     "unskin",
+    "untangle_outside",
     "weights_at",
 ]
 

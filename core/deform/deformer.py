@@ -1,10 +1,10 @@
-"""Deform a graded drape onto a target: repair, Jacobian stage, polish, clearance from the body."""
+"""Deform a graded drape onto a target: repair, Jacobian stage, polish, clearance from body and cloth."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from ..body import ExposedSurface, penetration_depth, project_outside
+from ..body import ExposedSurface, penetration_depth, project_outside, untangle_outside
 from ..hooks import SILENT, Hooks
 from ..mesh import gradient_operator, self_intersections, shape_gradients
 from ..pattern import Garment
@@ -79,6 +79,7 @@ def deform(
         watch = Watch(faces, body.whole, settings.body_margin)
         x = clear_body(x, gradient, areas, watch, ease=settings.polish_iterations > 0)
         x = x if penetration_depth(x, faces, body) <= CLEAR else project_outside(x, body, faces)
+        x = untangle_outside(x, body, faces)
     flips = (int(flipped(nodes, faces, goal).sum()), int(flipped(x, faces, goal).sum()))
     crossings = (len(self_intersections(nodes, faces)), len(self_intersections(x, faces)))
     depth = penetration_depth(x, faces, body)

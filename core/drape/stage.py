@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..body import Body, find_hanging_arms, project_outside, skin, unskin, weights_at
+from ..body import Body, find_hanging_arms, project_outside, skin, unskin, untangle_outside, weights_at
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target, find_loops, name_contours, smoothed_length
@@ -224,6 +224,7 @@ def drape_graded(
     scene = Scene(topology, soften(fabric), wearer.grid, pins, rotation, self_contact=contact)
     drape = equilibrium(scene, nodes, settings=settings.solve, hooks=hooks, stop=stop)
     nodes = project_outside(drape.nodes, wearer.exposed, garment.faces)
+    nodes = untangle_outside(nodes, wearer.exposed, garment.faces) if settings.apart else nodes
     contours, _ = name_contours(nodes, garment.faces, wearer.body)
     return garment.at(nodes, contours), drape
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..body import project_outside
+from ..body import project_outside, untangle_outside
 from ..case import Case, GradedDrape
 from ..deform import DeformSettings, deform
 from ..drape import pin_waist
@@ -85,6 +85,7 @@ def fit_pattern(
         )
         coarse = replace(coarse, scene=coarse.scene.with_body(wearer.grid))
         registered = project_outside(registered, wearer.exposed, refitted.faces)
+        registered = untangle_outside(registered, wearer.exposed, refitted.faces)
         refitted = refitted.at(registered)
         graded = project_outside(graded, wearer.exposed, refitted.faces)  # it was draped on the body as guessed
     bending: tuple[FabricEstimate, ...] = ()
@@ -118,6 +119,7 @@ def fit_pattern(
         start, anchors = (rest.nodes, rest.anchors) if started else (registered, None)
         rest = equilibrium(scene, start, anchors=anchors, hooks=hooks)
     simulation = project_outside(rest.nodes, wearer.exposed, recovered.faces)
+    simulation = untangle_outside(simulation, wearer.exposed, recovered.faces)
     return Fit(
         garment=recovered,
         fabric=fabric,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..body import project_outside
+from ..body import project_outside, untangle_outside
 from ..case import Case, GradedDrape
 from ..drape import pin_waist
 from ..hooks import SILENT, Hooks
@@ -80,8 +80,9 @@ def fit_inverse(
     contact, pins = SelfContact.of(topology), pin_waist(fine, target)
     scene = Scene(topology, found, wearer.grid, pins, rotation, self_contact=contact)
     drape = equilibrium(scene, fine.nodes, hooks=hooks)
+    nodes = project_outside(drape.nodes, wearer.exposed, fine.faces)
     return InverseFit(
-        garment=fine.at(project_outside(drape.nodes, wearer.exposed, fine.faces)),
+        garment=fine.at(untangle_outside(nodes, wearer.exposed, fine.faces)),
         graded=resample(garment, garment.nodes, fine),
         descent=descent,
         fabric=found,

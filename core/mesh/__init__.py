@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from .intersections import intersecting_pairs, self_intersections, undo_crossings
     from .linear import Factor, NotDefinite, Solver, SuperLU, analyse, factor_general, factor_symmetric
     from .multifrontal import Cholesky
+    from .untangling import contract_contours, untangle
 
 _LAZY = {
     "Cholesky": "multifrontal",
@@ -49,12 +50,14 @@ _LAZY = {
     "SuperLU": "linear",
     "analyse": "linear",
     "collapse_edges": "collapse",
+    "contract_contours": "untangling",
     "factor_general": "linear",
     "factor_symmetric": "linear",
     "intersecting_pairs": "intersections",
     "measure_contour": "contour",
     "self_intersections": "intersections",
     "undo_crossings": "intersections",
+    "untangle": "untangling",
 }
 # Modules with compiled kernels or sparse libraries: imported on first use, so that the room itself stays light.
 
@@ -78,6 +81,7 @@ __all__ = [
     "barycentric_coordinates",
     "bending_matrix",
     "collapse_edges",
+    "contract_contours",
     "corner_angles",
     "cotangent_laplacian",
     "deformation_gradients",
@@ -104,6 +108,7 @@ __all__ = [
     "signed_volume",
     "undo_crossings",
     "unit",
+    "untangle",
     "vertex_areas",
     "vertex_normals",
 ]

@@ -1,0 +1,46 @@
+"""Take cloth out of itself and stay outside of the body."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..mesh import self_intersections, untangle
+from .exposed import ExposedSurface, penetration_depth
+from .projection import project_outside
+
+TURNS = 4
+"""Times that cloth is taken out of itself: out of the body again it may cross anew, in a crease; two did so far."""
+
+ALLOWED = 5e-4
+"""Depth in the body that is left as it is [m]: half of what a result may have."""
+
+DEEPEST = 1e-3
+"""Depth to which cloth that came no deeper is left where that is what takes it apart [m]: what a result may have."""
+
+
+def untangle_outside(nodes: np.ndarray, skin: ExposedSurface, faces: np.ndarray) -> np.ndarray:
+    """Take cloth that crosses itself out of itself, and out of the body again where that led into it.
+
+    Args:
+        nodes: Positions outside the body [m], shape [node_count, 3].
+        skin: The body's exposed skin.
+        faces: Shape [face_count, 3].
+
+    Returns:
+        Positions [m], no deeper in the body than `DEEPEST` or than before; the given ones, the same array, where
+        nothing crosses or no fewer faces could be made to.
+    """
+    best, least = nodes, len(self_intersections(nodes, faces))
+    if not least:
+        return nodes
+    deepest, moved = max(DEEPEST, penetration_depth(nodes, faces, skin)), nodes
+    for _ in range(TURNS):
+        moved = untangle(moved, faces)
+        if penetration_depth(moved, faces, skin) > ALLOWED:
+            moved = project_outside(moved, skin, faces)
+        crossed = len(self_intersections(moved, faces))
+        if crossed < least and penetration_depth(moved, faces, skin) <= deepest:
+            best, least = moved, crossed
+        if not crossed:
+            break
+    return best

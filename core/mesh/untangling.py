@@ -1,0 +1,101 @@
+"""Take a mesh that passes through itself out of itself, by the contours along which it does."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+
+from .connectivity import HalfEdges, find_components
+from .contour import measure_contour
+from .intersections import intersecting_pairs
+from .linear import Factor, factor_symmetric
+
+SHARP = 3.0
+"""Most of a contour's gradient that one vertex takes: regular ones have 1 to 2, edges that graze a face 20."""
+
+STEP = 1e-3
+"""Way of a vertex on which a contour pulls evenly, in one round [m]: a tenth of an edge of a garment's mesh."""
+
+WIDTH = 0.01
+"""Length over which a round's moves fade into the mesh around [m]: less than an edge, so that what fits stays."""
+
+ROUNDS = 60
+"""Rounds at most. Detail meshes of trousers with 43 faces crossed took 6 and 11, drapes with 84 stopped after 35."""
+
+PATIENCE = 12
+"""Rounds without fewer faces crossed after which the rest is left: a contour is as long as a patch before it breaks."""
+
+
+def contract_contours(vertices: np.ndarray, faces: np.ndarray, pairs: np.ndarray) -> np.ndarray:
+    """Return how each vertex is to be moved so that the contours of intersection get shorter, shape [vertex_count, 3].
+
+    It is the negative gradient of their length, at most `SHARP` a vertex, and for each patch its sum over the patch.
+
+    Args:
+        vertices: Positions [m], shape [vertex_count, 3].
+        faces: Vertex indices, shape [face_count, 3].
+        pairs: Pairs of faces that intersect, from `intersecting_pairs`, shape [pair_count, 2].
+    """
+    return -(_soften(measure_contour(vertices, faces, pairs)[1]) + _part(faces, vertices, pairs))
+
+
+def untangle(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Move a mesh out of itself where it passes through itself, and return its vertices [m], shape [vertex_count, 3].
+
+    Each round moves the vertices by (1 + w^2 L)^-1 times the step of `contract_contours`, w `WIDTH` and L the uniform
+    Laplacian by area: contours contract and vanish, and the mesh around them comes along.
+
+    Args:
+        vertices: Positions [m], shape [vertex_count, 3].
+        faces: Vertex indices, shape [face_count, 3].
+
+    Returns:
+        The round's vertices of which fewest faces cross; the given ones, the same array, where none did or none less.
+    """
+    best, fewest, since = vertices, np.inf, 0
+    moved, smooth = vertices, None
+    for _ in range(ROUNDS):
+        pairs = intersecting_pairs(moved, faces)
+        crossed = len(np.unique(pairs))
+        best, fewest, since = (moved, crossed, 0) if crossed < fewest else (best, fewest, since + 1)
+        if crossed == 0 or since > PATIENCE:
+            break
+        smooth = smooth or _factor(vertices, faces)
+        step = smooth.solve(STEP * contract_contours(moved, faces, pairs))
+        longest = float(np.linalg.norm(step, axis=1).max())
+        moved = moved + step * min(1.0, 2.0 * STEP / longest)
+    return best
+
+
+def _factor(vertices: np.ndarray, faces: np.ndarray) -> Factor:
+    """Factor 1 + w^2 L; on a hexagonal lattice of edge h, L is 2 / (3 h^2) times the differences to the neighbours."""
+    edges = HalfEdges.of(faces, len(vertices))
+    ends = vertices[edges.edges]
+    square = float(((ends[:, 0] - ends[:, 1]) ** 2).sum(axis=1).mean())
+    laplacian = sparse.csgraph.laplacian(sparse.csr_matrix(edges.adjacency, dtype=np.float64))
+    return factor_symmetric(sparse.identity(len(vertices)) + 2.0 * WIDTH**2 / (3.0 * square) * laplacian)
+
+
+def _soften(gradient: np.ndarray) -> np.ndarray:
+    """Shorten each row of a gradient to `SHARP`."""
+    size = np.sqrt((gradient**2).sum(1, keepdims=True))
+    return np.asarray(gradient * np.minimum(1.0, SHARP / np.maximum(size, SHARP)))
+
+
+def _part(faces: np.ndarray, nodes: np.ndarray, pairs: np.ndarray) -> np.ndarray:
+    """Return how each patch of faces that cross others is to be moved as a whole, shape [node_count, 3], 1 at most.
+
+    Two layers that have gone through each other along a lens meet along a long narrow contour, whose own gradient
+    shortens it from both tips alone. Its sum over one layer is how the contour's length follows that layer's motion as
+    a whole: out of the other one, across the lens. Contours of a patch with itself have no such sum.
+    """
+    corners = faces[np.unique(pairs)]
+    _, patch = find_components(len(nodes), corners.ravel(), np.roll(corners, 1, axis=1).ravel())
+    between = patch[faces[pairs[:, 0], 0]] != patch[faces[pairs[:, 1], 0]]
+    gradient, crossed = measure_contour(nodes, faces, pairs[between])[1], np.unique(corners)
+    sums = np.zeros_like(gradient)
+    np.add.at(sums, patch[crossed], gradient[crossed])
+    sums /= np.maximum(np.sqrt((sums**2).sum(1, keepdims=True)), 1.0)
+    found = np.zeros_like(gradient)
+    found[crossed] = sums[patch[crossed]]
+    return found

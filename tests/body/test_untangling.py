@@ -1,0 +1,43 @@
+"""Cloth that is taken out of itself beside a body."""
+
+from __future__ import annotations
+
+import numpy as np
+import trimesh
+from garmentq.core.body import ExposedSurface, penetration_depth, untangle_outside
+from garmentq.core.mesh import self_intersections
+
+
+def lay_on_ball() -> tuple[np.ndarray, np.ndarray, ExposedSurface]:
+    """Return two sheets 2 mm and 4 mm over a ball of 0.3 m, the upper one pushed through the lower in the middle."""
+    ball = trimesh.creation.icosphere(subdivisions=4, radius=0.3)
+    skin = ExposedSurface(np.asarray(ball.vertices), np.asarray(ball.faces), splits=0)
+    grid = np.linspace(-0.1, 0.1, 14)
+    x, z = (axis.ravel() for axis in np.meshgrid(grid, grid))
+    sheets = []
+    for shift, away in ((0.0, 0.002), (0.004, 0.004)):
+        way = np.stack([x + shift, np.full_like(x, 0.3), z + shift], axis=1)
+        way /= np.linalg.norm(way, axis=1, keepdims=True)
+        sink = 0.0 if shift == 0.0 else 0.0029 * np.exp(-(x**2 + z**2) / (2 * 0.02**2))
+        sheets.append(way * (0.3 + away - np.broadcast_to(sink, x.shape))[:, None])
+    at = np.arange(196).reshape(14, 14)
+    a, b, c, d = (each.ravel() for each in (at[:-1, :-1], at[:-1, 1:], at[1:, 1:], at[1:, :-1]))
+    faces = np.concatenate([np.stack([a, c, b], axis=1), np.stack([a, d, c], axis=1)])
+    return np.concatenate(sheets), np.concatenate([faces, faces + 196]), skin
+
+
+def test_layers_part_and_stay_outside():
+    """Broken where layers are taken apart into the body, or pushed out of it through each other."""
+    nodes, faces, skin = lay_on_ball()
+    assert len(self_intersections(nodes, faces)) > 0
+    apart = untangle_outside(nodes, skin, faces)
+    assert len(self_intersections(apart, faces)) == 0
+    assert penetration_depth(apart, faces, skin) < 5e-4
+
+
+def test_sound_cloth_comes_back_as_it_is():
+    """Broken where cloth that crosses nowhere is moved, were it by a digit."""
+    nodes, faces, skin = lay_on_ball()
+    lower = faces[: len(faces) // 2]
+    one = nodes[:196]
+    assert untangle_outside(one, skin, lower) is one
