@@ -7,7 +7,7 @@ with Client("http://127.0.0.1:8080", key="gq_...") as service:
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 from urllib.parse import quote
 
@@ -43,6 +43,11 @@ class Client(RemoteBackend):
     def check_pattern(self, document: Mapping[str, Any]) -> dict[str, Any]:
         """Return what is wrong with a pattern's document, with lengths, seams and symmetry; see docs/edit.md."""
         return self._ask_object("POST", "/v1/patterns/check", json=dict(document))
+
+    def edit_pattern(self, document: Mapping[str, Any], operations: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+        """Return a document after operations, as `pattern`, beside what `check_pattern` returns of it."""
+        wanted = {"pattern": dict(document), "operations": [dict(one) for one in operations]}
+        return self._ask_object("POST", "/v1/patterns/edit", json=wanted)
 
     def read_wearer(self, job: str) -> dict[str, Any]:
         """Return the wearer as a job saw it: source, joints [m] by name, parameters."""

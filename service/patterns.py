@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import tempfile
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +33,28 @@ def examine_pattern(path: Path) -> dict[str, Any]:
         JSON values as `core.pattern.examine_file` gives them.
     """
     return call_limited("garmentq.core.pattern.examine:examine_file", {"source": str(path.absolute())}, BOUNDS).result
+
+
+def edit_pattern(document: Mapping[str, Any], operations: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Apply operations to a pattern's document in a limited process, and examine what becomes of it.
+
+    Returns:
+        `pattern`, the new document, and beside it what `examine_pattern` returns.
+
+    Raises:
+        PatternUnsound: where an operation cannot be done, or the document is no pattern, with the code of that.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        paths = {"source": Path(folder) / "pattern.json", "operations": Path(folder) / "operations.json"}
+        for path, value in zip(paths.values(), (document, operations), strict=True):
+            path.write_text(json.dumps(value), encoding="utf-8")
+        given = {name: str(path.absolute()) for name, path in paths.items()}
+        found = call_limited("garmentq.core.pattern.editing.operations:edit_file", given, BOUNDS).result
+    if "refused" in found:
+        refused = PatternUnsound(found["refused"]["message"], [found["refused"]])
+        refused.code = found["refused"]["code"]
+        raise refused
+    return found
 
 
 def refuse_unsound(store: Store, sha256: str) -> None:

@@ -123,7 +123,16 @@ def examine_file(source: str, vertex_count: int = VERTICES) -> dict[str, Any]:
     Raises:
         PatternFault: where the file is no JSON object.
     """
-    document = get_object(parse_document(read_bytes(Path(source))), "the file")
+    return examine_pattern(get_object(parse_document(read_bytes(Path(source))), "the file"), vertex_count)
+
+
+def examine_pattern(document: dict[str, Any], vertex_count: int = VERTICES) -> dict[str, Any]:
+    """Examine a pattern's document as `examine_file` does.
+
+    Args:
+        document: The parsed document.
+        vertex_count: Nodes of the mesh that is tried.
+    """
     try:
         pattern, numbers = read_numbered(document, is_checked=False)
     except PatternFault as fault:

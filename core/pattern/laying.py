@@ -65,13 +65,14 @@ def lay_over(garment: Garment, pattern: Pattern) -> Garment | None:
 
 
 @dataclass(frozen=True)
-class _Motion:
-    """A rigid motion of the plane: p -> p @ rotation.T + shift."""
+class Motion:
+    """Move the plane rigidly: p -> p @ rotation.T + shift."""
 
     rotation: np.ndarray
     shift: np.ndarray
 
     def apply(self, points: np.ndarray) -> np.ndarray:
+        """Return points [m] after the motion, shape [n, 2]."""
         return np.asarray(points @ self.rotation.T + self.shift)
 
 
@@ -96,12 +97,12 @@ def _apart(one: Panel, panel: Panel, placed: np.ndarray) -> float:
     return float(np.linalg.norm(place_points(one, panel.points) - placed, axis=1).mean())
 
 
-def _join_gone(pattern: Pattern, base: str, gone: set[str]) -> dict[str, _Motion]:
+def _join_gone(pattern: Pattern, base: str, gone: set[str]) -> dict[str, Motion]:
     """Return the panels whose cloth a panel may have now, each with the motion into that one's axes.
 
     These are the panel itself, and panels that are gone and were sewn to it, or to one of these.
     """
-    found = {base: _Motion(np.eye(2), np.zeros(2))}
+    found = {base: Motion(np.eye(2), np.zeros(2))}
     grown = True
     while grown:
         grown = False
@@ -109,20 +110,20 @@ def _join_gone(pattern: Pattern, base: str, gone: set[str]) -> dict[str, _Motion
             for near, far in ((seam.a, seam.b), (seam.b, seam.a)):
                 if near.panel in found and far.panel in gone and far.panel not in found:
                     ends = found[near.panel].apply(np.stack(chord(pattern.panel(near.panel), near.edge)))
-                    found[far.panel] = _onto(np.stack(chord(pattern.panel(far.panel), far.edge))[::-1], ends)
+                    found[far.panel] = lay_along(np.stack(chord(pattern.panel(far.panel), far.edge))[::-1], ends)
                     grown = True
     return found
 
 
-def _onto(chord_of: np.ndarray, ends: np.ndarray) -> _Motion:
+def lay_along(chord_of: np.ndarray, ends: np.ndarray) -> Motion:
     """Return the motion that lays a chord along another one, middle on middle, shape [2, 2] each."""
     one, other = (line[1] - line[0] for line in (chord_of, ends))
     angle = np.arctan2(other[1], other[0]) - np.arctan2(one[1], one[0])
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    return _Motion(turn, ends.mean(axis=0) - turn @ chord_of.mean(axis=0))
+    return Motion(turn, ends.mean(axis=0) - turn @ chord_of.mean(axis=0))
 
 
-def _lay_flat(garment: Garment, parts: dict[str, _Motion]) -> tuple[np.ndarray, np.ndarray]:
+def _lay_flat(garment: Garment, parts: dict[str, Motion]) -> tuple[np.ndarray, np.ndarray]:
     """Return all flat vertices [m], those of some panels moved, and the triangles of these panels."""
     flat, chosen = garment.uv.copy(), np.zeros(len(garment.uv_faces), bool)
     for index, panel in enumerate(garment.pattern.panels):

@@ -255,6 +255,12 @@ class PatternCheck(_Answer):
     mirrors: list[MirrorImage]
 
 
+class PatternEdited(PatternCheck):
+    """Return a changed pattern's document, with what is wrong with it and its measures."""
+
+    pattern: dict[str, Any]
+
+
 class Health(_Answer):
     """Report that the process lives, and its version."""
 

@@ -1,4 +1,4 @@
-"""`/v1/patterns/check`: examine a pattern's document before it is draped."""
+"""`/v1/patterns/check`, `/v1/patterns/edit`: examine a pattern's document, and change it, before it is draped."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from typing import Any
 from fastapi import APIRouter, Request
 from starlette.concurrency import run_in_threadpool
 
-from ..patterns import examine_pattern
+from ..patterns import edit_pattern, examine_pattern
 from .access import Reader
-from .answers import PatternCheck
+from .answers import PatternCheck, PatternEdited
 from .problems import show_answer
+from .schemas import PatternEditIn
 
 router = APIRouter(prefix="/patterns", tags=["editing"])
 
@@ -73,3 +74,16 @@ def _check(content: bytes) -> dict[str, Any]:
         path = Path(folder) / "pattern.json"
         path.write_bytes(content)
         return examine_pattern(path)
+
+
+@router.post(
+    "/edit", summary="Change a pattern by operations.",
+    responses=show_answer({"pattern": PATTERN, **EXAMPLE}, model=PatternEdited, refusals=(408,)),
+)  # fmt: skip
+def edit(wanted: PatternEditIn, caller: Reader) -> Any:
+    """Apply operations to a document, one after the other, and examine the new one; nothing is kept.
+
+    An operation that cannot be done is refused with its number, and in `findings` with its place. docs/edit.md has
+    each operation with its fields.
+    """
+    return edit_pattern(wanted.pattern, wanted.operations)

@@ -139,6 +139,33 @@ AnyJobIn = Annotated[Annotated[JobIn, Choice("scan")] | Annotated[DerivedIn, Cho
 """What a job is asked for with: a kind says that it works on a stored result."""
 
 
+class PatternEditIn(BaseModel):
+    """Ask for a pattern's document after some operations."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={
+            "example": {
+                "pattern": {
+                    "pattern": {
+                        "panels": {
+                            "square": {
+                                "vertices": [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]],
+                                "edges": [{"endpoints": [k, (k + 1) % 4]} for k in range(4)],
+                            }
+                        },
+                        "stitches": [],
+                    },
+                    "properties": {"units_in_meter": 100},
+                },
+                "operations": [{"op": "split", "panel": "square", "edge": 0, "at": 0.5}],
+            }
+        },
+    )
+    pattern: dict[str, Any] = Field(description="A GarmentCode document.")
+    operations: list[dict[str, Any]] = Field(max_length=1000, description="Each with `op` and its fields.")
+
+
 class JobsIn(BaseModel):
     """Name some jobs by their ids."""
 

@@ -108,7 +108,9 @@ def ask_everything(service: Client, finished: str, folder: Path) -> None:
     refused(service.read_export, finished, "nosuch.pdf")
     assert service.read_wearer(finished)["job"] == finished
     assert service.match(finished, service.upload("patterns", folder / "mine.json"))["pairs"]
-    assert service.check_pattern(json.loads(service.read_template("skirt")))["is_sound"]
+    document = json.loads(service.read_template("skirt"))
+    assert service.check_pattern(document)["is_sound"]
+    assert service.edit_pattern(document, [{"op": "equalise"}])["is_sound"]
     service.list_templates(), service.read_template("skirt"), service.import_template("mine", folder / "mine.json")
     service.delete_template("mine")
     hook, _ = service.create_webhook("https://127.0.0.1.invalid/")

@@ -21,3 +21,25 @@ def test_document_is_examined(client):
     for hostile in (b"", b"\x00" * 100, b"[" * 60_000):
         assert code_of(client.post("/v1/patterns/check", content=hostile)) == "pattern.unreadable"
     assert code_of(client.post("/v1/patterns/check", content=b" " * (5 * 1024**2))) == "request.too_large"
+
+
+def test_document_is_changed_by_operations(client):
+    """Broken where an operation does not reach the document, or one that cannot be done does not say where."""
+    document = write_pattern(load_template("tshirt"))
+    wanted = [
+        {"op": "move", "points": [{"panel": "front", "vertex": 0}], "by_mm": [10, 0]},
+        {"op": "split", "panel": "front", "edge": 8},
+    ]
+    answer = client.post("/v1/patterns/edit", json={"pattern": document, "operations": wanted})
+    assert answer.status_code == 200 and answer.json()["is_sound"]
+    vertices = answer.json()["pattern"]["pattern"]["panels"]["front"]["vertices"]
+    assert len(vertices) == 10 and vertices[0] == pytest.approx([26.5, -63.5])
+    assert vertices[8][0] == pytest.approx(-26.5), "the image of the moved point"
+    unchanged = client.post("/v1/patterns/edit", json={"pattern": document, "operations": []})
+    assert unchanged.json()["pattern"] == document
+    refused = client.post("/v1/patterns/edit", json={"pattern": document, "operations": [{"op": "join", "seam": 1}]})
+    assert (refused.status_code, code_of(refused)) == (422, "pattern.edit_bad")
+    finding = refused.json()["findings"][0]
+    assert finding["seam"] == 1 and finding["places"][0] == {"panel": "back", "edge": 2, "vertex": None, "point": None}
+    empty = client.post("/v1/patterns/edit", json={"pattern": {}, "operations": []})
+    assert (empty.status_code, code_of(empty)) == (422, "pattern.incomplete")

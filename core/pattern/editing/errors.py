@@ -1,0 +1,11 @@
+"""What can be wrong with an operation on a pattern."""
+
+from __future__ import annotations
+
+from ..errors import PatternFault
+
+
+class EditBad(PatternFault):
+    """The operation cannot be done on this pattern; see docs/edit.md for what each one takes."""
+
+    code = "pattern.edit_bad"

@@ -1,0 +1,82 @@
+"""Move control points; their mirror images and the points sewn to them follow."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+
+from ..pattern import EdgeRef, Pattern
+from .partners import Corner, check_number, find_panel, find_sewn, mirror_corners, sew_equal
+
+
+def move_points(
+    pattern: Pattern,
+    points: Collection[Corner],
+    by: np.ndarray,
+    keep_symmetry: bool = True,
+    keep_seams: bool = True,
+) -> Pattern:
+    """Return a pattern with control points moved.
+
+    Each given point moves by exactly what is asked. A mirror image moves by the mirrored way, a point on its panel's
+    axis along the axis. The point that a moved one is sewn to moves as far along the seam as that one. What then is
+    left of the seams' difference is taken up by moving all other points as little as possible (`equalise_seams`).
+
+    Args:
+        pattern: The pattern.
+        points: Panel and number of each control point.
+        by: The way in the panels' axes [m], shape [2].
+        keep_symmetry: Move mirror images too.
+        keep_seams: Make the seams equal; False leaves them as the move makes them.
+
+    Raises:
+        EditBad: where a point is not there.
+    """
+    for name, number in points:
+        check_number(find_panel(pattern, name), number)
+    moves = {corner: np.asarray(by, float) for corner in points}
+    if keep_symmetry:
+        moves |= _mirror_moves(pattern, moves)
+    fixed = set(moves)
+    if keep_seams:
+        moves |= {corner: way for corner, way in _sewn_moves(pattern, moves).items() if corner not in moves}
+    places = pattern.points.copy()
+    for (name, number), way in moves.items():
+        places[pattern.first_points[name] + number] += way
+    return sew_equal(pattern.with_points(places), pattern, fixed, keep_symmetry, keep_seams)
+
+
+def _mirror_moves(pattern: Pattern, moves: dict[Corner, np.ndarray]) -> dict[Corner, np.ndarray]:
+    """Return the moves of mirror images, and of points on an axis along it; what is moved itself goes its own way."""
+    images, found = mirror_corners(pattern), {}
+    for corner, way in moves.items():
+        for image, matrix in images.get(corner, []):
+            if image == corner:
+                found[corner] = (way + matrix @ way) / 2.0
+            elif image not in moves:
+                found[image] = matrix @ way
+    return found
+
+
+def _sewn_moves(pattern: Pattern, moves: dict[Corner, np.ndarray]) -> dict[Corner, np.ndarray]:
+    """Return the moves along their seams of the points that moved ones are sewn to."""
+    sewn, found = find_sewn(pattern), {}
+    for (name, number), way in moves.items():
+        count = len(pattern.panel(name).points)
+        for edge, is_start in (((number - 1) % count, False), (number, True)):
+            other = sewn.get(EdgeRef(name, edge))
+            if other is None:
+                continue
+            far = len(pattern.panel(other.panel).points)
+            partner = (other.panel, (other.edge + 1) % far if is_start else other.edge)
+            along = float(way @ _direction(pattern, EdgeRef(name, edge)))
+            found[partner] = -along * _direction(pattern, other)
+    return found
+
+
+def _direction(pattern: Pattern, ref: EdgeRef) -> np.ndarray:
+    """Return the unit vector from an edge's first control point to its second."""
+    start, end = pattern.ends_of(ref)
+    chord = pattern.points[end] - pattern.points[start]
+    return np.asarray(chord / np.linalg.norm(chord))

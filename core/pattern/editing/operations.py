@@ -1,0 +1,180 @@
+"""Apply a list of operations, as JSON values, to a pattern's document."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import PatternFault, Place
+from ..examine import Finding, examine_pattern
+from ..garmentcode import load_pattern, write_pattern
+from ..json_values import get_index, get_list, get_number, get_object, get_text, get_vector
+from ..pattern import Pattern
+from ..seams import equalise_seams
+from .cutting import cut_panel
+from .dividing import merge_edges, split_edges
+from .errors import EditBad
+from .joining import join_panels
+from .moving import move_points
+from .partners import check_number, find_panel
+from .reshaping import sharpen_corner, smooth_corner, straighten_edges
+
+MOST = 1000
+"""Operations of one list: an hour of a pattern maker's work is some hundreds."""
+
+FURTHEST_MM = 10_000.0
+"""The furthest that a point is moved [mm]."""
+
+MOST_EDGES = 100_000
+"""Bound of a number in an operation; what a panel has is checked by the operation."""
+
+Given = Mapping[str, Any]
+
+
+def apply_operations(pattern: Pattern, operations: list[Any]) -> Pattern:
+    """Return a pattern after operations, one after the other; see docs/edit.md for what each takes.
+
+    Args:
+        pattern: The pattern.
+        operations: JSON objects, each with `op`. Numbers are those of the pattern as the operations before have left
+            it, coordinates those of its file's axes.
+
+    Raises:
+        EditBad: where one is unknown or cannot be done; the message begins with its number.
+        PatternFault: where one has a value of a wrong type.
+    """
+    if len(operations) > MOST:
+        raise EditBad(f"{len(operations)} operations; at most {MOST} are done at once.")
+    for number, given in enumerate(operations):
+        where = f"operation {number}"
+        one = get_object(given, where)
+        name = get_text(one.get("op", ""), f"{where} op")
+        if name not in OPERATIONS:
+            raise EditBad(f"{where}: there is no '{name[:40]}'; there are {', '.join(OPERATIONS)}.")
+        fields, apply = OPERATIONS[name]
+        wrong = sorted(set(one) - {"op", *fields})
+        if wrong:
+            raise EditBad(f"{where}: '{name}' takes no '{wrong[0][:40]}'; it takes {', '.join(fields)}.")
+        try:
+            pattern = apply(pattern, one)
+        except KeyError as missing:
+            raise EditBad(f"{where}: '{name}' needs '{missing.args[0]}'.") from None
+        except PatternFault as fault:
+            fault.message = f"{where}: {fault.message}"
+            raise
+    return pattern
+
+
+def edit_file(source: str, operations: str) -> dict[str, Any]:
+    """Apply operations to a pattern file in a limited process.
+
+    Args:
+        source: Path of the document.
+        operations: Path of a JSON list.
+
+    Returns:
+        `pattern`, the new document, and beside it what `examine_file` returns of it; or `refused`, a finding that says
+        which operation cannot be done, and where, or what is wrong with the document.
+    """
+    wanted = json.loads(Path(operations).read_text(encoding="utf-8"))
+    try:
+        document = write_pattern(apply_operations(load_pattern(source), get_list(wanted, "operations")))
+    except PatternFault as fault:
+        return {"refused": asdict(Finding.of(fault))}
+    return {"pattern": document} | examine_pattern(document)
+
+
+def _corner(pattern: Pattern, given: Given) -> tuple[str, int]:
+    panel = find_panel(pattern, get_text(given["panel"], "panel"))
+    number = get_index(given["vertex"], MOST_EDGES, "vertex")
+    check_number(panel, number)
+    return panel.name, number
+
+
+def _turned(pattern: Pattern, panel: str, vectors: Any, name: str) -> np.ndarray:
+    """Return lengths in mm in the axes of a panel's file as metres in ours."""
+    side = -1.0 if find_panel(pattern, panel).mirrored else 1.0
+    found = np.array(get_vector(vectors, 2, name, FURTHEST_MM)) / 1e3
+    return found * np.array([side, 1.0])
+
+
+def _move(pattern: Pattern, given: Given) -> Pattern:
+    corners = [_corner(pattern, get_object(one, "point")) for one in get_list(given["points"], "points")]
+    names = {name for name, _ in corners}
+    if len({pattern.panel(name).mirrored for name in names}) > 1:
+        raise EditBad("panels that the file draws from different sides are moved one after the other.")
+    if not corners:
+        return pattern
+    way = _turned(pattern, corners[0][0], given["by_mm"], "by_mm")
+    return move_points(pattern, corners, way, *_kept(given))
+
+
+def _kept(given: Given) -> tuple[bool, bool]:
+    """Return whether mirror images follow, and whether the seams stay equal; both unless they are switched off."""
+    found = []
+    for name in ("keep_symmetry", "keep_seams"):
+        value = given.get(name, True)
+        if not isinstance(value, bool):
+            raise EditBad(f"{name} is true or false.")
+        found.append(value)
+    return found[0], found[1]
+
+
+def _straighten(pattern: Pattern, given: Given) -> Pattern:
+    panel = get_text(given["panel"], "panel")
+    ends = (get_index(given[name], MOST_EDGES, name) for name in ("from", "to"))
+    return straighten_edges(pattern, panel, *ends, *_kept(given))
+
+
+def _smooth(pattern: Pattern, given: Given) -> Pattern:
+    return smooth_corner(pattern, *_corner(pattern, given), *_kept(given))
+
+
+def _sharpen(pattern: Pattern, given: Given) -> Pattern:
+    return sharpen_corner(pattern, *_corner(pattern, given), *_kept(given))
+
+
+def _split(pattern: Pattern, given: Given) -> Pattern:
+    panel, edge = get_text(given["panel"], "panel"), get_index(given["edge"], MOST_EDGES, "edge")
+    return split_edges(pattern, panel, edge, get_number(given.get("at", 0.5), "at", 0.0, 1.0), _kept(given)[0])
+
+
+def _merge(pattern: Pattern, given: Given) -> Pattern:
+    return merge_edges(pattern, *_corner(pattern, given), _kept(given)[0])
+
+
+def _cut(pattern: Pattern, given: Given) -> Pattern:
+    panel = get_text(given["panel"], "panel")
+    ends = get_list(given["line_mm"], "line_mm")
+    if len(ends) != 2:
+        raise EditBad("line_mm has two points.", Place(panel))
+    return cut_panel(pattern, panel, np.array([_turned(pattern, panel, end, "line_mm") for end in ends]))
+
+
+def _join(pattern: Pattern, given: Given) -> Pattern:
+    return join_panels(pattern, get_index(given["seam"], MOST_EDGES, "seam"))
+
+
+def _equalise(pattern: Pattern, given: Given) -> Pattern:
+    fixed = [_corner(pattern, get_object(one, "fixed")) for one in get_list(given.get("fixed", []), "fixed")]
+    return equalise_seams(pattern, fixed=fixed)
+
+
+KEEP = ("keep_symmetry", "keep_seams")
+OPERATIONS: dict[str, tuple[tuple[str, ...], Callable[[Pattern, Given], Pattern]]] = {
+    "move": (("points", "by_mm", *KEEP), _move),
+    "straighten": (("panel", "from", "to", *KEEP), _straighten),
+    "smooth": (("panel", "vertex", *KEEP), _smooth),
+    "sharpen": (("panel", "vertex", *KEEP), _sharpen),
+    "split": (("panel", "edge", "at", "keep_symmetry"), _split),
+    "merge": (("panel", "vertex", "keep_symmetry"), _merge),
+    "cut": (("panel", "line_mm"), _cut),
+    "join": (("seam",), _join),
+    "equalise": (("fixed",), _equalise),
+}
+"""Each operation's fields, and what does it."""

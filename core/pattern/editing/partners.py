@@ -1,0 +1,87 @@
+"""What follows an edit: edges sewn to an edge, and mirror images of edges and control points."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..errors import Place
+from ..pattern import EdgeRef, Panel, Pattern
+from ..seams import equalise_seams
+from ..symmetry import Symmetry, find_symmetry
+from .errors import EditBad
+
+Corner = tuple[str, int]
+"""Panel's name, and index of a control point in it."""
+
+
+def find_panel(pattern: Pattern, name: str) -> Panel:
+    """Return a panel by its name.
+
+    Raises:
+        EditBad: where there is none.
+    """
+    try:
+        return pattern.panel(name)
+    except KeyError:
+        known = ", ".join(panel.name for panel in pattern.panels)
+        raise EditBad(f"there is no panel '{name[:60]}'; there are {known}.") from None
+
+
+def check_number(panel: Panel, number: int) -> None:
+    """Refuse the number of an edge or a control point that a panel does not have.
+
+    Raises:
+        EditBad: where it has none.
+    """
+    if not 0 <= number < len(panel.points):
+        message = f"panel '{panel.name}' has no edge or vertex {number}; it has 0 to {len(panel.points) - 1}."
+        raise EditBad(message, Place(panel.name))
+
+
+def find_sewn(pattern: Pattern) -> dict[EdgeRef, EdgeRef]:
+    """Return the edge that each sewn edge is sewn to."""
+    return {seam.a: seam.b for seam in pattern.seams} | {seam.b: seam.a for seam in pattern.seams}
+
+
+def mirror_corners(pattern: Pattern) -> dict[Corner, list[tuple[Corner, np.ndarray]]]:
+    """Return the images of each control point, each with what a move of the point times it is the image's move."""
+    found: dict[Corner, list[tuple[Corner, np.ndarray]]] = {}
+    for mirror in find_symmetry(pattern).mirrors:
+        source, target = pattern.panels[mirror.source].name, pattern.panels[mirror.target].name
+        for j, i in enumerate(mirror.order.tolist()):
+            found.setdefault((source, i), []).append(((target, j), mirror.rotation))
+            found.setdefault((target, j), []).append(((source, i), mirror.rotation.T))
+    return found
+
+
+def mirror_edges(pattern: Pattern) -> dict[EdgeRef, set[EdgeRef]]:
+    """Return the images of each edge; an image runs the other way."""
+    found: dict[EdgeRef, set[EdgeRef]] = {}
+    for mirror in find_symmetry(pattern).mirrors:
+        source, target = pattern.panels[mirror.source].name, pattern.panels[mirror.target].name
+        count = len(mirror.order)
+        for j in range(count):
+            one, other = EdgeRef(target, j), EdgeRef(source, int(mirror.order[j] - 1) % count)
+            if one != other:
+                found.setdefault(one, set()).add(other)
+                found.setdefault(other, set()).add(one)
+    return found
+
+
+def sew_equal(edited: Pattern, before: Pattern, fixed: set[Corner], keep_symmetry: bool, keep_seams: bool) -> Pattern:
+    """Return an edited pattern with the sides of its seams made equal, where that is asked for.
+
+    Args:
+        edited: The pattern after an operation.
+        before: The one before, of the same panels and seams, which tells ratios of gathers.
+        fixed: Control points that stay.
+        keep_symmetry: Move mirror images alike.
+        keep_seams: Make the seams equal; False returns the pattern as it is.
+    """
+    if not keep_seams:
+        return edited
+    free = replace(edited, symmetric=False)
+    symmetry: Symmetry = find_symmetry(edited if keep_symmetry else free)
+    return equalise_seams(edited, fixed=fixed, like=before, symmetry=symmetry)

@@ -1,0 +1,112 @@
+"""An edited pattern draped from where the present garment hangs: at rest, its cloth where the edit put it, seams equal."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from garmentq.core.clock import Clock
+from garmentq.core.drape import redrape
+from garmentq.core.edit import compare_versions, drape_edit
+from garmentq.core.hooks import SILENT
+from garmentq.core.pattern import (
+    load_draped_template,
+    load_template,
+    mesh_pattern,
+    read_pattern,
+    seam_mismatch,
+    write_pattern,
+)
+from garmentq.core.pattern.editing import apply_operations, cut_panel
+from garmentq.core.segment import name_contours
+from garmentq.core.simulate import get_fabric
+from garmentq.core.wear import Worn
+from garmentq.core.wear.worn import hang_from
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "standin"))
+
+from wearers import WOMAN, find_wearer
+
+SLIM = "builtin:female,height=1.70,weight=48"
+"""A wearer on whom the T-shirt's hem hangs free: on wider hips cloth is stretched there, the less the wider it is."""
+
+FIRST = 15.0
+"""CPU seconds that draping back after a small change may take."""
+
+WIDER = [
+    {"op": "move", "points": [{"panel": panel, "vertex": vertex}], "by_mm": [10, 0]}
+    for panel, vertex in (("front", 0), ("back", 1))
+]
+"""20 mm more at the hem in front, for the other corner is the mirror image, and 20 mm in the back."""
+
+
+def undo(operations: list[dict]) -> list[dict]:
+    """Return the operations that take moves back."""
+    return [one | {"by_mm": [-way for way in one["by_mm"]]} for one in reversed(operations)]
+
+
+def hang(spec: str, count: int) -> Worn:
+    """Return the T-shirt of the library as it hangs on a body, draped from its placement."""
+    wearer, mesh = find_wearer(spec), mesh_pattern(load_template("tshirt"), count)
+    nodes, drape = redrape(mesh, wearer, get_fabric("cotton_poplin"), hang_from(None, "tshirt"))
+    assert drape.converged
+    garment = mesh.at(nodes, name_contours(nodes, mesh.faces, wearer.body)[0])
+    return Worn(garment, get_fabric("cotton_poplin"), wearer.body, None, None, "tshirt", "tshirt")
+
+
+@pytest.fixture(scope="module")
+def shipped() -> Worn:
+    """Return the T-shirt as the library ships it on its wearer: 1500 nodes, to 32 bits."""
+    body = find_wearer(WOMAN).body
+    return Worn(load_draped_template("tshirt"), get_fabric("cotton_poplin"), body, None, None, "tshirt", "tshirt")
+
+
+def test_cut_and_widened_it_rests(shipped):
+    """Broken where an edit that adds a panel and moves a hem crosses itself, is not at rest, or starts from nothing."""
+    pattern = cut_panel(apply_operations(shipped.pattern, WIDER), "front", np.array([[-0.4, -0.4], [0.4, -0.4]]))
+    edited = drape_edit(shipped, pattern, shipped.pattern, Clock(SILENT))
+    verdicts = {gate.name: gate.verdict for gate in edited.gates}
+    assert {verdicts[name] for name in ("at_rest", "crossings", "depth", "seams")} == {"pass"}
+    assert edited.is_warm and 20.0 < edited.metrics["contour_change.hem_mm"] < 42.0
+    assert edited.difference.panels.only_first == ("front_2",) and edited.difference.panels.only_second == ()
+    assert edited.difference.seams_added and seam_mismatch(pattern) < 1e-6
+
+
+def test_difference_is_what_was_changed(shipped):
+    """Broken where a panel or a seam that nobody touched differs, or one that was does not."""
+    longer = [{"op": "move", "points": [{"panel": "front", "vertex": 0}], "by_mm": [0, -20]}]
+    edited = apply_operations(shipped.pattern, longer)
+    found = compare_versions(edited, shipped.pattern)
+    changes = {(one.a[0], one.b[0]): max(one.change_mm) for one in found.seams}
+    assert len(found.seams) == len(edited.seams) and found.seams_added == found.seams_removed == ()
+    assert changes["back", "front"] == pytest.approx(20.0, abs=0.5) or max(changes.values()) == pytest.approx(
+        20.0, abs=0.5
+    )
+    pairs = {pair.first: pair for pair in found.panels.pairs}
+    assert pairs["front"].area_percent > 2.0 and abs(pairs["sleeve_front_left"].area_percent) < 0.05
+    same = compare_versions(shipped.pattern, shipped.pattern)
+    assert all(one.change_mm == (0.0, 0.0) for one in same.seams)
+    assert all(pair.outline_mm < 1e-9 for pair in same.panels.pairs)
+
+
+@pytest.mark.nightly
+def test_widened_hem_hangs_wider():
+    """Broken where 20 mm more of hem in front and in the back are not 40 mm when it is draped, what nobody edited moves,
+    or draping back takes as long as draping."""
+    worn = hang(SLIM, 4000)
+    start = json.dumps(write_pattern(worn.pattern), indent=1)
+    wider = apply_operations(read_pattern(start), WIDER)
+    assert seam_mismatch(wider) < 1e-6
+    edited = drape_edit(worn, wider, worn.pattern, Clock(SILENT))
+    assert edited.metrics["contour_change.hem_mm"] == pytest.approx(40.0, abs=2.0)
+    assert {gate.verdict for gate in edited.gates} == {"pass"} and edited.is_warm
+    assert edited.cpu_seconds < FIRST
+    back = apply_operations(read_pattern(json.dumps(write_pattern(wider))), undo(WIDER))
+    assert json.dumps(write_pattern(back), indent=1) == start
+    undone = drape_edit(edited.worn, back, worn.pattern, Clock(SILENT))
+    assert undone.metrics["contour_change.hem_mm"] == pytest.approx(-40.0, abs=2.0)
+    same = drape_edit(worn, worn.pattern, worn.pattern, Clock(SILENT))
+    assert np.linalg.norm(same.worn.garment.nodes - worn.garment.nodes, axis=1).max() < 3e-3
