@@ -11,7 +11,7 @@ from garmentq.core.pattern import lay_over, load_draped_template
 from garmentq.core.pattern.editing import cut_panel, join_panels, move_points, split_edges
 
 NEAR = 0.004
-"""Distance [m] that is none: a chord of the present mesh, edges 25 mm long, over a fold of 20 mm radius leaves it so."""
+"""Distance [m] that is none: so far a chord of 25 mm, the edge of the present mesh, leaves a fold of 20 mm radius."""
 
 
 @pytest.fixture(scope="module")
