@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import tempfile
 from pathlib import Path
 from typing import Any
 
-from fastapi import APIRouter, Request
-from starlette.concurrency import run_in_threadpool
+from fastapi import APIRouter
 
 from ..patterns import edit_pattern, examine_pattern
 from .access import Reader
 from .answers import PatternCheck, PatternEdited
 from .problems import show_answer
-from .schemas import PatternEditIn
+from .schemas import SQUARE, DocumentIn, PatternEditIn
 
 router = APIRouter(prefix="/patterns", tags=["editing"])
 
@@ -39,46 +39,25 @@ EXAMPLE = {
     }],
 }  # fmt: skip
 
-PATTERN = {
-    "pattern": {
-        "panels": {
-            "square": {
-                "translation": [0.0, 0.0, 0.0], "rotation": [0.0, 0.0, 0.0],
-                "vertices": [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]],
-                "edges": [{"endpoints": [0, 1]}, {"endpoints": [1, 2]}, {"endpoints": [2, 3]}, {"endpoints": [3, 0]}],
-            }
-        },
-        "stitches": [],
-    },
-    "properties": {"units_in_meter": 100, "curvature_coords": "relative"},
-}  # fmt: skip
-BODY = {"content": {"application/json": {"schema": {"type": "object"}, "example": PATTERN}}, "required": True}
-
-
 @router.post(
     "/check", summary="Say what is wrong with a pattern, and where.",
-    responses=show_answer(EXAMPLE, model=PatternCheck, refusals=(408,)), openapi_extra={"requestBody": BODY},
+    responses=show_answer(EXAMPLE, model=PatternCheck, refusals=(408,)),
 )  # fmt: skip
-async def check(request: Request, caller: Reader) -> Any:
+def check(document: DocumentIn, caller: Reader) -> Any:
     """Examine a GarmentCode or NeuralTailor document: outlines, seams, mesh; nothing is kept.
 
     `is_sound` is false where a finding of severity `error` keeps the pattern from being draped. Edges, control points
     and seams have the document's numbers, points its unit.
     """
-    content = await request.body()
-    return await run_in_threadpool(_check, content)
-
-
-def _check(content: bytes) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "pattern.json"
-        path.write_bytes(content)
+        path.write_text(json.dumps(document.model_dump()), encoding="utf-8")
         return examine_pattern(path)
 
 
 @router.post(
     "/edit", summary="Change a pattern by operations.",
-    responses=show_answer({"pattern": PATTERN, **EXAMPLE}, model=PatternEdited, refusals=(408,)),
+    responses=show_answer({"pattern": SQUARE, **EXAMPLE}, model=PatternEdited, refusals=(408,)),
 )  # fmt: skip
 def edit(wanted: PatternEditIn, caller: Reader) -> Any:
     """Apply operations to a document, one after the other, and examine the new one; nothing is kept.
@@ -86,4 +65,4 @@ def edit(wanted: PatternEditIn, caller: Reader) -> Any:
     An operation that cannot be done is refused with its number, and in `findings` with its place. docs/edit.md has
     each operation with its fields.
     """
-    return edit_pattern(wanted.pattern, wanted.operations)
+    return edit_pattern(wanted.pattern.model_dump(), wanted.operations)

@@ -139,6 +139,36 @@ AnyJobIn = Annotated[Annotated[JobIn, Choice("scan")] | Annotated[DerivedIn, Cho
 """What a job is asked for with: a kind says that it works on a stored result."""
 
 
+SQUARE = {
+    "pattern": {
+        "panels": {
+            "square": {
+                "vertices": [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]],
+                "edges": [{"endpoints": [0, 1]}, {"endpoints": [1, 2]}, {"endpoints": [2, 3]}, {"endpoints": [3, 0]}],
+            }
+        },
+        "stitches": [],
+    },
+    "properties": {"units_in_meter": 100},
+}
+"""The smallest document of a pattern."""
+
+
+class PanelsIn(BaseModel):
+    """Hold the panels and seams of a document."""
+
+    model_config = ConfigDict(extra="allow")
+    panels: dict[str, dict[str, Any]] = Field(min_length=1)
+
+
+class DocumentIn(BaseModel):
+    """Hold a GarmentCode or NeuralTailor pattern; docs/edit.md tells what is in it."""
+
+    model_config = ConfigDict(extra="allow", json_schema_extra={"example": SQUARE})
+    pattern: PanelsIn
+    properties: dict[str, Any] = Field(min_length=1, description="units_in_meter at least.")
+
+
 class PatternEditIn(BaseModel):
     """Ask for a pattern's document after some operations."""
 
@@ -146,23 +176,11 @@ class PatternEditIn(BaseModel):
         extra="forbid",
         json_schema_extra={
             "example": {
-                "pattern": {
-                    "pattern": {
-                        "panels": {
-                            "square": {
-                                "vertices": [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]],
-                                "edges": [{"endpoints": [k, (k + 1) % 4]} for k in range(4)],
-                            }
-                        },
-                        "stitches": [],
-                    },
-                    "properties": {"units_in_meter": 100},
-                },
-                "operations": [{"op": "split", "panel": "square", "edge": 0, "at": 0.5}],
+                "pattern": SQUARE, "operations": [{"op": "split", "panel": "square", "edge": 0, "at": 0.5}]
             }
         },
-    )
-    pattern: dict[str, Any] = Field(description="A GarmentCode document.")
+    )  # fmt: skip
+    pattern: DocumentIn
     operations: list[dict[str, Any]] = Field(max_length=1000, description="Each with `op` and its fields.")
 
 

@@ -17,9 +17,12 @@ def test_document_is_examined(client):
     broken = client.post("/v1/patterns/check", json=document).json()
     assert not broken["is_sound"]
     assert [(one["code"], one["seam"]) for one in broken["findings"]] == [("pattern.seam_unequal", 5)]
-    assert not client.post("/v1/patterns/check", json={"pattern": {"panels": 7}}).json()["is_sound"]
-    for hostile in (b"", b"\x00" * 100, b"[" * 60_000):
-        assert code_of(client.post("/v1/patterns/check", content=hostile)) == "pattern.unreadable"
+    units = document | {"properties": {"units": "cm"}}
+    assert [one["code"] for one in client.post("/v1/patterns/check", json=units).json()["findings"]] == [
+        "pattern.units_missing"
+    ]
+    for hostile in (b"", b"\x00" * 100, b"[" * 60_000, b'{"pattern": {"panels": 7}}'):
+        assert client.post("/v1/patterns/check", content=hostile).status_code in (400, 422)
     assert code_of(client.post("/v1/patterns/check", content=b" " * (5 * 1024**2))) == "request.too_large"
 
 
@@ -41,5 +44,6 @@ def test_document_is_changed_by_operations(client):
     assert (refused.status_code, code_of(refused)) == (422, "pattern.edit_bad")
     finding = refused.json()["findings"][0]
     assert finding["seam"] == 1 and finding["places"][0] == {"panel": "back", "edge": 2, "vertex": None, "point": None}
-    empty = client.post("/v1/patterns/edit", json={"pattern": {}, "operations": []})
-    assert (empty.status_code, code_of(empty)) == (422, "pattern.incomplete")
+    units = document | {"properties": {"units": "cm"}}
+    unread = client.post("/v1/patterns/edit", json={"pattern": units, "operations": []})
+    assert (unread.status_code, code_of(unread)) == (422, "pattern.units_missing")
