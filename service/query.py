@@ -179,16 +179,7 @@ def find_jobs(
         raise QueryBad(f"limit {count} is outside 1 to {MOST}, or offset {offset} outside 0 to {MOST_SKIPPED}.")
     page = (count, offset)
     with database.read() as session:
-        statement: Select[Any] = (
-            select(JobRow)
-            .outerjoin(PatternRow, PatternRow.job == JobRow.id)
-            .outerjoin(MaterialRow, MaterialRow.id == PatternRow.material)
-            .outerjoin(BodyRow, BodyRow.job == JobRow.id)
-        )
-        if owner is not None:
-            statement = statement.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == owner)
-        for condition in conditions:
-            statement = statement.where(_meets(session, condition))
+        statement = _select(session, conditions, owner)
         name, falling = sort.removeprefix("-"), sort.startswith("-")
         field = TEXTS.get(name, NUMBERS.get(name))
         if field is not None:
@@ -203,6 +194,40 @@ def find_jobs(
             if len(known) == count
             else _first(session, statement.outerjoin(metric, on), metric.value, falling, page)
         )
+
+
+def find_roots(
+    database: Database, conditions: Sequence[Condition], limit: int, owner: str | None = None, before: str | None = None
+) -> list[JobRow]:
+    """Return the newest jobs that no other made and that meet every condition; `before` only those older than a job.
+
+    The next page begins by the index of `created`, however far down it is.
+
+    Raises:
+        QueryBad: where a name is unknown.
+    """
+    with database.read() as session:
+        statement = _select(session, conditions, owner).where(JobRow.parent.is_(None))
+        last = session.get(JobRow, before) if before else None
+        if last is not None:
+            older = (JobRow.created == last.created) & (JobRow.id > last.id)
+            statement = statement.where((JobRow.created < last.created) | older)
+        return list(session.scalars(statement.order_by(JobRow.created.desc(), JobRow.id).limit(limit)))
+
+
+def _select(session: Session, conditions: Sequence[Condition], owner: str | None) -> Select[Any]:
+    """Return the question for the jobs of an owner that meet every condition."""
+    statement: Select[Any] = (
+        select(JobRow)
+        .outerjoin(PatternRow, PatternRow.job == JobRow.id)
+        .outerjoin(MaterialRow, MaterialRow.id == PatternRow.material)
+        .outerjoin(BodyRow, BodyRow.job == JobRow.id)
+    )
+    if owner is not None:
+        statement = statement.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == owner)
+    for condition in conditions:
+        statement = statement.where(_meets(session, condition))
+    return statement
 
 
 def _first(session: Session, statement: Select[Any], column: Any, falling: bool, page: tuple[int, int]) -> list[JobRow]:

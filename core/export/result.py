@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from ..body import JOINTS, PARENTS, Body
+from ..mesh import TriangleSurface
 from ..pattern import write_pattern
 from ..recovery import Recovery
 from ..wear import save_worn, worn_of
-from .meshes import KINDS, write_meshes, write_ply
+from .meshes import write_meshes, write_ply
 from .pattern_svg import write_svg
 from .report import report_html
 
@@ -27,14 +28,18 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
 
     Returns:
         The files: graded.ply, detail.ply, detail.obj, detail.glb, simulation.ply and redrape.ply (if the method makes
-        them), body.ply, body_joints.json, pattern.json, pattern.svg, fit.json (likewise), metrics.json, manifest.json,
-        worn.npz, report.html.
+        them; each .ply with the `distance` [m] of each vertex from the scan), scan.ply (as it was read), body.ply,
+        body_joints.json, pattern.json, pattern.svg, fit.json (likewise), metrics.json, manifest.json, worn.npz,
+        report.html.
     """
     folder.mkdir(parents=True, exist_ok=True)
     files: list[Path] = []
+    scanned = TriangleSurface(recovery.scan.vertices, recovery.scan.faces)
     for name, nodes in recovery.meshes:
-        kinds = KINDS if name == "detail" else ("ply",)
-        files += write_meshes(recovery.garment, nodes, folder, name, kinds)
+        faces, apart = recovery.garment.faces, {"distance": scanned.distance(nodes)}
+        files.append(write_ply(nodes, faces, folder / f"{name}.ply", apart))
+        files += write_meshes(recovery.garment, nodes, folder, name, ("obj", "glb")) if name == "detail" else []
+    files.append(write_ply(recovery.scan.vertices, recovery.scan.faces, folder / "scan.ply"))
     files.append(write_ply(recovery.body.vertices, recovery.body.faces, folder / "body.ply"))
     files.append(write_json(describe_joints(recovery.body), folder / "body_joints.json"))
     files.append(write_json(write_pattern(recovery.pattern), folder / "pattern.json"))

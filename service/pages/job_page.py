@@ -1,14 +1,20 @@
-"""`/jobs/ID`: how far a job is."""
+"""`/jobs/ID`: how far a job is, and what was understood of its files."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 from fastapi import Response
 
 from ..api.access import RoomsOf, find_own
-from .markup import html
+from ..records import JobReport
+from ..results import list_files, report_jobs
+from ..states import UNSUCCESSFUL, State
+from .markup import Html, html, join
 from .page_route import make_router
 from .session import VisitorOf
-from .shell import draw_shell
+from .shell import Visitor, draw_shell
+from .words import draw_gates, draw_state, draw_time, draw_verdict, is_ended, tell_understood
 
 router = make_router()
 
@@ -17,5 +23,75 @@ router = make_router()
 def show_job(job: str, rooms: RoomsOf, visitor: VisitorOf) -> Response:
     """Return the page of one job."""
     row = find_own(rooms, visitor.caller, job)
-    content = html('<h1>{}</h1><div id="job" data-job="{}"></div>', row.name, row.id)
-    return draw_shell(row.name, content, visitor, ["job.js"])
+    (report,) = report_jobs(rooms.database, [row], rooms.settings)
+    has_files = any(True for _ in list_files(rooms.database, row.id))
+    content = join(
+        [
+            html("<h1>{}</h1>", report.name),
+            _draw_progress(report, visitor, has_files),
+            _draw_understood(report),
+            _draw_children(report),
+            _draw_checks(report),
+            html('<details class="card"{}><summary>Events</summary><ol id="events"></ol></details>',
+                 Html("" if is_ended(report) else " open")),
+        ]
+    )  # fmt: skip
+    return draw_shell(report.name, content, visitor, ["job.js"])
+
+
+def _draw_progress(job: JobReport, visitor: Visitor, has_files: bool) -> Html:
+    may_change = "submit" in visitor.caller.scopes or visitor.caller.sees_all
+    buttons = []
+    if may_change and not is_ended(job):
+        buttons.append(html('<button type="button" id="cancel">Cancel</button>'))
+    failed_below = any(child.state in UNSUCCESSFUL for child in job.children)
+    if may_change and (job.state in UNSUCCESSFUL or failed_below):
+        buttons.append(html('<button type="button" id="retry" class="primary">Try again</button>'))
+    if has_files:
+        buttons.append(html('<a class="button primary" href="/results/{}">Result</a>', job.id))
+    error = Html()
+    if job.error:
+        error = html('<p class="error" role="alert">{} <code>{}</code></p>', job.error.message, job.error.code)
+    return html(
+        PROGRESS, job=job.id, state=draw_state(job), verdict=draw_verdict(job.verdict), kind=job.kind,
+        created=draw_time(job.created), stage=job.stage, fraction=f"{job.progress:.4f}", error=error,
+        hidden=Html(" hidden" if is_ended(job) else ""), ended="1" if is_ended(job) else "",
+        delay=html('<p class="doubt">Rests: {}.</p>', job.delay.code) if job.delay else Html(),
+        buttons=join(buttons, " "), tags=join((html('<span class="tag">{}</span>', tag) for tag in job.tags), " "),
+        warnings=join(html('<p class="doubt">{}</p>', text) for text in job.warnings),
+    )  # fmt: skip
+
+
+def _draw_understood(job: JobReport) -> Html:
+    told = tell_understood(job.details)
+    if not told:
+        return html('<section class="card" id="understood" hidden></section>')
+    rows = join(html("<tr><th scope=row>{}</th><td>{}</td></tr>", name, text) for name, text in told)
+    return html('<section class="card" id="understood"><h2>What was understood of the files</h2><div class="wide">'
+                "<table>{}</table></div></section>", rows)  # fmt: skip
+
+
+def _draw_children(job: JobReport) -> Html:
+    links: Sequence[Html] = [
+        html('<li><a href="{}">{}</a> <span class="soft">{}</span> <span data-child="{}">{}</span></li>',
+             f"/{'results' if child.state == State.SUCCEEDED else 'jobs'}/{child.job}", child.name, child.kind,
+             child.job, child.state)
+        for child in job.children
+    ]  # fmt: skip
+    own = [html('<li>made by <a href="/jobs/{}">its person</a></li>', job.parent)] if job.parent else []
+    read = [html('<li>reads <a href="/results/{}">{}</a></li>', one, name) for name, one in job.inputs.items()]
+    if not (links or own or read):
+        return Html()
+    return html('<section class="card"><h2>Family</h2><ul>{}</ul></section>', join([*own, *read, *links]))
+
+
+def _draw_checks(job: JobReport) -> Html:
+    return html('<section class="card"><h2>Checks</h2>{}</section>', draw_gates(job.gates)) if job.gates else Html()
+
+
+PROGRESS = """<section class="card" id="job" data-job="{job}" data-ended="{ended}">
+<p class="row"><span id="state">{state}</span>{verdict}<span class="soft">{kind}, asked {created}</span>{tags}</p>
+<p{hidden} id="running"><progress id="progress" max="1" value="{fraction}" aria-label="Progress"></progress>
+<span id="stage" role="status">{stage}</span></p>
+{error}{delay}{warnings}
+<p class="row">{buttons}</p><div id="problem"></div></section>"""

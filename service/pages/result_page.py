@@ -1,21 +1,177 @@
-"""`/results/ID`: what a job found, in 3D beside its pattern."""
+"""`/results/ID`: what a job found, in 3D beside its pattern; without WebGL its pictures."""
 
 from __future__ import annotations
 
-from fastapi import Response
+from collections.abc import Sequence
+from typing import Any
 
-from ..api.access import RoomsOf, find_own
-from .markup import html
+from fastapi import Response
+from sqlalchemy import select
+
+from ...core.formats import DESCRIPTIONS
+from ..api.access import Rooms, RoomsOf, find_own
+from ..models import JobInputRow, JobRow, OwnerRow
+from ..records import Artifact, JobReport
+from ..results import ResultMissing, list_files, report_jobs
+from ..states import State
+from .fabric_words import draw_fabric
+from .markup import Html, html, join
 from .page_route import make_router
 from .session import VisitorOf
-from .shell import draw_shell
+from .shell import Visitor, draw_shell
+from .stored_files import REPORT, list_pictures, read_json
+from .words import draw_gates, draw_verdict
 
 router = make_router()
+
+MESHES = {
+    "detail": "Detail",
+    "simulation": "Simulation",
+    "redrape": "Dressed anew",
+    "graded": "Graded",
+    "dressed": "Dressed",
+    "garment": "Garment",
+    "body": "Body",
+    "scan": "Scan",
+}
+"""What is shown in 3D where the result has it as NAME.ply; the first of them is shown at first, and the body."""
+
+STYLES = {
+    "cloth": "Cloth",
+    "normals": "Fold normals",
+    "distance": "Distance from the scan",
+    "strain": "Stretch",
+    "pressure": "Pressure",
+}
+"""How the cloth is coloured."""
+
+EXPORTABLE = ("recover", "dress", "refit", "drape", "edit")
+"""Kinds of jobs whose results have a pattern to export; others are refused by the service anyway."""
 
 
 @router.get("/results/{job}")
 def show_result(job: str, rooms: RoomsOf, visitor: VisitorOf) -> Response:
     """Return the page of one result."""
     row = find_own(rooms, visitor.caller, job)
-    content = html('<h1>{}</h1><div id="result" data-job="{}"></div>', row.name, row.id)
-    return draw_shell(row.name, content, visitor, ["result.js"])
+    (report,) = report_jobs(rooms.database, [row], rooms.settings)
+    files = [Artifact.from_row(one) for one in list_files(rooms.database, row.id)]
+    if not files:
+        raise ResultMissing(f"job {row.id} has no result yet: it is {row.state}.")
+    names = {file.name for file in files}
+    content = join(
+        [
+            _draw_head(report, names, visitor),
+            _draw_views(rooms, report, names),
+            _draw_known(rooms, report),
+            _draw_files(rooms, report, files, visitor),
+        ]
+    )
+    return draw_shell(report.name, content, visitor, ["result.js"])
+
+
+def _draw_head(job: JobReport, names: set[str], visitor: Visitor) -> Html:
+    links = [html('<a class="button" href="/jobs/{}">Job</a>', job.id)]
+    if REPORT in names:
+        links.append(html('<a class="button" href="/results/{}/report">Report</a>', job.id))
+    if {"worn.npz", "pattern.json"} <= names and _may_submit(visitor):
+        links.append(html('<a class="button" href="/results/{}/edit">Edit the pattern</a>', job.id))
+    if "labels.npz" in names:
+        links.append(html('<a class="button" href="/results/{}/labels">Labels</a>', job.id))
+    if "pattern.json" in names:
+        links.append(html('<a class="button" href="/match?a={}">Match</a>', job.id))
+    links.append(html('<a class="button" href="/v1/jobs/{}/result.zip" download>All files (.zip)</a>', job.id))
+    what = ", ".join(one for one in (job.garment, job.template, job.fabric) if one)
+    head = '<div class="head"><h1>{}</h1><p class="row">{}<span class="soft">{}</span></p><p class="row">{}</p></div>'
+    return html(head, job.name, draw_verdict(job.verdict), what, join(links, " "))
+
+
+def _draw_views(rooms: Rooms, job: JobReport, names: set[str]) -> Html:
+    there = [name for name in MESHES if f"{name}.ply" in names]
+    cloth = [name for name in there if name not in ("body", "scan")]
+    boxes = join(
+        html('<label><input type="checkbox" data-mesh="{}"{}> {}</label>', name,
+             Html(" checked" if name == "body" or name in cloth[:1] else ""), MESHES[name]) for name in there
+    )  # fmt: skip
+    styles = join(html('<option value="{}">{}</option>', name, title) for name, title in STYLES.items())
+    pictures = join(
+        html('<figure><img src="/results/{}/pictures/{}" alt="{}" loading="lazy"><figcaption>{}</figcaption></figure>',
+             job.id, number, one.title, one.title) for number, one in enumerate(list_pictures(rooms, job.id))
+    )  # fmt: skip
+    return html(
+        VIEWS, job=job.id, files=" ".join(sorted(names & WANTED)), boxes=boxes, styles=styles, pictures=pictures,
+        flat=Html() if "worn.npz" in names else Html(" hidden"),
+        player=Html() if "garment.pc2" in names else Html(" hidden"),
+        solid=Html() if there else Html(" hidden"),
+    )  # fmt: skip
+
+
+WANTED = {f"{name}.ply" for name in MESHES} | {"worn.npz", "garment.pc2", "body.pc2", "frames.json"}
+"""The files that the page's script reads."""
+
+
+def _draw_known(rooms: Rooms, job: JobReport) -> Html:
+    warnings = join(html('<p class="doubt">{}</p>', text) for text in job.warnings)
+    checks = html("<h2>Checks</h2>{}{}", warnings, draw_gates(job.gates))
+    fabric = draw_fabric(job.fabric, read_json(rooms, job.id, "fit.json"))
+    both = '<div class="pair"><section class="card">{}</section><section class="card">{}</section></div>'
+    return html(both, fabric, checks)
+
+
+def _draw_files(rooms: Rooms, job: JobReport, files: Sequence[Artifact], visitor: Visitor) -> Html:
+    rows = join(
+        html('<tr><td><a href="/v1/jobs/{}/artifacts/{}" download>{}</a></td><td class="number">{}</td></tr>',
+             job.id, file.name, file.name, f"{file.size:,}".replace(",", " ")) for file in files
+    )  # fmt: skip
+    return html(FILES, rows=rows, exports=_draw_exports(rooms, job, visitor))
+
+
+def _draw_exports(rooms: Rooms, job: JobReport, visitor: Visitor) -> Html:
+    if job.kind not in EXPORTABLE or job.state != State.SUCCEEDED:
+        return Html()
+    made = [
+        html('<li><a href="/results/{}">{}</a> <span class="soft">{}</span></li>', one.id,
+             one.request.get("format", "export"), one.state)
+        for one in _find_exports(rooms, job.id, visitor)
+    ]  # fmt: skip
+    buttons = join(
+        html('<button type="button" data-export="{}" title="{}">{}</button>', name, told, name.upper())
+        for name, told in DESCRIPTIONS.items()
+    )
+    offered = html('<p class="row">{}</p><div id="exported" role="status"></div>', buttons)
+    return html("<h2>Exports</h2>{}<ul>{}</ul>", offered if _may_submit(visitor) else Html(), join(made))
+
+
+def _find_exports(rooms: Rooms, job: str, visitor: Visitor) -> list[Any]:
+    """Return the exports of a result that the visitor sees, newest first."""
+    asked = select(JobRow).join(JobInputRow, JobInputRow.job == JobRow.id)
+    asked = asked.where(JobInputRow.input == job, JobRow.kind == "export")
+    if not visitor.caller.sees_all:
+        asked = asked.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == visitor.caller.key)
+    with rooms.database.read() as session:
+        return list(session.scalars(asked.order_by(JobRow.created.desc(), JobRow.id).limit(20)))
+
+
+def _may_submit(visitor: Visitor) -> bool:
+    return "submit" in visitor.caller.scopes or visitor.caller.sees_all
+
+
+VIEWS = """<div id="result" data-job="{job}" data-files="{files}">
+<div class="views"><section class="card view"{solid} aria-label="3D"><div class="row tools">
+<fieldset class="row"><legend>Shown</legend>{boxes}</fieldset>
+<label>Colour <select id="style">{styles}</select></label>
+<label><input type="checkbox" id="wireframe"> Wireframe</label>
+<button type="button" id="whole">Whole</button></div>
+<div id="space"></div><p class="row"><span id="colours" hidden><canvas id="bar" width="200" height="12"
+ role="img" aria-label="Colours from none to the largest value"></canvas> <span id="end"></span></span>
+<span id="loading" class="soft" role="status">Loading…</span></p>
+<p class="row" id="player"{player}><button type="button" id="play" aria-pressed="false">Play</button>
+<input type="range" id="frame" min="0" max="0" value="0" aria-label="Frame"><output id="time"></output></p></section>
+<section class="card view"{flat} aria-label="Pattern"><div class="row tools">
+<span class="soft" id="pointed" role="status">Point at a panel, or an edge.</span></div><div id="flat"></div>
+<div id="measured" role="status"></div></section></div>
+<div id="problem"></div>
+<section class="card" id="pictures" hidden><h2>Pictures</h2><div class="pictures">{pictures}</div></section></div>"""
+
+FILES = """<section class="card">{exports}<details><summary>Files</summary><div class="wide"><table><thead><tr>
+<th scope="col">File</th><th scope="col" class="number">Bytes</th></tr></thead><tbody>{rows}</tbody></table></div>
+</details></section>"""

@@ -25,7 +25,7 @@ from PIL import Image
 
 HOSTILE = "\"><script>alert(1)</script><img src=x onerror='a()'>"
 FILES = [
-    "graded.ply", "detail.ply", "detail.obj", "detail.glb", "body.ply", "body_joints.json", "pattern.json",
+    "graded.ply", "detail.ply", "detail.obj", "detail.glb", "scan.ply", "body.ply", "body_joints.json", "pattern.json",
     "pattern.svg", "metrics.json", "manifest.json", "worn.npz", "report.html",
 ]  # fmt: skip
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import sys
+import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -17,6 +18,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "api"))
 
 from api_client import address, serving  # noqa: F401
 from garmentq.core.export import write_recovery
+from garmentq.core.meshes import Meshes
+from garmentq.core.recovery import Recovery
 from garmentq.service.api.limits import ApiLimits
 from garmentq.service.jobs import claim
 from garmentq.service.kinds.recover import Recover
@@ -55,6 +58,7 @@ class Site:
         services: The open home, for what a worker would do.
         token: What signs the local user in.
         result: Id of a job with a real result: a tube of two panels, four meshes, on a post.
+        queue: Queue the scan of a tube under a name; gives the job's id.
         keep: Submit a recovery under a name and store it as a worker would; gives the job's id.
     """
 
@@ -62,6 +66,7 @@ class Site:
     services: Services
     token: str
     result: str
+    queue: Callable[[str], str]
     keep: Callable[..., str]
 
     @property
@@ -90,55 +95,86 @@ def chromium():
 
 
 @pytest.fixture(scope="session")
-def site(tmp_path_factory, blank_database, tube_recovery) -> Iterator[Site]:  # noqa: F811
-    """Serve a home with one result; tests that change it add jobs of their own."""
-    folder = tmp_path_factory.mktemp("site")
+def site(tmp_path_factory, blank_database, whole_tube, write_once) -> Iterator[Site]:  # noqa: F811
+    """Serve a home with one result and no key; tests that change it add jobs of their own."""
+    with open_site(tmp_path_factory.mktemp("site"), blank_database, whole_tube, write_once) as opened:
+        yield opened
+
+
+@pytest.fixture
+def own_site(tmp_path, blank_database, whole_tube, write_once) -> Iterator[Site]:  # noqa: F811
+    """Serve such a home for one test alone, which may make keys."""
+    with open_site(tmp_path, blank_database, whole_tube, write_once) as opened:
+        yield opened
+
+
+@contextmanager
+def open_site(folder: Path, blank_database: Path, make_recovery, write_once) -> Iterator[Site]:  # noqa: F811
+    """Serve a home with one result for the block."""
     home = folder / "home"
     home.mkdir(mode=0o700)
     shutil.copy(blank_database, home / "garmentq.db")
     services = open_services(make_settings(home, writer="garmentq.core.export:write_recovery"))
 
     def keep(name: str, recovery=None) -> str:
-        recovery = recovery or make_recovery(tube_recovery)
+        recovery = recovery or make_recovery()
         job = queue_scan(services, folder, name, recovery)
         held = claim(services.database, job, "test", 600.0)
-        write_recovery(recovery, out := folder / f"out-{job}")
-        store_result(services.database, services.store, held, Recover(), recovery, out)
+        store_result(services.database, services.store, held, Recover(), recovery, write_once(recovery))
         return job
 
     with serving(services.settings, ApiLimits()) as url:
-        yield Site(url, services, make_local_token(home), keep("tube"), keep)
+        queue = lambda name: queue_scan(services, folder, name, make_recovery())  # noqa: E731
+        yield Site(url, services, make_local_token(home), keep("tube"), queue, keep)
     services.database.dispose()
 
 
-def make_recovery(tube_recovery):
-    """Give a recovery with all four meshes, each told from the others by its size."""
+@pytest.fixture(scope="session")
+def whole_tube(tube_recovery) -> Callable[[], Recovery]:
+    """Give the maker of a recovery with all four meshes, each told from the others by its size."""
     found = tube_recovery()
     nodes = found.garment.nodes
-    meshes = {"simulation": nodes * 1.02, "redraped": nodes * 1.03}
-    return tube_recovery(meshes=type(found.meshes)(found.meshes.graded, found.meshes.detail, **meshes))
+    four = Meshes(found.meshes.graded, found.meshes.detail, nodes * 1.02, nodes * 1.03)
+    return lambda: tube_recovery(meshes=four)
+
+
+@pytest.fixture(scope="session")
+def write_once(tmp_path_factory) -> Callable[[Recovery], Path]:
+    """Give the writer of a recovery's files, which writes equal meshes once."""
+    written: dict[int, Path] = {}
+
+    def write(recovery: Recovery) -> Path:
+        key = id(recovery.meshes)
+        if key not in written:
+            written[key] = tmp_path_factory.mktemp("written")
+            write_recovery(recovery, written[key])
+        return written[key]
+
+    return write
 
 
 def queue_scan(services: Services, folder: Path, name: str, recovery) -> str:
     """Submit the scan of a recovery as a file of its own."""
     import trimesh
 
-    (folder / name).mkdir()
-    scan = folder / name / "scan.ply"
-    mesh = trimesh.Trimesh(recovery.scan.vertices, recovery.scan.faces, process=False)
-    mesh.metadata["name"] = name
-    scan.write_bytes(mesh.export(file_type="ply") + b"")
-    body = folder / name / "body.ply"
+    own = Path(tempfile.mkdtemp(dir=folder))
+    scan, body = own / "scan.ply", own / "body.ply"
+    trimesh.Trimesh(recovery.scan.vertices, recovery.scan.faces, process=False).export(scan)
     trimesh.Trimesh(recovery.body.vertices, recovery.body.faces, process=False).export(body)
     return submit(services.database, services.store, Order(scan, body, name=name, force=True)).job
 
 
+@pytest.fixture
+def faults() -> list[str]:
+    """Give the list of what no page may do; a test that expects a refusal takes it from there."""
+    return []
+
+
 @contextmanager
-def open_context(chromium, site) -> Iterator:
-    """Open a browser window of its own for the block, signed in as the local user; fails on what no page may do."""
+def open_context(chromium, site, faults: list[str]) -> Iterator:
+    """Open a browser window of its own for the block, signed in as the local user; fails where `faults` are left."""
     opened = chromium.new_context(base_url=site.url, viewport={"width": 1280, "height": 900})
     opened.set_default_timeout(WAIT_MS)
-    faults: list[str] = []
     host = urlsplit(site.url).netloc
 
     def watch(page) -> None:
@@ -153,7 +189,6 @@ def open_context(chromium, site) -> Iterator:
     opened.on("request", look)
     answer = opened.request.post("/signin", form={"token": site.token})
     assert answer.ok
-    opened.faults = faults
     yield opened
     opened.close()
     assert faults == []
@@ -162,13 +197,13 @@ def open_context(chromium, site) -> Iterator:
 @pytest.fixture(scope="session")
 def open_window(chromium, site) -> Callable:
     """Give `open_context` for fixtures whose window several tests share."""
-    return lambda: open_context(chromium, site)
+    return lambda: open_context(chromium, site, [])
 
 
 @pytest.fixture
-def context(chromium, site) -> Iterator:
+def context(chromium, site, faults) -> Iterator:
     """Open a browser window of its own for one test."""
-    with open_context(chromium, site) as opened:
+    with open_context(chromium, site, faults) as opened:
         yield opened
 
 

@@ -1,1 +1,74 @@
-// Filled in with its page.
+// One job: its progress by Server-Sent Events, cancelling and trying again.
+import { followJob, getJson, postJson } from './api.js';
+import { find, make, showError } from './dom.js';
+import { showTimes } from './times.js';
+
+/** Lines of the log that are kept on the page; progress comes twice a second. */
+const MOST_LINES = 500;
+
+const place = find('#job');
+const job = place.getAttribute('data-job');
+const events = find('#events');
+
+/** @param {{at: number, kind: string, data: any}} event @returns {string} */
+function tell(event) {
+  const { data } = event;
+  if (event.kind === 'progress') return [data.stage, `${Math.round(data.fraction * 100)}%`, data.message].filter(Boolean).join(' ');
+  const more = Object.entries(data).map(([name, value]) => `${name.replaceAll('_', ' ')}: ${value}`).join(', ');
+  return more ? `${event.kind.replaceAll('_', ' ')} (${more})` : event.kind.replaceAll('_', ' ');
+}
+
+/** Show one event: in the log, and a stage's progress in the bar. */
+function show(event) {
+  const when = new Date(event.at * 1000).toLocaleTimeString();
+  const last = events.lastElementChild;
+  const key = event.kind === 'progress' ? `progress ${event.data.stage}` : '';
+  const line = make('li', { 'data-key': key }, make('span.soft', {}, when), ` ${tell(event)}`);
+  if (key && last?.getAttribute('data-key') === key) last.replaceWith(line);
+  else events.append(line);
+  while (events.childElementCount > MOST_LINES) events.firstElementChild.remove();
+  if (event.kind === 'progress' && !place.getAttribute('data-ended')) {
+    find('#progress').value = event.data.fraction;
+    find('#stage').textContent = [event.data.stage, event.data.message].filter(Boolean).join(': ');
+    find('#state [data-state]').textContent = `running: ${event.data.stage}`;
+    if (event.data.stage !== 'check' && find('#understood').hidden) showUnderstood();
+  }
+}
+
+/** Show what the first stage understood of the files, as soon as it has. */
+async function showUnderstood() {
+  const section = find('#understood');
+  section.hidden = false;
+  const fresh = new DOMParser().parseFromString(await (await fetch(location.href)).text(), 'text/html');
+  const told = fresh.querySelector('#understood');
+  if (told && !told.hidden) section.replaceWith(document.adoptNode(told));
+  else section.hidden = true;
+}
+
+/** @param {string} what cancel or retry */
+function change(what) {
+  const button = document.querySelector(`#${what}`);
+  button?.addEventListener('click', async () => {
+    button.disabled = true;
+    try {
+      await postJson(`/v1/jobs/${job}/${what}`);
+      location.reload();
+    } catch (error) {
+      button.disabled = false;
+      showError(find('#problem'), error);
+    }
+  });
+}
+
+showTimes();
+change('cancel');
+change('retry');
+try {
+  if (place.getAttribute('data-ended')) {
+    for (const event of (await getJson(`/v1/jobs/${job}/events`)).events) show(event);
+  } else {
+    if (await followJob(job, show)) location.reload();
+  }
+} catch (error) {
+  showError(find('#problem'), error);
+}

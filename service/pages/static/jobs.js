@@ -1,1 +1,97 @@
-// Filled in with its page.
+// The list of jobs: live states, and the form that queues a scan.
+import { postJson, uploadFile } from './api.js';
+import { find, showError } from './dom.js';
+import { showTimes, tellSize } from './times.js';
+
+/** How often the states of open jobs are asked for, all in one request [ms]. */
+const PERIOD_MS = 1000;
+
+const OPEN = new Set(['waiting', 'queued', 'running']);
+
+/** Ask for the states of the page's open jobs until none is left; a family that grew or ended is drawn anew. */
+async function followList() {
+  for (;;) {
+    const rows = [...document.querySelectorAll('tr.job.open')];
+    if (!rows.length) return;
+    if (!document.hidden) {
+      try {
+        const asked = rows.slice(0, 1000).map((row) => row.getAttribute('data-job'));
+        const { jobs } = await postJson('/v1/jobs/states', { jobs: asked });
+        for (const job of jobs) {
+          const place = find(`tr[data-job="${job.job}"] [data-state]`);
+          place.textContent = job.state === 'running' && job.stage
+            ? `running: ${job.stage} ${Math.round(job.progress * 100)}%` : job.state;
+          if (!OPEN.has(job.state)) {
+            location.reload();
+            return;
+          }
+        }
+      } catch (error) {
+        if (error.status && error.status < 500 && error.status !== 429) return;
+      }
+    }
+    await new Promise((resolve) => setTimeout(resolve, PERIOD_MS));
+  }
+}
+
+/** @param {FormData} form @returns {Promise<object>} what `/v1/jobs` is asked, its files uploaded */
+async function readOrder(form) {
+  const sent = find('#sent');
+  sent.hidden = false;
+  const upload = async (kind, file) => (await uploadFile(kind, file, (part) => { sent.value = part; })).sha256;
+  const text = (name) => String(form.get(name) ?? '').trim();
+  const file = (name) => (form.get(name)?.size ? form.get(name) : null);
+  const wanted = { scan: await upload('scans', file('scan')) };
+  if (file('body_file')) wanted.body = await upload('bodies', file('body_file'));
+  else if (text('body')) wanted.body = text('body');
+  if (file('labels')) wanted.labels = await upload('labels', file('labels'));
+  for (const name of ['name', 'as', 'wearing', 'template']) if (text(name)) wanted[name] = text(name);
+  const tags = text('tags').split(',').map((tag) => tag.trim()).filter(Boolean);
+  if (tags.length) wanted.tags = tags;
+  const settings = {};
+  for (const name of ['fabric', 'method']) if (text(name)) settings[name] = text(name);
+  if (Object.keys(settings).length) wanted.settings = settings;
+  return wanted;
+}
+
+/** Let a scan be dropped or chosen, and queue it. */
+function startForm() {
+  const form = document.querySelector('#submit');
+  if (!form) return;
+  const drop = find('#drop'), input = find('#scan'), told = find('#told'), problem = find('#problem');
+  const tell = () => {
+    const file = input.files[0];
+    if (file) told.textContent = `${file.name}, ${tellSize(file.size)}`;
+  };
+  input.addEventListener('change', tell);
+  for (const kind of ['dragenter', 'dragover']) {
+    drop.addEventListener(kind, (event) => { event.preventDefault(); drop.classList.add('over'); });
+  }
+  drop.addEventListener('dragleave', () => drop.classList.remove('over'));
+  drop.addEventListener('drop', (event) => {
+    event.preventDefault();
+    drop.classList.remove('over');
+    if (event.dataTransfer.files.length) {
+      input.files = event.dataTransfer.files;
+      tell();
+    }
+  });
+  form.addEventListener('submit', async (event) => {
+    event.preventDefault();
+    const button = find('button[type=submit]', form);
+    button.disabled = true;
+    problem.replaceChildren();
+    try {
+      const { job } = await postJson('/v1/jobs', await readOrder(new FormData(form)));
+      location.assign(`/jobs/${job}`);
+    } catch (error) {
+      showError(problem, error);
+      button.disabled = false;
+      find('#sent').hidden = true;
+    }
+  });
+}
+
+showTimes();
+startForm();
+followList();

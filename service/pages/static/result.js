@@ -1,1 +1,300 @@
-// Filled in with its page.
+// A result: its meshes in 3D beside its pattern, each pointing into the other.
+import { followJob, getBytes, getJson, postJson } from './api.js';
+import { find, make, showError } from './dom.js';
+import { computeStrain, flatten, lift, locate, measureEdge, readGarment, spreadToNodes } from './garment.js';
+import { PatternView } from './pattern_view.js';
+import { readFrames, readPly } from './ply.js';
+import { Viewer, colourOf } from './viewer.js';
+
+const COLOURS = { detail: 0x6694bd, simulation: 0x7aa894, redrape: 0xb89e75, graded: 0x9a8fc0, dressed: 0x6694bd, garment: 0x6694bd, body: 0xe6d9cc, scan: 0x9ea8b3 };
+const BARE = new Set(['body', 'scan']);
+
+/** Ends of the colours where the values themselves do not tell: the report's least range [m], 10 % of stretch, 3 kPa. */
+const LEAST = { distance: 0.005, strain: 0.1, pressure: 3000 };
+const UNITS = { distance: (value) => `${(1000 * value).toFixed(1)} mm`, strain: (value) => `${(100 * value).toFixed(0)} % longer`, pressure: (value) => `${(value / 1000).toFixed(1)} kPa` };
+
+const place = find('#result');
+const job = place.getAttribute('data-job');
+const files = new Set(place.getAttribute('data-files').split(' '));
+const boxes = [...document.querySelectorAll('input[data-mesh]')];
+const meshes = new Map();
+const waiting = new Map();
+/** @type {Viewer|null} */ let viewer = null;
+/** @type {PatternView|null} */ let pattern = null;
+/** @type {import('./garment.js').Garment|null} */ let garment = null;
+/** Edges that are measured, each with the part that is: [edge, from, to]. */ let measured = [];
+
+/** @param {string} name @returns {Promise<ArrayBuffer>} */
+const load = (name) => getBytes(`/v1/jobs/${job}/artifacts/${name}`);
+
+/** @returns {string|null} the cloth that is pointed at and measured: the first that is shown */
+function shownCloth() {
+  return boxes.find((box) => box.checked && !BARE.has(box.dataset.mesh) && meshes.has(box.dataset.mesh))?.dataset.mesh ?? null;
+}
+
+/** Load a mesh once, and show it. @param {string} name @returns {Promise<void>} */
+function loadMesh(name) {
+  if (!waiting.has(name)) {
+    waiting.set(name, load(`${name}.ply`).then((content) => {
+      const mesh = readPly(content);
+      meshes.set(name, mesh);
+      const isVisible = boxes.some((box) => box.dataset.mesh === name && box.checked);
+      viewer.add(name, mesh.positions, mesh.faces, { colour: COLOURS[name], isVisible, isCloth: !BARE.has(name) });
+    }));
+  }
+  return waiting.get(name);
+}
+
+/** Show the stored pictures where there is no WebGL. */
+function showPictures() {
+  find('#pictures').hidden = false;
+  find('#space').closest('section').hidden = true;
+}
+
+/** Make the 3D view; false where the browser has none. */
+function startViewer() {
+  try {
+    viewer = new Viewer(find('#space'));
+    return true;
+  } catch {
+    showPictures();
+    return false;
+  }
+}
+
+/** @param {string} style @param {string} name @returns {Float32Array|null} the numbers that colour a mesh */
+function valuesOf(style, name) {
+  const mesh = meshes.get(name);
+  if (style !== 'strain' || mesh.values.strain) return mesh.values[style] ?? null;
+  return garment ? spreadToNodes(garment, computeStrain(garment, mesh.positions), mesh.positions.length / 3) : null;
+}
+
+/** Colour the cloth as chosen, with what the colours mean. */
+function colourCloth() {
+  const style = find('#style').value, shown = shownCloth();
+  const values = style in LEAST && shown ? valuesOf(style, shown) : null;
+  let end = LEAST[style] ?? 1;
+  if (values) end = Math.max(end, Float32Array.from(values).sort()[Math.floor(0.99 * (values.length - 1))]);
+  viewer.colour(style, (name) => valuesOf(style, name), end);
+  find('#colours').hidden = !values;
+  if (values) find('#end').textContent = UNITS[style](end);
+}
+
+/** Draw the bar of colours once. */
+function drawBar() {
+  const bar = find('#bar'), context = bar.getContext('2d');
+  for (let x = 0; x < bar.width; x += 1) {
+    context.fillStyle = `rgb(${colourOf(x / bar.width).map((part) => Math.round(255 * part)).join(' ')})`;
+    context.fillRect(x, 0, 1, bar.height);
+  }
+}
+
+/** Leave out the colours that this result has no numbers for. */
+function trimStyles() {
+  for (const option of [...find('#style').options]) {
+    if (option.value in LEAST && ![...meshes.keys()].some((name) => !BARE.has(name) && valuesOf(option.value, name))) option.remove();
+  }
+}
+
+/** Listen to what is above the 3D view. */
+function startTools() {
+  for (const box of boxes) {
+    box.addEventListener('change', async () => {
+      await loadMesh(box.dataset.mesh);
+      viewer.show(box.dataset.mesh, box.checked);
+      colourCloth();
+      tellMeasured();
+    });
+  }
+  find('#style').addEventListener('change', colourCloth);
+  find('#wireframe').addEventListener('change', (event) => viewer.setWireframe(event.target.checked));
+  find('#whole').addEventListener('click', () => viewer.frame());
+}
+
+/** Point from the pattern into space, and back. */
+function startPointing() {
+  const pointed = find('#pointed');
+  pattern.svg.addEventListener('pointermove', (event) => {
+    const at = pattern.find(event), cloth = shownCloth();
+    const found = at && locate(garment, at.panel, at.x, at.y);
+    pattern.setMark(null);
+    if (!viewer || !found || !cloth) {
+      viewer?.setMark(null);
+      return;
+    }
+    const point = lift(garment, meshes.get(cloth).positions, found);
+    viewer.setMark(point);
+    place.dataset.marked = JSON.stringify(point);
+    if (!event.target.matches('.hold')) pointed.textContent = `${garment.panels[at.panel].name}, ${Math.round(1000 * point[1])} mm above the ground`;
+  });
+  pattern.svg.addEventListener('pointerleave', () => viewer?.setMark(null));
+  viewer?.renderer.domElement.addEventListener('pointermove', (event) => {
+    if (event.buttons) return;
+    const cloth = shownCloth(), hit = cloth && viewer.pick(cloth, event);
+    viewer.setMark(hit ? hit.point : null);
+    if (!hit) {
+      pattern.setMark(null);
+      return;
+    }
+    const panel = garment.panelOfUv[garment.uvFaces[3 * hit.face]], flat = flatten(garment, hit);
+    pattern.setMark(panel, flat);
+    place.dataset.flat = JSON.stringify([panel, ...flat]);
+    pointed.textContent = garment.panels[panel].name;
+  });
+}
+
+/** @param {import('./garment.js').Edge} edge @returns {Float32Array} its points on the cloth that is shown [m] */
+function curveOf(edge, from, to) {
+  const { positions } = meshes.get(shownCloth());
+  return Float32Array.from(edge.uv.slice(Math.min(from, to), Math.max(from, to) + 1)
+    .reduce((points, vertex) => points.concat(Array.from(positions.subarray(3 * garment.uvNode[vertex], 3 * garment.uvNode[vertex] + 3))), []));
+}
+
+/** Light edges, and the seams' other sides, in both views. @param {import('./garment.js').Edge[]} edges */
+function light(edges) {
+  const lit = new Set(edges.flatMap((edge) => pattern.seamOf.get(edge)?.pair ?? [edge]));
+  pattern.light(lit);
+  if (viewer && shownCloth()) viewer.setLines([...lit].map((edge) => ({ points: curveOf(edge, 0, edge.uv.length - 1), colour: 0xd9480f })));
+}
+
+/** Say how long what is measured is, in the pattern and on the cloth that is shown. */
+function tellMeasured() {
+  const cloth = shownCloth(), told = find('#measured');
+  if (!garment || !measured.length || !cloth) {
+    told.replaceChildren();
+    return;
+  }
+  const { positions } = meshes.get(cloth), mm = (length) => (1000 * length).toFixed(1);
+  let flatSum = 0, wornSum = 0;
+  const rows = measured.map(([edge, from, to]) => {
+    const { flat, worn } = measureEdge(garment, edge, from, to, positions);
+    flatSum += flat;
+    wornSum += worn;
+    const isPart = Math.abs(to - from) < edge.uv.length - 1;
+    return make('tr', {}, make('th', { scope: 'row' }, `${edge.panel}, edge ${edge.index}${isPart ? ', a part' : ''}`), make('td.number', {}, mm(flat)), make('td.number', {}, mm(worn)));
+  });
+  if (rows.length > 1) rows.push(make('tr', {}, make('th', { scope: 'row' }, 'together'), make('td.number', {}, mm(flatSum)), make('td.number', {}, mm(wornSum))));
+  const head = make('tr', {}, make('th', { scope: 'col' }, 'Edge'), make('th.number', { scope: 'col' }, 'pattern, mm'), make('th.number', { scope: 'col' }, `${cloth}, mm`));
+  told.replaceChildren(make('table', {}, head, ...rows));
+  light(measured.map(([edge]) => edge));
+}
+
+/** Measure along edges: click, or shift-click for several; drag along an edge for a part of it. */
+function startMeasuring() {
+  for (const [edge, { hold }] of pattern.edges) {
+    let from = -1;
+    const name = hold.getAttribute('aria-label');
+    const choose = (event, first, last) => {
+      measured = event.shiftKey ? [...measured.filter(([one]) => one !== edge), [edge, first, last]] : [[edge, first, last]];
+      pattern.showSection(edge, first, last);
+      tellMeasured();
+    };
+    hold.addEventListener('pointerenter', () => {
+      light([edge, ...measured.map(([one]) => one)]);
+      const seam = pattern.seamOf.get(edge), other = seam?.pair.find((one) => one !== edge);
+      find('#pointed').textContent = other ? `${name}; sewn to ${other.panel}, edge ${other.index}` : name;
+    });
+    hold.addEventListener('pointerleave', () => light(measured.map(([one]) => one)));
+    hold.addEventListener('pointerdown', (event) => {
+      from = pattern.nearest(edge, event);
+      hold.setPointerCapture(event.pointerId);
+    });
+    hold.addEventListener('pointerup', (event) => {
+      const to = pattern.nearest(edge, event);
+      if (from === to) choose(event, 0, edge.uv.length - 1);
+      else choose(event, from, to);
+    });
+    hold.addEventListener('keydown', (event) => {
+      if (event.key !== 'Enter' && event.key !== ' ') return;
+      event.preventDefault();
+      choose(event, 0, edge.uv.length - 1);
+    });
+    hold.addEventListener('focus', () => light([edge, ...measured.map(([one]) => one)]));
+  }
+}
+
+/** Play an animation from its point caches. */
+async function startPlayer() {
+  const frames = readFrames(await load('garment.pc2'));
+  const bodies = files.has('body.pc2') ? readFrames(await load('body.pc2')) : null;
+  const { fps } = await getJson(`/v1/jobs/${job}/artifacts/frames.json`);
+  const slider = find('#frame'), button = find('#play'), time = find('#time');
+  slider.max = String(frames.length - 1);
+  const show = () => {
+    const frame = Number(slider.value);
+    viewer.move('garment', frames[frame]);
+    if (bodies) viewer.move('body', bodies[frame]);
+    time.textContent = `${(frame / fps).toFixed(2)} s`;
+  };
+  let isPlaying = false, begun = 0;
+  const step = (now) => {
+    if (!isPlaying) return;
+    slider.value = String(Math.floor(((now - begun) / 1000) * fps) % frames.length);
+    show();
+    requestAnimationFrame(step);
+  };
+  button.addEventListener('click', () => {
+    isPlaying = !isPlaying;
+    button.setAttribute('aria-pressed', String(isPlaying));
+    button.textContent = isPlaying ? 'Pause' : 'Play';
+    begun = performance.now() - (1000 * Number(slider.value)) / fps;
+    requestAnimationFrame(step);
+  });
+  slider.addEventListener('input', show);
+  show();
+}
+
+/** Ask for exports, and offer their files. */
+function startExports() {
+  for (const button of document.querySelectorAll('[data-export]')) {
+    button.addEventListener('click', async () => {
+      const format = button.dataset.export, told = find('#exported');
+      button.disabled = true;
+      told.textContent = `${format}: queued…`;
+      try {
+        const asked = await postJson('/v1/jobs', { kind: 'export', result: job, options: { format } });
+        const state = await followJob(asked.job, (event) => { told.textContent = `${format}: ${event.kind}…`; });
+        const { files: made } = await getJson(`/v1/jobs/${asked.job}/artifacts`);
+        told.replaceChildren(make('p', {}, state === 'succeeded' ? `${format}: ` : `${format}: ${state}; `,
+          ...(state === 'succeeded' ? [] : [make('a', { href: `/jobs/${asked.job}` }, 'why')]),
+          ...made.flatMap(({ name }) => [make('a', { href: `/v1/jobs/${asked.job}/artifacts/${encodeURI(name)}`, download: '' }, name), ' '])));
+      } catch (error) {
+        showError(told, error);
+      }
+      button.disabled = false;
+    });
+  }
+}
+
+/** Load what is shown at first, then the rest of the meshes; the scan only when it is asked for. */
+async function start() {
+  startExports();
+  const names = boxes.map((box) => box.dataset.mesh);
+  const isSolid = names.length > 0 && startViewer();
+  if (!names.length) showPictures();
+  const flat = files.has('worn.npz') ? load('worn.npz').then(readGarment) : null;
+  if (isSolid) {
+    await Promise.all(boxes.filter((box) => box.checked).map((box) => loadMesh(box.dataset.mesh)));
+    viewer.frame();
+  }
+  if (flat) {
+    garment = await flat;
+    pattern = new PatternView(find('#flat'), garment);
+    startPointing();
+    startMeasuring();
+  }
+  if (isSolid) {
+    await Promise.all(names.filter((name) => name !== 'scan').map(loadMesh));
+    drawBar();
+    trimStyles();
+    startTools();
+    if (files.has('garment.pc2')) await startPlayer();
+  }
+  find('#loading').textContent = '';
+  place.dataset.ready = '1';
+}
+
+start().catch((error) => {
+  find('#loading').textContent = '';
+  showError(find('#problem'), error);
+});

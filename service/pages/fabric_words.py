@@ -1,0 +1,57 @@
+"""What is known of a result's fabric, and what is not, in words."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from .markup import Html, html, join
+
+NAMES = {
+    "H00": "stiffness along the grain",
+    "H11": "stiffness across the grain",
+    "H01": "coupling of both stiffnesses",
+    "H22": "shear stiffness",
+    "k": "bending stiffness",
+    "density": "weight",
+    "friction": "friction",
+    "thickness": "thickness",
+}
+
+
+def draw_fabric(name: str | None, fit: Any) -> Html:
+    """Return the section on the fabric.
+
+    Args:
+        name: The fabric that the result was recovered with.
+        fit: What `fit.json` holds; None where the method fits no fabric.
+    """
+    known, unknown = [], []
+    fabric = fit.get("fabric", {}) if isinstance(fit, dict) else {}
+    for parameter, told in fabric.items() if isinstance(fabric, dict) else ():
+        (known if told.get("identifiable") else unknown).append(_tell(str(parameter), told))
+    chosen = html("<p>Chosen: {}.</p>", name) if name else Html()
+    if not known and not unknown:
+        told = "The method fits no fabric: all its numbers are those of the one that was chosen."
+        return html("<h2>Fabric</h2>{}<p class=soft>{}</p>", chosen, told)
+    nearest = fit.get("nearest_fabrics") or []
+    near = html("<p>Bends most like: {}.</p>", ", ".join(str(one) for one in nearest)) if nearest else Html()
+    lists = [_list("Known", known), _list("Not known from this scan", unknown)]
+    return html("<h2>Fabric</h2>{}{}{}", chosen, join(lists), near)
+
+
+def _tell(parameter: str, told: dict[str, Any]) -> Html:
+    """Say one number: within which factor it is known, or that it is not."""
+    name, note = NAMES.get(parameter, parameter), str(told.get("note") or "")
+    if not told.get("identifiable"):
+        return html("{}{}", name, f": {note}" if note else "")
+    value, std = told.get("value"), told.get("std")
+    factor = f", within a factor of {math.exp(std):.2f}" if isinstance(std, int | float) and std < 5 else ""
+    shown = f"{value:.3g}" if isinstance(value, int | float) else str(value)
+    return html("{}: {}{}{}", name, shown, factor, f" ({note})" if note else "")
+
+
+def _list(title: str, lines: list[Html]) -> Html:
+    if not lines:
+        return Html()
+    return html("<h3>{}</h3><ul>{}</ul>", title, join(html("<li>{}</li>", line) for line in lines))

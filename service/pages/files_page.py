@@ -1,0 +1,60 @@
+"""`/results/ID/report`, its pictures, and the small picture of each job: what pages show of stored files."""
+
+from __future__ import annotations
+
+from fastapi import Request, Response
+
+from ..api.access import RoomsOf, find_own
+from ..results import ResultMissing
+from .page_route import make_router
+from .session import VisitorOf
+from .stored_files import REPORT, find_file, list_pictures, make_thumbnail, read_bytes
+
+router = make_router()
+
+REPORT_POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'none'; sandbox"
+"""What a report may do: show its own style and pictures; no script runs in it, whatever it holds."""
+
+KEPT = "private, max-age=86400"
+"""How long a browser keeps a picture, whose address changes with its content."""
+
+
+@router.get("/results/{job}/report")
+def show_report(job: str, rooms: RoomsOf, visitor: VisitorOf) -> Response:
+    """Return the stored report to look at."""
+    row = find_own(rooms, visitor.caller, job)
+    file = find_file(rooms, row.id, REPORT)
+    if file is None:
+        raise ResultMissing("the job has no report.")
+    headers = {"content-security-policy": REPORT_POLICY}
+    return Response(read_bytes(rooms, file), media_type="text/html; charset=utf-8", headers=headers)
+
+
+@router.get("/results/{job}/pictures/{number}")
+def show_picture(job: str, number: int, rooms: RoomsOf, visitor: VisitorOf) -> Response:
+    """Return one picture of the report, counted from 0."""
+    row = find_own(rooms, visitor.caller, job)
+    pictures = list_pictures(rooms, row.id)
+    if not 0 <= number < len(pictures):
+        raise ResultMissing("the report has no such picture.")
+    return Response(pictures[number].content, media_type=f"image/{pictures[number].kind}")
+
+
+@router.get("/jobs/{job}/thumbnail")
+def show_thumbnail(job: str, request: Request, rooms: RoomsOf, visitor: VisitorOf) -> Response:
+    """Return a job's small picture; a blank one where its result has none."""
+    row = find_own(rooms, visitor.caller, job)
+    file = find_file(rooms, row.id, REPORT)
+    if file is None:
+        return Response(BLANK, media_type="image/svg+xml")
+    etag = f'"{file.sha256}"'
+    if etag in request.headers.get("if-none-match", ""):
+        return Response(status_code=304, headers={"etag": etag, "cache-control": KEPT})
+    small = make_thumbnail(rooms.store, file.sha256)
+    if small is None:
+        return Response(BLANK, media_type="image/svg+xml")
+    return Response(small, media_type="image/png", headers={"etag": etag, "cache-control": KEPT})
+
+
+BLANK = '<svg xmlns="http://www.w3.org/2000/svg" width="1" height="1"/>'
+"""What stands where there is no picture."""

@@ -1,0 +1,233 @@
+// Meshes in 3D, drawn when something changed and not otherwise. Metres, y up.
+import {
+  BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, HemisphereLight, Line, LineBasicMaterial, Mesh, MeshBasicMaterial,
+  MeshLambertMaterial, MeshNormalMaterial, OrbitControls, PerspectiveCamera, Raycaster, Scene, Sphere, SphereGeometry, SRGBColorSpace, Vector2, Vector3,
+  WebGLRenderer,
+} from './vendor/three-0.187.0.js';
+
+/** Radius of the mark that stands where the pointer is in the other view [m]: seen on a whole person, smaller than a button. */
+const MARK = 0.008;
+
+/** Colours of a value from 0 to 1, light to dark: those of the report's error map. */
+const STOPS = [[0, [0.9, 0.92, 0.9]], [0.25, [0.98, 0.86, 0.55]], [0.5, [0.95, 0.6, 0.26]], [0.75, [0.8, 0.25, 0.2]], [1, [0.42, 0.05, 0.24]]];
+
+/** @param {number} share @returns {number[]} red, green, blue in 0..1, sRGB */
+export function colourOf(share) {
+  const at = Math.min(Math.max(share, 0), 1);
+  const next = Math.max(1, STOPS.findIndex(([stop]) => at <= stop));
+  const [[low, from], [high, to]] = [STOPS[next - 1], STOPS[next]];
+  return from.map((value, n) => value + ((to[n] - value) * (at - low)) / (high - low));
+}
+
+/** A view of some meshes: orbit by mouse, touch or the arrow keys. */
+export class Viewer {
+  /** @param {HTMLElement} place @throws {Error} where the browser has no WebGL */
+  constructor(place) {
+    this.place = place;
+    this.renderer = new WebGLRenderer({ antialias: true, alpha: true, powerPreference: 'low-power' });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.scene = new Scene();
+    this.camera = new PerspectiveCamera(35, 1, 0.01, 50);
+    this.scene.add(new HemisphereLight(0xffffff, 0x8a8f99, 1.9));
+    const lamp = new DirectionalLight(0xffffff, 1.6);
+    lamp.position.set(0.6, 0.8, 1);
+    this.camera.add(lamp);
+    this.scene.add(this.camera);
+    place.append(this.renderer.domElement);
+    const canvas = this.renderer.domElement;
+    canvas.tabIndex = 0;
+    canvas.setAttribute('role', 'application');
+    canvas.setAttribute('aria-label', '3D view: drag to turn, wheel to zoom, arrow keys to turn, plus and minus to zoom');
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.addEventListener('change', () => this.draw());
+    canvas.addEventListener('keydown', (event) => this.turnByKey(event));
+    this.meshes = new Map();
+    this.mark = new Mesh(new SphereGeometry(MARK, 16, 12), new MeshBasicMaterial({ color: 0xd9480f, depthTest: false }));
+    this.mark.renderOrder = 5;
+    this.mark.visible = false;
+    this.lines = [];
+    this.scene.add(this.mark);
+    this.style = 'cloth';
+    this.wireframe = false;
+    new ResizeObserver(() => this.resize()).observe(place);
+    this.resize();
+  }
+
+  /** Fit the picture to its place. */
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.place;
+    if (!width || !height) return;
+    this.renderer.setSize(width, height);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.draw();
+  }
+
+  /** Draw once, before the browser's next picture. */
+  draw() {
+    if (this.waits) return;
+    this.waits = true;
+    requestAnimationFrame(() => {
+      this.waits = false;
+      this.renderer.render(this.scene, this.camera);
+      this.place.dispatchEvent(new CustomEvent('drawn'));
+    });
+  }
+
+  /**
+   * Show a mesh.
+   * @param {string} name @param {Float32Array} positions @param {ArrayLike<number>} faces
+   * @param {{colour?: number, isVisible?: boolean, isCloth?: boolean}} [look]
+   */
+  add(name, positions, faces, { colour = 0x6694bd, isVisible = true, isCloth = false } = {}) {
+    const geometry = new BufferGeometry();
+    geometry.setAttribute('position', new BufferAttribute(positions, 3));
+    geometry.setIndex(new BufferAttribute(Uint32Array.from(faces), 1));
+    geometry.computeVertexNormals();
+    const mesh = new Mesh(geometry, new MeshLambertMaterial({ color: new Color(colour), side: DoubleSide }));
+    mesh.visible = isVisible;
+    mesh.userData = { colour, isCloth };
+    this.meshes.set(name, mesh);
+    this.scene.add(mesh);
+    this.draw();
+  }
+
+  /** @param {string} name @param {Float32Array} positions another state of a mesh, such as a frame of an animation */
+  move(name, positions) {
+    const { geometry } = this.meshes.get(name);
+    geometry.attributes.position.array.set(positions);
+    geometry.attributes.position.needsUpdate = true;
+    geometry.computeVertexNormals();
+    geometry.computeBoundingSphere();
+    this.draw();
+  }
+
+  /** @param {string} name @param {boolean} isVisible */
+  show(name, isVisible) {
+    this.meshes.get(name).visible = isVisible;
+    this.draw();
+  }
+
+  /** @param {boolean} isOn */
+  setWireframe(isOn) {
+    this.wireframe = isOn;
+    for (const { material } of this.meshes.values()) material.wireframe = isOn;
+    this.draw();
+  }
+
+  /**
+   * Colour the garment's meshes: `cloth`, `normals`, or by a number of each vertex.
+   * @param {string} style @param {(name: string) => Float32Array|null} values of a mesh @param {number} end the value of the last colour
+   */
+  colour(style, values, end) {
+    for (const [name, mesh] of this.meshes) {
+      if (!mesh.userData.isCloth) continue;
+      mesh.material.dispose();
+      const shown = style === 'cloth' || style === 'normals' ? null : values(name);
+      if (style === 'normals') mesh.material = new MeshNormalMaterial({ side: DoubleSide });
+      else mesh.material = new MeshLambertMaterial({ color: new Color(shown ? 0xffffff : mesh.userData.colour), side: DoubleSide, vertexColors: Boolean(shown) });
+      mesh.material.wireframe = this.wireframe;
+      if (shown) mesh.geometry.setAttribute('color', new BufferAttribute(paint(shown, end), 3));
+    }
+    this.draw();
+  }
+
+  /** Look at all that is shown, from the front. */
+  frame() {
+    const ball = new Sphere();
+    for (const mesh of this.meshes.values()) {
+      if (!mesh.visible) continue;
+      mesh.geometry.computeBoundingSphere();
+      if (ball.radius < 0) ball.copy(mesh.geometry.boundingSphere);
+      else ball.union(mesh.geometry.boundingSphere);
+    }
+    const half = (Math.PI * this.camera.fov) / 360;
+    const far = ball.radius / Math.sin(Math.min(half, Math.atan(Math.tan(half) * this.camera.aspect)));
+    this.controls.target.copy(ball.center);
+    this.camera.position.copy(ball.center).add(new Vector3(0, 0, 0.95 * far));
+    this.controls.update();
+    this.draw();
+  }
+
+  /** @param {KeyboardEvent} event turn by the arrow keys, zoom by plus and minus */
+  turnByKey(event) {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const step = Math.PI / 24;
+    if (event.key === 'ArrowLeft' || event.key === 'ArrowRight') offset.applyAxisAngle(new Vector3(0, 1, 0), event.key === 'ArrowLeft' ? -step : step);
+    else if (event.key === 'ArrowUp' || event.key === 'ArrowDown') {
+      const side = new Vector3(0, 1, 0).cross(offset).normalize();
+      const turned = offset.clone().applyAxisAngle(side, event.key === 'ArrowUp' ? -step : step);
+      if (Math.abs(turned.y) < 0.99 * turned.length()) offset.copy(turned);
+    } else if (event.key === '+' || event.key === '=') offset.multiplyScalar(0.9);
+    else if (event.key === '-') offset.multiplyScalar(1 / 0.9);
+    else return;
+    event.preventDefault();
+    this.camera.position.copy(this.controls.target).add(offset);
+    this.controls.update();
+    this.draw();
+  }
+
+  /**
+   * Find what the pointer is over.
+   * @param {string} name of a mesh @param {PointerEvent} event
+   * @returns {{face: number, weights: number[], point: number[]}|null}
+   */
+  pick(name, event) {
+    const mesh = this.meshes.get(name);
+    if (!mesh?.visible) return null;
+    const box = this.renderer.domElement.getBoundingClientRect();
+    const at = new Vector2((2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height);
+    const ray = new Raycaster();
+    ray.setFromCamera(at, this.camera);
+    const [hit] = ray.intersectObject(mesh);
+    if (!hit) return null;
+    const corners = [hit.face.a, hit.face.b, hit.face.c].map((n) => new Vector3().fromBufferAttribute(mesh.geometry.attributes.position, n));
+    return { face: hit.faceIndex, weights: weigh(hit.point, corners), point: hit.point.toArray() };
+  }
+
+  /** @param {number[]|null} point where the mark stands [m]; null: nowhere */
+  setMark(point) {
+    this.mark.visible = point !== null;
+    if (point) this.mark.position.fromArray(point);
+    this.draw();
+  }
+
+  /** @param {number[]} point [m] @returns {number[]} where it is on the screen [px] */
+  project(point) {
+    const box = this.renderer.domElement.getBoundingClientRect(), at = new Vector3(...point).project(this.camera);
+    return [box.left + ((at.x + 1) / 2) * box.width, box.top + ((1 - at.y) / 2) * box.height];
+  }
+
+  /** @param {{points: Float32Array, colour: number}[]} curves lines on the garment, in front of all */
+  setLines(curves) {
+    for (const line of this.lines) {
+      this.scene.remove(line);
+      line.geometry.dispose();
+    }
+    this.lines = curves.map(({ points, colour }) => {
+      const geometry = new BufferGeometry();
+      geometry.setAttribute('position', new BufferAttribute(points, 3));
+      const line = new Line(geometry, new LineBasicMaterial({ color: colour, depthTest: false }));
+      line.renderOrder = 4;
+      this.scene.add(line);
+      return line;
+    });
+    this.draw();
+  }
+}
+
+/** @param {Float32Array} values @param {number} end @returns {Float32Array} linear red, green, blue of each vertex */
+function paint(values, end) {
+  const colours = new Float32Array(3 * values.length), colour = new Color();
+  const table = Array.from({ length: 257 }, (_, n) => colour.setRGB(...colourOf(n / 256), SRGBColorSpace).toArray());
+  values.forEach((value, n) => colours.set(table[Math.round(256 * Math.min(Math.max(value / end, 0), 1))], 3 * n));
+  return colours;
+}
+
+/** @param {Vector3} point @param {Vector3[]} corners @returns {number[]} barycentric weights */
+function weigh(point, [a, b, c]) {
+  const u = b.clone().sub(a), v = c.clone().sub(a), w = point.clone().sub(a);
+  const uu = u.dot(u), uv = u.dot(v), vv = v.dot(v), wu = w.dot(u), wv = w.dot(v), whole = uu * vv - uv * uv;
+  const beta = (vv * wu - uv * wv) / whole, gamma = (uu * wv - uv * wu) / whole;
+  return [1 - beta - gamma, beta, gamma];
+}

@@ -1,0 +1,93 @@
+"""Files of a result as pages need them: small JSON, the report to look at, and its pictures by themselves."""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+from ...core.errors import GarmentqError
+from ..records import Artifact
+from ..results import list_files
+from ..services import Services
+from ..store import Store
+
+REPORT = "report.html"
+
+PICTURE = re.compile(r'<img [^>]*?alt="([^"]*)"[^>]*? src="data:image/(png|gif);base64,([A-Za-z0-9+/=]+)"')
+"""A picture as our reports hold it: what it shows, and its bytes."""
+
+SHOWN = ("Detail mesh, front", "both wearers", "contact sheet", "scan, body")
+"""What a result is best known by: the beginning of that picture's text in each kind's report."""
+
+THUMBNAIL = (112, 150)
+"""Largest width and height of a small picture [pixel]: twice the size it is shown in, for dense screens."""
+
+MOST_JSON = 4 * 1024**2
+"""Largest JSON file that a page reads [bytes]; ours are below 100 kB."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """Hold one picture of a report: what it shows, `png` or `gif`, and its bytes."""
+
+    title: str
+    kind: str
+    content: bytes
+
+
+def find_file(services: Services, job: str, name: str) -> Artifact | None:
+    """Return a file of a job by its name, or None where it has none."""
+    return next((Artifact.from_row(row) for row in list_files(services.database, job) if row.name == name), None)
+
+
+def read_bytes(services: Services, file: Artifact) -> bytes:
+    """Return a file's content."""
+    return b"".join(services.store.read(file.sha256))
+
+
+def read_json(services: Services, job: str, name: str) -> Any:
+    """Return what a JSON file of a result holds, or None where there is none that can be read."""
+    file = find_file(services, job, name)
+    if file is None or file.size > MOST_JSON:
+        return None
+    try:
+        return json.loads(read_bytes(services, file))
+    except (ValueError, GarmentqError):
+        return None
+
+
+def list_pictures(services: Services, job: str) -> tuple[Picture, ...]:
+    """Return the pictures of a result's report; none where it has no report."""
+    file = find_file(services, job, REPORT)
+    return () if file is None else _read_pictures(services.store, file.sha256)
+
+
+@lru_cache(maxsize=16)
+def _read_pictures(store: Store, sha256: str) -> tuple[Picture, ...]:
+    """Read them out of the stored report; a hash is for ever the same content."""
+    text = b"".join(store.read(sha256)).decode("utf-8", "replace")
+    return tuple(Picture(title, kind, base64.b64decode(data)) for title, kind, data in PICTURE.findall(text))
+
+
+@lru_cache(maxsize=512)
+def make_thumbnail(store: Store, sha256: str) -> bytes | None:
+    """Return the small picture of a report as PNG, or None where it has none."""
+    from PIL import Image
+
+    pictures = _read_pictures(store, sha256)
+    chosen = next((one for head in SHOWN for one in pictures if one.title.startswith(head)), None)
+    if chosen is None:
+        return None
+    with Image.open(io.BytesIO(chosen.content)) as whole:
+        seen = whole.convert("RGBA")
+    small = Image.new("RGB", seen.size, "white")
+    small.paste(seen, mask=seen)
+    small.thumbnail(THUMBNAIL)
+    out = io.BytesIO()
+    small.save(out, "PNG", optimize=True)
+    return out.getvalue()

@@ -1,0 +1,72 @@
+"""What people read of a job: its state, age and verdict in words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from typing import Any
+
+from ..records import Gate, JobReport
+from ..states import ENDED, State
+from .markup import Html, html, join
+
+LOOKS = {State.SUCCEEDED: "good", State.FAILED: "bad", State.DEAD: "bad", State.CANCELLED: "soft"}
+"""How a state looks."""
+
+VERDICTS = {"pass": "good", "doubtful": "doubt", "fail": "bad"}
+"""How a verdict looks."""
+
+
+def draw_state(job: JobReport) -> Html:
+    """Return a job's state, with its stage where it runs."""
+    told = f"{job.state}: {job.stage} {job.progress:.0%}" if job.state == State.RUNNING and job.stage else job.state
+    return html('<span class="state {}" data-state="{}">{}</span>', LOOKS.get(job.state, ""), job.state, told)
+
+
+def draw_verdict(verdict: str | None) -> Html:
+    """Return a verdict; nothing where nothing was judged."""
+    return html('<span class="tag {}">{}</span>', VERDICTS.get(verdict, ""), verdict) if verdict else Html()
+
+
+def draw_time(seconds: float | None) -> Html:
+    """Return a time [s since 1970]; the page's script turns it into the reader's own time zone."""
+    if seconds is None:
+        return Html()
+    when = datetime.fromtimestamp(seconds, UTC)
+    shown = when.strftime("%Y-%m-%d %H:%M UTC")
+    return html('<time datetime="{}">{}</time>', when.isoformat(timespec="seconds"), shown)
+
+
+def draw_gates(gates: Sequence[Gate]) -> Html:
+    """Return the checks of a result, as a table."""
+    if not gates:
+        return Html()
+    row = "<tr><th scope=row>{}</th><td>{}</td><td>{}</td></tr>"
+    rows = join(html(row, gate.name, draw_verdict(gate.verdict), gate.message) for gate in gates)
+    return html('<div class="wide" tabindex="0" role="region" aria-label="Checks"><table>{}</table></div>', rows)
+
+
+def is_ended(job: JobReport) -> bool:
+    """Return whether a job has ended."""
+    return job.state in ENDED
+
+
+def tell_understood(details: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return what the first stage understood of a job's files, as names and texts."""
+    return [(_name(key), text) for key, value in sorted(details.items()) if (text := _tell(value))]
+
+
+def _name(key: str) -> str:
+    return key.replace("_", " ")
+
+
+def _tell(value: Any) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    if isinstance(value, Mapping):
+        return ", ".join(f"{_name(str(key))}: {text}" for key, one in value.items() if (text := _tell(one)))
+    if isinstance(value, list | tuple):
+        return "; ".join(text for one in value[:20] if (text := _tell(one)))
+    return "" if value is None else str(value)

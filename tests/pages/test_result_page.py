@@ -1,0 +1,164 @@
+"""The page of a result, in a real browser: what it shows is compared with the files that were stored."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from garmentq.core.wear import load_worn
+
+
+@pytest.fixture
+def shown(page, site):
+    """Open the page of the tube, and wait until all of it is there."""
+    page.goto(f"/results/{site.result}")
+    page.locator("#result[data-ready]").wait_for()
+    return page
+
+
+@pytest.fixture(scope="module")
+def worn(site, tmp_path_factory):
+    """Read what the page reads, by the program's own reader."""
+    from garmentq.service.pages.stored_files import find_file, read_bytes
+
+    folder = tmp_path_factory.mktemp("worn")
+    (folder / "worn.npz").write_bytes(read_bytes(site.services, find_file(site.services, site.result, "worn.npz")))
+    return load_worn(folder)
+
+
+def middle_of(page, selector: str, share: float = 0.5) -> tuple[float, float]:
+    """Give the point of the screen at a share of a path's length."""
+    script = """(path, share) => { const at = path.getPointAtLength(share * path.getTotalLength())
+        .matrixTransform(path.getScreenCTM()); return [at.x, at.y]; }"""
+    return tuple(page.locator(selector).evaluate(script, share))
+
+
+def test_readers_agree_with_python(shown, site, worn):
+    """Broken where the page reads other arrays than were written, or computes other lengths and stretches."""
+    script = """async (job) => {
+      const take = (name) => import(`/static/${name}.js`);
+      const [api, garments, ply] = await Promise.all(['api', 'garment', 'ply'].map(take));
+      const load = (name) => api.getBytes(`/v1/jobs/${job}/artifacts/${name}`);
+      const garment = await garments.readGarment(await load('worn.npz'));
+      const mesh = ply.readPly(await load('simulation.ply'));
+      const nodes = mesh.positions, strain = [...garments.computeStrain(garment, nodes)];
+      const measure = (edge) => garments.measureEdge(garment, edge, 0, edge.uv.length - 1, nodes);
+      const seams = garment.seams.map((pair) => pair.map((edge) => [edge.panel, edge.index]));
+      return { uv: [...garment.uv], faces: [...garment.faces], seams, nodes: [...nodes], strain,
+        distance: mesh.values.distance.length, lengths: garment.panels[0].edges.map(measure) };
+    }"""
+    found, garment = shown.evaluate(script, site.result), worn.garment
+    assert np.array_equal(np.reshape(found["uv"], (-1, 2)), garment.uv)
+    assert np.array_equal(np.reshape(found["faces"], (-1, 3)), garment.faces)
+    assert np.allclose(np.reshape(found["nodes"], (-1, 3)), garment.nodes, atol=1e-7)  # worn.npz holds the simulation
+    assert found["distance"] == len(garment.nodes)
+    assert found["seams"] == [[[s.a.panel, s.a.edge], [s.b.panel, s.b.edge]] for s in garment.pattern.seams]
+    for edge, told in enumerate(found["lengths"]):
+        own = next(uv for ref, uv in garment.edge_uv.items() if (ref.panel, ref.edge) == ("front", edge))
+        flat = np.linalg.norm(np.diff(garment.uv[own], axis=0), axis=1).sum()
+        lifted = np.linalg.norm(np.diff(garment.nodes[garment.uv_node[own]], axis=0), axis=1).sum()
+        assert np.allclose([told["flat"], told["worn"]], [flat, lifted], atol=1e-6)
+    rest, space = garment.uv[garment.uv_faces], garment.nodes[garment.uv_node[garment.uv_faces]]
+    rest, space = (np.swapaxes(points[:, 1:] - points[:, :1], 1, 2) for points in (rest, space))
+    gradient = space @ np.linalg.inv(rest)
+    stretch = np.linalg.svd(gradient, compute_uv=False)[:, 0] - 1.0
+    assert np.allclose(found["strain"], stretch, atol=1e-5)
+
+
+def test_pointing_goes_both_ways(shown, worn):
+    """Broken where the mark stands further than one edge from the true place (E2), either way."""
+    garment, edge_length = worn.garment, 0.03
+    box = shown.locator("#flat .panel").first.bounding_box()
+    for across, up in ((0.5, 0.5), (0.3, 0.7), (0.8, 0.2)):
+        shown.mouse.move(box["x"] + across * box["width"], box["y"] + (1.0 - up) * box["height"])
+        marked = json.loads(shown.locator("#result").get_attribute("data-marked"))
+        own = garment.panel_of_uv == 0
+        low, high = garment.uv[own].min(axis=0), garment.uv[own].max(axis=0)
+        true = np.argmin(np.linalg.norm(garment.uv - (low + [across, up] * (high - low)), axis=1) + 9.0 * ~own)
+        detail = garment.nodes[garment.uv_node[true]] / 1.02 * np.ones(3)
+        swell = 1.0 + 0.02 * np.sin(8.0 * np.arctan2(detail[0], detail[2]))
+        assert np.linalg.norm(detail * [swell, 1.0, swell] - marked) < edge_length
+    canvas = shown.locator("#space canvas").bounding_box()
+    shown.mouse.move(canvas["x"] + canvas["width"] / 2, canvas["y"] + canvas["height"] / 2)
+    panel, x, y = json.loads(shown.locator("#result").get_attribute("data-flat"))
+    assert panel == 0 and abs(x - np.pi * 0.15 / 2) < edge_length and abs(y - 0.15) < edge_length
+    assert shown.locator("#flat .mark").get_attribute("visibility") == "visible"
+
+
+def test_edges_are_measured_and_seams_lit(shown):
+    """Broken where an edge is measured wrongly, in whole or in part, or its other side is not lit."""
+    hem = '[data-edge="front.0"]'
+    shown.mouse.click(*middle_of(shown, hem))
+    row = shown.locator("#measured tr").nth(1).inner_text().split("\t")
+    assert row[0] == "front, edge 0" and abs(float(row[1]) - 471.2) < 0.2
+    shown.mouse.move(*middle_of(shown, hem, 0.25))
+    shown.mouse.down()
+    shown.mouse.move(*middle_of(shown, hem, 0.75), steps=3)
+    shown.mouse.up()
+    row = shown.locator("#measured tr").nth(1).inner_text().split("\t")
+    assert row[0] == "front, edge 0, a part" and abs(float(row[1]) - 471.2 / 2) < 25.0
+    shown.locator('[data-edge="front.1"]').focus()
+    shown.keyboard.press("Enter")
+    assert shown.locator("#flat .lit").count() == 2
+    assert "sewn to back" not in shown.locator("#pointed").inner_text()
+    shown.mouse.move(*middle_of(shown, '[data-edge="front.1"]'))
+    assert "sewn to back, edge 3" in shown.locator("#pointed").inner_text()
+
+
+def test_meshes_and_colours_are_chosen(shown):
+    """Broken where a mesh cannot be shown, or a colouring that the result has is not offered or has no end."""
+    assert shown.locator("#style option").all_inner_texts() == [
+        "Cloth", "Fold normals", "Distance from the scan", "Stretch",
+    ]  # fmt: skip
+    pictures = set()
+
+    def look() -> None:
+        shown.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        pictures.add(shown.locator("#space canvas").screenshot())
+
+    look()
+    for name in ("Simulation", "Dressed anew", "Scan"):
+        shown.get_by_label("Detail").uncheck()
+        shown.get_by_role("checkbox", name=name).check()
+        look()
+        shown.get_by_role("checkbox", name=name).uncheck()
+        shown.get_by_label("Detail").check()
+    for style in ("normals", "distance", "strain"):
+        shown.select_option("#style", style)
+        look()
+        assert shown.locator("#colours").is_visible() == (style != "normals")
+    shown.get_by_label("Wireframe").check()
+    look()
+    shown.locator("#space canvas").focus()
+    shown.keyboard.press("ArrowLeft")
+    look()
+    assert len(pictures) == 9  # each choice shows something else
+
+
+def test_without_webgl_there_are_pictures(chromium, site):
+    """Broken where a machine without WebGL sees nothing, or the pattern cannot be measured there."""
+    with chromium.new_context(base_url=site.url) as opened:
+        opened.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
+        assert opened.request.post("/signin", form={"token": site.token}).ok
+        page = opened.new_page()
+        page.goto(f"/results/{site.result}")
+        page.locator("#pictures img").first.wait_for()
+        first = page.locator("#pictures img").first
+        assert first.evaluate("(image) => image.decode().then(() => image.naturalWidth)") == 480
+        assert not page.locator("#space").is_visible()
+        page.locator('[data-edge="front.0"]').wait_for(state="attached")
+
+
+def test_files_and_report_are_offered(shown, site):
+    """Broken where a file cannot be had, or the report could run something."""
+    shown.get_by_text("Files", exact=True).click()
+    names = shown.locator("table a[download]").all_inner_texts()
+    assert {"pattern.svg", "worn.npz", "scan.ply", "report.html", "metrics.json"} <= set(names)
+    with shown.expect_download() as started:
+        shown.get_by_role("link", name="pattern.svg").click()
+    assert b"<svg" in started.value.path().read_bytes()[:200]
+    report = shown.context.request.get(f"/results/{site.result}/report")
+    assert report.headers["content-security-policy"].endswith("sandbox") and "<h1" in report.text()
+    shown.get_by_role("button", name="PDF").click()
+    shown.get_by_text("pdf: queued").wait_for()
