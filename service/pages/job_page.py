@@ -54,7 +54,7 @@ def _draw_progress(job: JobReport, visitor: Visitor, has_files: bool) -> Html:
         error = html('<p class="error" role="alert">{} <code>{}</code></p>', job.error.message, job.error.code)
     return html(
         PROGRESS, job=job.id, state=draw_state(job), verdict=draw_verdict(job.verdict), kind=job.kind,
-        created=draw_time(job.created), stage=job.stage, fraction=f"{job.progress:.4f}", error=error,
+        created=draw_time(job.created), stage=job.stage, fraction=f"{job.overall or job.progress:.4f}", error=error,
         hidden=Html(" hidden" if is_ended(job) else ""), ended="1" if is_ended(job) else "",
         delay=html('<p class="doubt">Rests: {}.</p>', job.delay.code) if job.delay else Html(),
         buttons=join(buttons, " "), tags=join((html('<span class="tag">{}</span>', tag) for tag in job.tags), " "),

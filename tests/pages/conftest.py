@@ -189,6 +189,7 @@ def open_context(chromium, site, faults: list[str]) -> Iterator:
     opened.on("request", look)
     answer = opened.request.post("/signin", form={"token": site.token})
     assert answer.ok
+    opened.faults = faults
     yield opened
     opened.close()
     assert faults == []

@@ -7,9 +7,11 @@ import re
 import httpx
 import pytest
 from api_work import make_ply
-from garmentq.service.jobs import claim, fail, find_job, report
+from garmentq.service.jobs import claim, fail, find_job
 from garmentq.service.keys import create_key, own
 from garmentq.service.pages import jobs_page
+from garmentq.service.progress import report
+from garmentq.service.records import Progress
 from garmentq.service.states import State
 from garmentq.service.understanding import note_checked
 
@@ -70,13 +72,13 @@ def test_a_job_is_followed_live(page, site, held):
     """Broken where progress, what was understood, or the end does not come by itself."""
     claimed = held("live")
     page.goto(f"/jobs/{claimed.job}")
-    report(site.services.database, claimed, "check", 0.5, "reading")
+    report(site.services.database, claimed, Progress("check", 0.5, "reading"))
     page.get_by_text("check: reading").wait_for()
     note_checked(site.services.database, claimed, {"as": "garment", "vertices": 1234})
-    report(site.services.database, claimed, "drape", 0.25, "step 3")
-    page.get_by_text("drape: step 3").wait_for()
+    report(site.services.database, claimed, Progress("drape", 0.25, "step 3", 0.6, 42.0))
+    page.get_by_text("drape: step 3, about 42 s to go").wait_for()
     page.get_by_text("vertices: 1234").wait_for()
-    assert page.locator("#progress").evaluate("(bar) => bar.value") == 0.25
+    assert page.locator("#progress").evaluate("(bar) => bar.value") == 0.6
     fail(site.services.database, claimed, "scan.truncated", "The file is cut off; export it again.", True)
     page.get_by_role("alert").filter(has_text="cut off").wait_for()
     page.get_by_role("button", name="Try again").wait_for()
@@ -87,7 +89,7 @@ def test_the_list_lives_and_is_found_by_filters(page, site, held):
     claimed = held("find-me")
     page.goto("/?name=find-me")
     assert page.locator("tr.job").count() == 1
-    report(site.services.database, claimed, "drape", 0.5, "")
+    report(site.services.database, claimed, Progress("drape", 0.5, ""))
     page.get_by_text("running: drape 50%").wait_for()
     fail(site.services.database, claimed, "scan.truncated", "The file is cut off.", True)
     page.get_by_text("The file is cut off.").wait_for()

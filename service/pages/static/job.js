@@ -1,7 +1,7 @@
 // One job: its progress by Server-Sent Events, cancelling and trying again.
 import { followJob, getJson, postJson } from './api.js';
 import { find, make, showError } from './dom.js';
-import { showTimes } from './times.js';
+import { showTimes, tellSeconds } from './times.js';
 
 /** Lines of the log that are kept on the page; progress comes twice a second. */
 const MOST_LINES = 500;
@@ -28,8 +28,9 @@ function show(event) {
   else events.append(line);
   while (events.childElementCount > MOST_LINES) events.firstElementChild.remove();
   if (event.kind === 'progress' && !place.getAttribute('data-ended')) {
-    find('#progress').value = event.data.fraction;
-    find('#stage').textContent = [event.data.stage, event.data.message].filter(Boolean).join(': ');
+    const { stage, fraction, message, overall, left_seconds: left } = event.data;
+    find('#progress').value = overall ?? fraction;
+    find('#stage').textContent = [stage, message].filter(Boolean).join(': ') + (left ? `, about ${tellSeconds(left)} to go` : '');
     find('#state [data-state]').textContent = `running: ${event.data.stage}`;
     if (event.data.stage !== 'check' && find('#understood').hidden) showUnderstood();
   }
