@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Annotated
 from urllib.parse import urlencode
 
-from fastapi import Query, Response
+from fastapi import Depends, Query, Response
 from sqlalchemy import select
 
 from ...core.settings import METHODS
@@ -34,22 +35,29 @@ FILTERS = ("state", "verdict", "garment", "kind", "tag", "name")
 """What the list can be narrowed by besides a condition, by the names of `query`."""
 
 
+@dataclass(frozen=True)
+class Asked:
+    """Choose jobs by fields of `query` and a condition; an empty text asks for nothing. `before` is a page's last job."""
+
+    state: Field = ""
+    verdict: Field = ""
+    garment: Field = ""
+    kind: Field = ""
+    tag: Field = ""
+    name: Field = ""
+    where: Annotated[str, Query(max_length=1000)] = ""
+    before: Annotated[str, Query(max_length=16, pattern="^[0-9a-f]*$")] = ""
+
+    @property
+    def chosen(self) -> dict[str, str]:
+        """Return the fields that are asked for."""
+        return {name: value for name in FILTERS if (value := str(getattr(self, name)).strip())}
+
+
 @router.get("/")
-def show_jobs(
-    rooms: RoomsOf,
-    visitor: VisitorOf,
-    state: Field = "",
-    verdict: Field = "",
-    garment: Field = "",
-    tag: Field = "",
-    name: Field = "",
-    kind: Field = "",
-    where: Annotated[str, Query(max_length=1000)] = "",
-    before: Annotated[str, Query(max_length=16, pattern="^[0-9a-f]*$")] = "",
-) -> Response:
+def show_jobs(rooms: RoomsOf, visitor: VisitorOf, given: Annotated[Asked, Depends()]) -> Response:
     """Return the page of the visitor's jobs."""
-    given = dict(zip(FILTERS, (state, verdict, garment, kind, tag, name), strict=True))
-    chosen = {field: value.strip() for field, value in given.items() if value.strip()}
+    chosen, where, before = given.chosen, given.where, given.before
     wanted = JobQuery(chosen, [where] if where.strip() else [])
     owner = None if visitor.caller.sees_all else visitor.caller.key
     roots = find_roots(rooms.database, wanted.conditions, ROWS + 1, owner, before or None)
