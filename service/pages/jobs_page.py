@@ -37,7 +37,7 @@ FILTERS = ("state", "verdict", "garment", "kind", "tag", "name")
 
 @dataclass(frozen=True)
 class Asked:
-    """Choose jobs by fields of `query` and a condition; an empty text asks for nothing. `before` is a page's last job."""
+    """Choose jobs by fields and a condition of `query`; empty texts ask for nothing. `before`: only older than this job."""
 
     state: Field = ""
     verdict: Field = ""
