@@ -37,7 +37,7 @@ FILTERS = ("state", "verdict", "garment", "kind", "tag", "name")
 
 @dataclass(frozen=True)
 class Asked:
-    """Choose jobs by fields and a condition of `query`; empty texts ask for nothing. `before`: only older than this job."""
+    """Choose jobs by fields and a condition of `query`, empty ones not, and only those older than `before`."""
 
     state: Field = ""
     verdict: Field = ""
