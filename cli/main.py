@@ -6,6 +6,7 @@ import importlib
 import os
 import sys
 from copy import copy
+from difflib import get_close_matches
 
 import click
 
@@ -70,6 +71,17 @@ class LazyGroup(click.Group):
             return None
         command: click.Command = importlib.import_module(f".{cmd_name}", __package__).command
         return _refusing(command) if cmd_name in LOCAL and os.environ.get("GARMENTQ_URL") else command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command that was typed; of one that there is not the nearest name is told."""
+        try:
+            return super().resolve_command(ctx, args)
+        except click.UsageError as error:
+            if near := get_close_matches(args[0], COMMANDS, n=1):
+                error.message += f" Did you mean `garmentq {near[0]}`?"
+            raise
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the list of commands from `COMMANDS`."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..service.states import State
+from ..service.states import OPEN, State
 from . import exits
 from .options import (
     OrderOptions,
@@ -93,6 +93,10 @@ def command(
     for order, submitted in zip(orders, garments, strict=True):
         note(f"job {submitted.job}" + ("" if submitted.is_new else f" (known, {submitted.state})"))
         note(f"{file.name}: {describe_choice(order)}")
+    own = {submitted.job for submitted in garments if submitted.state in OPEN}
+    others = sum(count for state, count in backend.read_queue().states.items() if state in OPEN) - len(own)
+    if own and others > 0:
+        note(f"{others} other jobs wait or run; `garmentq status` shows them")
     statuses, wait = [], Wait(waiting.timeout, as_json, keep_up, waiting.lenient)
     for part, submitted in zip(parts, garments, strict=True):
         folder = out or settings.home / "results" / submitted.job

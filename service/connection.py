@@ -138,7 +138,7 @@ def _make_error(answer: httpx.Response) -> GarmentqError:
     except (ValueError, KeyError, TypeError):
         return ServiceUnreachable(f"what answers at {answer.url.host} is no garmentq service ({answer.status_code}).")
     kinds: dict[int, type[GarmentqError]] = {404: NotFound, 400: BadInput, 408: BadInput, 409: BadInput}
-    kinds |= {413: BadInput, 422: BadInput}
+    kinds |= {413: BadInput, 415: BadInput, 422: BadInput}
     error = kinds.get(answer.status_code, GarmentqError)(message)
     error.code = code
     return error

@@ -6,6 +6,7 @@ import operator
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from datetime import datetime
 from typing import Any, cast
 
 from sqlalchemy import ColumnElement, Select, Text, exists, func, select
@@ -47,6 +48,9 @@ NUMBERS: dict[str, Any] = {
     "peak_mb": JobRow.result["peak_mb"].as_float(),
 }
 """Fields that hold numbers; every metric is one more."""
+
+TIMES = ("created", "started", "finished")
+"""Numbers that may be asked for as dates, 2026-11-22 or 2026-11-22T14:00+01:00."""
 
 OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
     "<=": operator.le,
@@ -237,13 +241,18 @@ def _first(session: Session, statement: Select[Any], column: Any, falling: bool,
     return list(session.scalars(ordered.limit(page[0]).offset(page[1])))
 
 
+def _read_time(text: str) -> float:
+    """Return a date and time as seconds since 1970; without a zone it is that of this machine, as tables show it."""
+    return datetime.fromisoformat(text).timestamp()
+
+
 def _condition(name: str, sign: str, value: str) -> Condition:
     if name in TEXTS or name == TAG:
         if sign not in ("=", "==", "!="):
             raise QueryBad(f"'{name}' is text; compare it by = or !=.")
         return Condition(name, sign, value)
     try:
-        number = float(value)
+        number = _read_time(value) if name in TIMES and "-" in value[1:] else float(value)
     except ValueError:
         raise QueryBad(f"'{name}' is compared with a number, and '{value[:40]}' is none.") from None
     return Condition(name, sign, number)
@@ -275,8 +284,10 @@ def _checked(condition: Condition) -> str | float:
     """Return the value of a condition on a field.
 
     Raises:
-        QueryBad: where it holds a character that no text has.
+        QueryBad: where it holds a character that no text has, or is no state where one is asked for.
     """
+    if condition.name == "state" and condition.value not in list(State):
+        raise QueryBad(f"there is no state '{str(condition.value)[:40]}'; there are {', '.join(State)}.")
     if isinstance(condition.value, str) and UNKEPT.search(condition.value):
         raise QueryBad(f"the value of '{condition.name}' holds a character that no text has; leave it out.")
     return condition.value

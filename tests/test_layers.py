@@ -110,10 +110,17 @@ def test_no_circle_of_imports():
     TopologicalSorter(import_graph()).prepare()
 
 
-@pytest.mark.parametrize("module", ["cli.main", "service.jobs", "workers.embedded", "core.recovery", "core.mesh"])
-def test_what_must_stay_light(module):
-    """Broken where a command that only looks at the queue pays for torch, or the worker's parent loads it."""
-    code = f"import sys, garmentq.{module}; print(sorted({{'torch', 'open3d', 'igl', 'numba'}} & set(sys.modules)))"
+HEAVY = {"torch", "open3d", "igl", "numba"}
+
+
+@pytest.mark.parametrize(
+    ("module", "heavy"),
+    [*((one, HEAVY) for one in ("cli.main", "service.jobs", "workers.embedded", "core.recovery", "core.mesh")),
+     ("service.api.app", HEAVY | {"scipy", "httpx", "trimesh"})],
+)  # fmt: skip
+def test_what_must_stay_light(module, heavy):
+    """Broken where a command that only looks at the queue pays for torch, or the API for scipy."""
+    code = f"import sys, garmentq.{module}; print(sorted({heavy} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 

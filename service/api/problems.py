@@ -134,6 +134,7 @@ REASONS = {
     408: "The client fell silent.",
     409: "The job is in another state.",
     413: "The body is too large.",
+    415: "The body is a form, not the file itself.",
     416: "The file has no such range.",
     422: "Bad input.",
     429: "The key asks for more than it may; wait as long as Retry-After says.",
@@ -144,7 +145,7 @@ REASONS = {
 
 EXAMPLE_CODES = {
     400: "request.refused", 401: "key.missing", 403: "key.scope_missing", 404: "job.unknown", 408: "request.too_slow",
-    409: "job.not_ended", 413: "request.too_large", 416: "request.refused", 422: "request.bad",
+    409: "job.not_ended", 413: "request.too_large", 415: "upload.not_raw", 416: "request.refused", 422: "request.bad",
     429: "key.too_many_requests", 503: "service.database_unreachable", 507: "store.full",
 }  # fmt: skip
 """A code of each."""

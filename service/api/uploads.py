@@ -52,6 +52,8 @@ def _add(kind: str) -> None:
     """Add the two routes of one kind of file."""
 
     async def upload(request: Request, response: Response, rooms: RoomsOf, caller: Submitter, name: Name) -> Any:
+        if request.headers.get("content-type", "").lower().startswith("multipart/"):
+            raise refuse(415, "upload.not_raw", "send the file itself as the body, not a form that holds it.")
         cleaned = clean_name(name)
         length = _refuse_length(request, rooms)
         most = rooms.limits.day_bytes if caller.key else None
@@ -80,7 +82,7 @@ def _add(kind: str) -> None:
         f"/{kind}",
         status_code=201,
         summary=f"Upload {what} as the raw body of the request.",
-        responses=show_answer(EXAMPLE, 201, Upload, (408, 507)),
+        responses=show_answer(EXAMPLE, 201, Upload, (408, 415, 507)),
         openapi_extra={"requestBody": {"required": True, **body}},
         name=f"upload_{kind}",
     )(upload)

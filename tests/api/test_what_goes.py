@@ -51,6 +51,19 @@ def test_a_template_goes(client, keys):
     assert code_of(client.delete("/v1/templates/skirt", headers=keys[2])) == "template.shipped"
 
 
+def test_questions_by_date_and_state(client, keys):
+    """Broken where a date is no answer, or a misspelt state is an empty table."""
+    job = ask(client, headers=keys[0]).json()["job"]
+    asked = {"created > 2001-11-01": [job], "created < 2001-01-01T00:00+01:00": [], "created > 1e9": [job]}
+    for where, found in asked.items():
+        answer = client.get("/v1/query", params={"where": where}, headers=keys[0])
+        assert [one["job"] for one in answer.json()["jobs"]] == found, answer.text
+    for params in ({"where": "state = nonsense"}, {"where": "created > 2001-13-01"}, {"state": "nonsense"}):
+        assert code_of(client.get("/v1/query", params=params, headers=keys[0])) == "query.bad"
+    form = client.post("/v1/scans", params={"name": "a.ply"}, files={"file": b"ply"}, headers=keys[0])
+    assert (form.status_code, code_of(form)) == (415, "upload.not_raw")
+
+
 def test_webhooks_of_a_key(client, keys):
     """Broken where a key sees, tests or deletes another's webhook, or is sent into the service's network."""
     made = client.post("/v1/webhooks", json={"url": "https://studio.example/"}, headers=keys[0]).json()

@@ -55,6 +55,11 @@ def test_the_list_of_commands_tells_what_they_tell():
         assert command.get_short_help_str(limit=200).rstrip(".") == text.rstrip(".")
 
 
+def test_a_misspelt_command_is_told():
+    """Broken where a letter too many sends a user to the list of forty commands."""
+    assert "Did you mean `garmentq submit`?" in CliRunner().invoke(group, ["submitt"]).output
+
+
 def test_help_is_light():
     """Broken where something heavy is imported before it is needed; torch alone costs seconds."""
     script = (
