@@ -8,7 +8,6 @@ from typing import Any
 from fastapi import Response
 from sqlalchemy import select
 
-from ...core.formats import DESCRIPTIONS
 from ..api.access import Rooms, RoomsOf, find_own
 from ..models import JobInputRow, JobRow, OwnerRow
 from ..records import Artifact, JobReport
@@ -128,6 +127,8 @@ def _draw_files(rooms: Rooms, job: JobReport, files: Sequence[Artifact], visitor
 def _draw_exports(rooms: Rooms, job: JobReport, visitor: Visitor) -> Html:
     if job.kind not in EXPORTABLE or job.state != State.SUCCEEDED:
         return Html()
+    from ...core.formats import DESCRIPTIONS  # patterns bring scipy: not at every start
+
     made = [
         html('<li><a href="/results/{}">{}</a> <span class="soft">{}</span></li>', one.id,
              one.request.get("format", "export"), one.state)
