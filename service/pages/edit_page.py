@@ -24,7 +24,7 @@ CHECKS = (
     ("possible", "Possible points", "all places for control points; click one to add it"),
     ("between", "Mirrored panels", "panels that are mirror images have one colour"),
     ("within", "Symmetry within panels", "axes, and points that are images have one colour"),
-    ("difference", "Difference", "the pattern that was opened, dashed"),
+    ("difference", "Difference", "the recovered pattern, or the template, dashed"),
 )
 """Options that are on or off: name, words, what they do. The first two hold for every change."""
 
@@ -71,7 +71,7 @@ def _draw_editor(name: str, visitor: Visitor, job: str = "", template: str = "")
                  words, option, value, step)
             for option, words, value, step in NUMBERS
         ),
-        drape=html(DRAPE) if job else Html(),
+        drape=html(DRAPE) if job else Html(), compared="recovered pattern" if job else "template",
     )  # fmt: skip
     return draw_shell(f"Edit {name}", content, visitor, ["edit/editor.js"])
 
@@ -79,8 +79,8 @@ def _draw_editor(name: str, visitor: Visitor, job: str = "", template: str = "")
 EDITOR = """<link rel="stylesheet" href="/static/edit/edit.css">
 <div class="row"><h1>Edit {name}</h1>{back}</div>
 <div id="editor" data-job="{job}" data-template="{base}">
-<div class="tools" id="commands"></div>
-<div class="tools" role="group" aria-label="Tool">{tools}</div>
+<div class="toolbar" id="commands"></div>
+<div class="toolbar" role="group" aria-label="Tool">{tools}</div>
 <p id="said" role="status" aria-live="polite">Loading the pattern.</p>
 <p id="board-help" class="hushed">
 Arrow keys move what is selected, or the view where nothing is. N and P select the next and
@@ -88,10 +88,10 @@ the previous control point. The list of shortcuts has the rest.</p>
 <div class="boards">
 <svg id="board" class="board" tabindex="0" role="application" aria-label="Pattern"
  aria-describedby="board-help"></svg>
-<div id="space" class="space" hidden></div>
+<div id="draped" class="draped" hidden></div>
 <div class="beside">
 <section class="card" aria-labelledby="options-title"><h2 id="options-title">Options</h2>
-<div class="options">{checks}{numbers}</div></section>
+<div class="choices">{checks}{numbers}</div></section>
 <section class="card" aria-labelledby="selection-title"><h2 id="selection-title">Selection</h2>
 <div id="selection"></div></section>
 </div>
@@ -106,11 +106,11 @@ the previous control point. The list of shortcuts has the rest.</p>
 {drape}
 <section class="card" aria-labelledby="seams-title"><h2 id="seams-title">Seams</h2><p id="seams-summary"></p>
 <p class="soft">Lengths of both sides in mm; ×: a gathered seam's ratio.</p>
-<div class="wide" tabindex="0" role="region" aria-labelledby="seams-title"><table><thead><tr><th scope="col">Sides</th>
+<div class="wide" tabindex="0" role="region" aria-label="Lengths of seams"><table><thead><tr><th scope="col">Sides</th>
 <th scope="col" class="number">mm</th><th scope="col" class="number">mm</th><th scope="col" class="number">apart</th>
 </tr></thead><tbody id="seams"></tbody></table></div>
 </section>
-<section class="card" aria-labelledby="difference-title"><h2 id="difference-title">Difference to the opened pattern</h2>
+<section class="card" aria-labelledby="difference-title"><h2 id="difference-title">Difference to the {compared}</h2>
 <ul id="differences"></ul></section>
 <details class="card"><summary>Shortcuts</summary><dl id="shortcuts" class="keys"></dl></details>
 </div>
@@ -118,7 +118,8 @@ the previous control point. The list of shortcuts has the rest.</p>
 """The page; buttons, tables and drawings are filled in by its script."""
 
 DRAPE = """<section class="card" aria-labelledby="drape-title"><h2 id="drape-title">Drape</h2>
-<div class="row"><button type="button" id="drape" class="primary">Drape it</button>
+<div class="row"><label class="row">Version's name <input id="version-name" maxlength="80" autocomplete="off"></label>
+<button type="button" id="drape" class="primary">Drape it and save the version</button>
 <button type="button" id="cancel-drape" hidden>Cancel</button></div>
 <div id="draping" role="status"></div><div id="findings"></div><div id="verdicts"></div>
 <h3>Versions</h3><ul id="versions"><li>None yet.</li></ul></section>"""

@@ -17,9 +17,13 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1] / "api"))
 
 from api_client import address, serving  # noqa: F401
+from garmentq.core.body import builtin_body
 from garmentq.core.export import write_recovery
 from garmentq.core.meshes import Meshes
+from garmentq.core.pattern import load_draped_template
 from garmentq.core.recovery import Recovery
+from garmentq.core.scan import Scan
+from garmentq.core.segment import Target
 from garmentq.service.api.limits import ApiLimits
 from garmentq.service.jobs import claim
 from garmentq.service.kinds.recover import Recover
@@ -130,6 +134,18 @@ def open_site(folder: Path, blank_database: Path, make_recovery, write_once) -> 
 
 
 @pytest.fixture(scope="session")
+def shirt(site, tube_recovery) -> str:
+    """Store the result of a T-shirt as it hangs on the body that it was drafted for; gives the job's id."""
+    garment = load_draped_template("tshirt")
+    nodes, body = garment.nodes, builtin_body("builtin:female,height=1.70")
+    meshes = Meshes(nodes, nodes * 1.001, simulation=nodes, redraped=nodes)
+    changes = {"pattern": garment.pattern, "garment": garment, "meshes": meshes, "body": body, "template": "tshirt"}
+    target = Target(nodes, garment.faces, nodes, garment.contours, (), "tshirt")
+    scan = Scan(nodes, garment.faces, name="shirt")
+    return site.keep("shirt", tube_recovery(**changes, target=target, scan=scan))
+
+
+@pytest.fixture(scope="session")
 def whole_tube(tube_recovery) -> Callable[[], Recovery]:
     """Give the maker of a recovery with all four meshes, each told from the others by its size."""
     found = tube_recovery()
@@ -141,14 +157,14 @@ def whole_tube(tube_recovery) -> Callable[[], Recovery]:
 @pytest.fixture(scope="session")
 def write_once(tmp_path_factory) -> Callable[[Recovery], Path]:
     """Give the writer of a recovery's files, which writes equal meshes once."""
-    written: dict[int, Path] = {}
+    written: dict[int, tuple[Path, Recovery]] = {}  # a recovery that is kept leaves its meshes' id to no other
 
     def write(recovery: Recovery) -> Path:
         key = id(recovery.meshes)
         if key not in written:
-            written[key] = tmp_path_factory.mktemp("written")
-            write_recovery(recovery, written[key])
-        return written[key]
+            written[key] = tmp_path_factory.mktemp("written"), recovery
+            write_recovery(recovery, written[key][0])
+        return written[key][0]
 
     return write
 

@@ -230,7 +230,7 @@ export function nudge(session, by) {
 /** Return a pattern whose selected panels lie elsewhere on the board. */
 export function movePanels(session, pattern, items, move) {
   return items.reduce(
-    (state, { panel }) => movePlace(state, getPanel(state, panel), session.placeOf(panel), move),
+    (state, { panel }) => movePlace(state, getPanel(state, panel), session.placeOf(panel, pattern), move),
     pattern,
   );
 }

@@ -62,7 +62,7 @@ export class Drawing {
 
   /** Return what of a panel's look depends on others: mirror colours, seams that do not match, what failed. */
   shareLooks(pattern) {
-    const { options, faults = [] } = this.session;
+    const { options, faults } = this.session;
     const looks = new Map(
       pattern.panels.map((panel) => [
         panel.name,
@@ -70,7 +70,8 @@ export class Drawing {
       ]),
     );
     if (!options.between && !options.within) return looks;
-    findMirrors(pattern).forEach(({ source, target, order }, k) => {
+    // A drag keeps what is whose image, and moves no point out of the order of its panel.
+    findMirrors(this.session.present).forEach(({ source, target, order }, k) => {
       const [a, b] = [pattern.panels[source].name, pattern.panels[target].name];
       if (a !== b && options.between) {
         looks.get(a).mirror = { colour: k % COLOURS, other: b };
@@ -97,7 +98,7 @@ export class Drawing {
         'data-mirror': look.mirror?.other,
       }),
     );
-    if (look.images) parts.push(axisOf(pattern, panel));
+    if (look.images) parts.push(axisOf(session.present, panel));
     if (options.difference) {
       const before = getPanel(session.original, panel.name);
       if (before) parts.push(draw('path', { class: 'before', d: this.outline(before) }));
@@ -105,10 +106,7 @@ export class Drawing {
     panel.edges.forEach((edge, at) => parts.push(this.drawEdge(panel, at, selected, look)));
     panel.notches.forEach(([edge, at]) => parts.push(drawNotch(panel, edge, at)));
     parts.push(nameOf(panel));
-    if (options.possible) {
-      for (const spot of possiblePoints({ ...pattern, panels: [panel] }))
-        parts.push(dot('possible', spot.place, { 'data-edge': spot.edge }));
-    }
+    if (options.possible) parts.push(...this.drawPossible({ ...pattern, panels: [panel] }));
     if (options.handles) parts.push(...this.drawHandles(panel, selected));
     panel.points.forEach((point, at) => {
       const chosen = selected.some((item) => item.point === at);
@@ -138,6 +136,15 @@ export class Drawing {
       d: `M ${pair(drawn[0])} ${pathCommand(panel.edges[at], drawn)}`,
       'data-edge': at,
     });
+  }
+
+  /** Draw where control points could be added, one path for each edge. */
+  drawPossible(pattern) {
+    const ways = new Map();
+    for (const { edge, place } of possiblePoints(pattern)) {
+      ways.set(edge, `${ways.get(edge) ?? ''} M ${pair(mm(place))} h 0.001`);
+    }
+    return [...ways].map(([edge, d]) => draw('path', { class: 'dot possible', d, 'data-edge': edge }));
   }
 
   /** Draw the handles of curves at selected points and of selected edges. */
@@ -183,17 +190,21 @@ function drawNotch(panel, edge, at) {
   });
 }
 
+/** Write a panel's name in its middle, a word on each line, so that neighbours' names do not meet. */
 function nameOf(panel) {
   const middle = [0, 1].map((k) => panel.points.reduce((sum, point) => sum + point[k], 0) / panel.points.length);
-  const [x, y] = mm(middle);
-  const text = draw('text', { class: 'name', x: x.toFixed(1), y: y.toFixed(1) });
-  text.textContent = panel.name;
-  return text;
+  const [x, y] = mm(middle).map((value) => value.toFixed(1));
+  const words = panel.name.split('_').map((word, line) => {
+    const part = draw('tspan', { x, dy: line ? '1.15em' : 0 });
+    part.textContent = word;
+    return part;
+  });
+  return draw('text', { class: 'name', x, y }, ...words);
 }
 
 /** Draw the axis on which a panel is its own mirror image. */
 function axisOf(pattern, panel) {
-  const index = pattern.panels.indexOf(panel);
+  const index = pattern.panels.findIndex(({ name }) => name === panel.name);
   const { rotation } = findMirrors(pattern).find(({ source, target }) => source === index && target === index);
   const angle = Math.atan2(rotation[1][0], rotation[0][0]) / 2,
     way = [Math.cos(angle), Math.sin(angle)];

@@ -4,11 +4,13 @@ import { getText, putJson } from '../api.js';
 import { find, make, showError } from '../dom.js';
 import { Camera } from './camera.js';
 import { COMMANDS, commandOf, nudge } from './commands.js';
+import { Draping } from './draping.js';
 import { Drawing } from './drawing.js';
 import { toBoard } from './layout.js';
 import { panelOutline, patternFile, readPattern, writePattern } from './pattern_model.js';
 import { Pointer } from './pointer.js';
 import { Session } from './session.js';
+import { Space } from './space.js';
 import { SeamTable, describeDifferences, describeSelection } from './tables.js';
 
 /** Pixels that an arrow key moves the view where nothing is selected. */
@@ -164,8 +166,9 @@ async function open() {
   render();
   camera.fit(boxOf(session));
   new ResizeObserver(() => camera.fit(boxOf(session))).observe(svg);
-  session.say('Ready.');
   find('#editor').session = session;
+  session.say('Ready.');
+  if (job) await new Draping(session, new Space(find('#draped'), session, drawing), job).begin();
 }
 
 open().catch((error) => showError(find('#said'), error));

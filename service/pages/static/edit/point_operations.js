@@ -24,16 +24,31 @@ const SAME = 1e-9;
 /** Two places of one edge nearer than this share of it are one. */
 const APART = 1e-6;
 
+const spots = new WeakMap();
+
+/** Return the shares of an edge's length, and its points there in its chord's frame; kept with the edge. */
+function divide(edge, count) {
+  if (spots.get(edge)?.length !== count - 1) {
+    const shares = Array.from({ length: count - 1 }, (_, k) => (k + 1) / count);
+    spots.set(
+      edge,
+      shares.map((fraction) => ({ fraction, unit: unitPoint(edge, fraction) })),
+    );
+  }
+  return spots.get(edge);
+}
+
 /** Return all places at which a control point could be added: on every edge, evenly, about 20 mm apart. */
 export function possiblePoints(pattern) {
   return pattern.panels.flatMap((panel) =>
     panel.edges.flatMap((edge, at) => {
       const count = Math.max(Math.round(edgeLength(pattern, { panel: panel.name, edge: at }) / STEP), 2);
-      return Array.from({ length: count - 1 }, (_, k) => {
-        const fraction = (k + 1) / count;
-        const [place] = placeOnChord([unitPoint(edge, fraction)], ...chordOf(panel, at));
-        return { panel: panel.name, edge: at, fraction, place };
-      });
+      const parts = divide(edge, count),
+        places = placeOnChord(
+          parts.map(({ unit }) => unit),
+          ...chordOf(panel, at),
+        );
+      return parts.map(({ fraction }, k) => ({ panel: panel.name, edge: at, fraction, place: places[k] }));
     }),
   );
 }

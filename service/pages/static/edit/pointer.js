@@ -127,7 +127,6 @@ export class Pointer {
   dragPanels(act, at) {
     const { session } = this;
     const move = { x: (at[0] - act.at[0]) / 1e3, y: (act.at[1] - at[1]) / 1e3 };
-    session.cancel();
     session.preview(movePanels(session, act.start, session.selected('panel'), move));
   }
 

@@ -1,7 +1,7 @@
 /**
  * What is edited and how: the states of the pattern, the selection, the options. Views listen and draw what it holds.
  *
- * Events: `pattern` (the shown state is another), `selection`, `options`, `said` (a message for people), `hover`.
+ * Events: `pattern` (the shown state is another), `selection`, `options`, `faults`, `said` (words for people), `hover`, `fit`.
  *
  * @typedef {import("./movement.js").Item} Item   or {panel, edge} for an edge, or {panel} for a whole panel
  */
@@ -44,9 +44,22 @@ export class Session extends EventTarget {
     };
   }
 
+  /** Compare with another pattern than the one that was opened: the one that was recovered. */
+  compare(pattern) {
+    this.original = pattern;
+    this.tell('pattern');
+  }
+
+  /** Mark where the service found what is wrong. */
+  setFaults(items) {
+    this.faults = items;
+    this.tell('faults');
+  }
+
   /** Begin with another pattern; what was done before cannot be undone. */
   start(pattern) {
     this.original = pattern;
+    this.faults = [];
     this.states = [pattern];
     this.at = 0;
     this.shown = null;
@@ -79,9 +92,9 @@ export class Session extends EventTarget {
     return { symmetric: this.options.symmetric, sewn: this.options.sewn };
   }
 
-  /** Return where a panel lies. */
-  placeOf(name) {
-    return this.pattern.layout[name] ?? this.places[name] ?? { x: 0, y: 0, turn: 0 };
+  /** Return where a panel lies, in the shown state or another. */
+  placeOf(name, pattern = this.pattern) {
+    return pattern.layout[name] ?? this.places[name] ?? { x: 0, y: 0, turn: 0 };
   }
 
   /** Show a state without keeping it: a drag. */

@@ -48,7 +48,7 @@ export class SeamTable {
       const cells = [0, 1, 2].map(() => make('td.number'));
       const select = () => this.session.select([{ ...seam.a }, { ...seam.b }]);
       const button = make(
-        'button.plain',
+        'button.words',
         { type: 'button', onclick: select },
         `${edgeName(seam.a)} – ${edgeName(seam.b)}`,
       );
@@ -71,7 +71,7 @@ export function describeSelection(session) {
     panel = getPanel(pattern, item.panel);
   if (kindOf(item) === 'point') {
     const [x, y] = panel.points[item.point],
-      images = describeImages(pattern, item);
+      images = describeImages(session.present, item);
     const sewn = sewnPoints(pattern, item).map(({ panel: name, point }) => `${name} ${point + 1}`);
     return [
       `Point ${item.point + 1} of ${panel.name}: x ${mm(x)}, y ${mm(y)} mm.`,
