@@ -10,7 +10,7 @@ from garmentq.core.body import Body, DistanceGrid, ExposedSurface, builtin_body,
 from garmentq.core.drape import Way, dress, lay_threads, size_template, take_pose, waist_loop
 from garmentq.core.mesh import self_intersections
 from garmentq.core.pattern import find_cut, load_template, mesh_pattern, name_cut
-from garmentq.core.pattern.parts import CUTS, PARTS, PartsConflict
+from garmentq.core.pattern.parts import CUTS, PARTS, PartsConflict, differing_parts
 
 NODES = 350
 """Edges of 5 cm: the coarsest at which a sleeve still is a tube."""
@@ -42,20 +42,20 @@ def way(gender: str, pose: str) -> Way:
 
 @cache
 def draw_cuts() -> tuple[str, ...]:
-    """Draw the names of cuts: a template with other choices for some of its parts, where these can be sewn."""
+    """Draw the names of cuts: a template with other choices for two of its parts or more, where these can be sewn."""
     rng = np.random.default_rng(20)
     names: dict[str, None] = {}
     while len(names) < DRAWN:
         stem = str(rng.choice(list(CUTS)))
         open_parts = [part for part in PARTS if part != "bodice" and CUTS[stem].has_place_for(part)]
-        changed = rng.permutation(open_parts)[: rng.integers(1, 4)]
+        changed = rng.permutation(open_parts)[: rng.integers(1, 6)]
         choices = {str(part): str(rng.choice([str(choice) for choice in PARTS[part]])) for part in changed}
         name = name_cut(stem, CUTS[stem].choose(choices))
         try:
             same_kind = find_cut(name).category and bool(load_template(name).panels)
         except PartsConflict:
             continue
-        if same_kind and name not in CUTS:
+        if same_kind and len(differing_parts(CUTS[stem], find_cut(name))) > 1:
             names[name] = None
     return tuple(names)
 

@@ -72,6 +72,7 @@ def many_cuts() -> dict[str, Cut]:
     for kind, head, collar in product(Neckline, SleeveHead, Collar):
         cut = Cut(Bodice.BOXY, kind, sleeve=Sleeve.SHORT, sleeve_head=head, collar=collar)
         found[f"{kind} {head} {collar}"] = cut
+    found["suit stand"] = Cut(Bodice.SHIFT, legs=Legs.STRAIGHT, collar=Collar.STAND)
     for sleeve, head in product(Sleeve, SleeveHead):
         found[f"{sleeve} {head} cuff"] = Cut(Bodice.SHIFT, sleeve=sleeve, sleeve_head=head, cuff=Cuff.BAND)
     for skirt, shaping, waist in product(Skirt, Shaping, Waist):

@@ -15,7 +15,8 @@ from ..curves import edge_length
 from ..measures import BodyMeasures
 from ..outline import Outline, Point, Stroke, length, mirror, place_panel, smooth, to_point
 from ..pattern import Panel
-from .cut import Cut, Legs, PartsConflict, Waistband
+from .collars import collar_stand
+from .cut import Collar, Cut, Legs, PartsConflict, Waistband
 from .skirts import draw_band
 from .tops import FACES, Shoulder, draw_shoulder
 
@@ -172,6 +173,8 @@ def draw_suit(cut: Cut, m: BodyMeasures) -> list[Panel]:
     for side, outline in (("front", front), ("back", back(drop))):
         panels.append(place_panel(f"{side}_left", outline, m.nape_height))
         panels.append(place_panel(f"{side}_right", mirror(outline), m.nape_height))
+    if cut.collar is Collar.STAND:
+        panels += collar_stand(shoulder.neck, shoulder.necklines, m.nape_height)
     return panels + shoulder.sleeves(cut, m.nape_height)
 
 
