@@ -16,6 +16,7 @@ TENSION = 0.1
 """Force with which a contour of intersection contracts [N]: some 200 weights of a node of 4000, which a fold gives way
 to and the membrane (300 N/m) does not."""
 
+
 def pull_apart(scene: Scene, nodes: np.ndarray) -> tuple[Scene, np.ndarray | None]:
     """Let contact wait where faces cross at nodes [m], and contract the contours along which they do.
 
