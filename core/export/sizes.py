@@ -41,7 +41,8 @@ def write_sizes(production: Production, folder: Path) -> list[Path]:
         return files
     worn, base = production.worn, production.measures
     sizes = grade_sizes(worn.pattern, worn.template, base, production.height, production.options)
-    told, pictures = [], []
+    told: list[dict[str, Any]] = []
+    pictures: list[np.ndarray] = []
     for number, size in enumerate(sizes):
         production.hooks.progress("write", number / len(sizes), f"draping size {size.name}")
         try:
@@ -65,7 +66,7 @@ def write_sizes(production: Production, folder: Path) -> list[Path]:
 def _tell(size: Size, dressed: Dressed | None, why: str = "") -> dict[str, Any]:
     """Return what is known of a size: girths [cm], verdict, warnings, numbers; why it was not draped otherwise."""
     girths = {name: round(100.0 * getattr(size.measures, name), 1) for name in ("bust", "waist", "hip")}
-    told = {"name": size.name, "is_base": size.is_base, "is_drafted": size.is_drafted, **girths}
+    told: dict[str, Any] = {"name": size.name, "is_base": size.is_base, "is_drafted": size.is_drafted, **girths}
     if dressed is None:
         return {**told, "verdict": Verdict.FAIL, "warnings": [why], "metrics": {}}
     gates = [{"name": gate.name, "verdict": gate.verdict, "message": gate.message} for gate in dressed.gates]
