@@ -8,12 +8,16 @@ with Client("http://127.0.0.1:8080", key="gq_...") as service:
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
 from .connection import ServiceUnreachable
 from .deletion import Deleted
+from .records import check_id
 from .remote import RemoteBackend
+from .states import State
+from .submission import Submitted
 
 
 class Client(RemoteBackend):
@@ -60,6 +64,17 @@ class Client(RemoteBackend):
     def read_archive(self, job: str) -> bytes:
         """Return all files of a job as one .zip; `export_files` checks each against its hash."""
         return self._send("GET", f"/v1/jobs/{quote(job, safe='')}/result.zip").content
+
+    def mend_labels(self, job: str, points: Path) -> Submitted:
+        """Take a person's scan apart anew with mended labels; the job stays, and a new one is queued.
+
+        Args:
+            job: A job of kind `person` with files.
+            points: An .npy file, uint8: the number of a `Part` for each point of the job's segmented.ply.
+        """
+        wanted = {"points": self.upload("labels", points)}
+        found = self._ask_object("POST", f"/v1/jobs/{quote(job, safe='')}/labels", json=wanted)
+        return Submitted(check_id(found["job"]), bool(found["is_new"]), State(found["state"]))
 
     def delete_job(self, job: str) -> Deleted:
         """Delete an ended job with all below it and all that reads its results."""

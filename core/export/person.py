@@ -10,25 +10,11 @@ from scipy.spatial import cKDTree
 
 from ..mesh import unit
 from ..person import Part, Separation
+from ..person.colours import COLOURS, SURE, UNSURE
 from ..person.labels import write_labels
 from ..scan.raw import RawScan
 from .meshes import write_ply
 from .picture import ColouredMesh, aim, draw, png_base64
-
-COLOURS = {
-    Part.SKIN: (0.90, 0.76, 0.66),
-    Part.HAIR: (0.30, 0.22, 0.18),
-    Part.SHOES: (0.35, 0.33, 0.55),
-    Part.UPPER: (0.27, 0.51, 0.76),
-    Part.LOWER: (0.89, 0.55, 0.24),
-    Part.ONE_PIECE: (0.35, 0.64, 0.44),
-    Part.OUTER: (0.72, 0.36, 0.55),
-    Part.OTHER: (0.62, 0.62, 0.62),
-}
-"""A colour for each part: skin and hair near their own, the garments apart without red-green vision."""
-
-UNSURE, SURE = np.array([0.80, 0.25, 0.20]), np.array([0.86, 0.88, 0.88])
-"""Colours of a confidence of one half and of one."""
 
 SCANNED, FOUND = np.array([0.66, 0.69, 0.72]), np.array([0.90, 0.85, 0.80])
 """Colours of a scan that has none, and of the body."""
@@ -46,8 +32,9 @@ TURNS = (0.0, np.pi, 0.5 * np.pi)
 def write_person(raw: RawScan, separation: Separation, folder: Path) -> list[Path]:
     """Write `labels.npz`, `segmented.ply`, `body.ply` and `picture.png` into a folder that is there.
 
-    `labels.npz` has a label for each point of the given file, in its order; `segmented.ply` holds the cleaned scan in
-    metres, y up, each point coloured by its part and with its `label`.
+    `labels.npz` has a label for each point of the given file, in its order, and in `place` the point of the cleaned
+    scan that stands for it (-1: none); `segmented.ply` holds the cleaned scan in metres, y up, each point coloured by
+    its part and with its `label` and `confidence`.
 
     Returns:
         The files.
@@ -56,8 +43,8 @@ def write_person(raw: RawScan, separation: Separation, folder: Path) -> list[Pat
     picture = folder / "picture.png"
     picture.write_bytes(draw_person(raw, separation))
     return [
-        write_labels(separation.label, separation.confidence, folder / "labels.npz"),
-        write_segmented(raw, label, folder / "segmented.ply"),
+        write_labels(separation.label, separation.confidence, folder / "labels.npz", raw.place),
+        write_segmented(raw, label, separation.confidence[raw.origin], folder / "segmented.ply"),
         write_ply(separation.body.vertices, separation.body.faces, folder / "body.ply"),
         picture,
     ]
@@ -71,26 +58,29 @@ def colour_parts(label: np.ndarray) -> np.ndarray:
     return np.asarray(table[label])
 
 
-def write_segmented(raw: RawScan, label: np.ndarray, path: Path) -> Path:
+def write_segmented(raw: RawScan, label: np.ndarray, confidence: np.ndarray, path: Path) -> Path:
     """Write the scan as binary PLY with colours and labels of its parts; `garmentq` reads the labels back.
 
     Args:
         raw: The scan.
         label: A `Part` for each of its points, shape [point_count].
+        confidence: Probability of each label, shape [point_count].
         path: Where to.
     """
     kind = [(axis, "<f8") for axis in "xyz"] + [(name, "u1") for name in ("red", "green", "blue", "label")]
+    kind.append(("confidence", "<f4"))
     rows = np.zeros(len(raw.points), dtype=kind)
     for k, axis in enumerate("xyz"):
         rows[axis] = raw.points[:, k]
     colours = (255.0 * colour_parts(label) + 0.5).astype(np.uint8)
     for k, name in enumerate(("red", "green", "blue")):
         rows[name] = colours[:, k]
-    rows["label"] = label
+    rows["label"], rows["confidence"] = label, confidence
     corners = np.zeros(len(raw.faces), dtype=[("count", "u1"), ("corners", "<i4", (3,))])
     corners["count"], corners["corners"] = 3, raw.faces
     properties = [f"property double {axis}" for axis in "xyz"]
     properties += [f"property uchar {name}" for name in ("red", "green", "blue", "label")]
+    properties.append("property float confidence")
     lines = ["ply", "format binary_little_endian 1.0", "comment metres, y up", f"element vertex {len(rows)}"]
     lines += properties
     if len(raw.faces):

@@ -14,18 +14,22 @@ COUNT = max(Part) + 1
 """Length of `names`: a label is the index of its name."""
 
 
-def write_labels(label: np.ndarray, confidence: np.ndarray, path: Path) -> Path:
-    """Write `labels.npz`: `label` and `confidence` for each point of the scan's file, and `names`.
+def write_labels(label: np.ndarray, confidence: np.ndarray, path: Path, place: np.ndarray | None = None) -> Path:
+    """Write `labels.npz`: `label` and `confidence` for each point of the scan's file, `names`, and `place`.
 
     Args:
         label: A `Part` for each point of the file, shape [file_count].
         confidence: Probability of each label, shape [file_count].
         path: Where to.
+        place: For each point of the file the point of the cleaned scan that stands for it, or -1, shape [file_count];
+            None: not written.
     """
     names = np.full(COUNT, "", dtype="<U16")
     for part in Part:
         names[part] = part.word
     arrays = {"label": label.astype(np.uint8), "confidence": confidence.astype(np.float32), "names": names}
+    if place is not None:
+        arrays["place"] = place.astype(np.int32)
     with path.open("wb") as file:
         np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
     return path

@@ -217,11 +217,11 @@ def _derive(rooms: Rooms, caller: Caller, wanted: DerivedIn, nonce: str) -> Deri
         nonce=nonce,
         key=caller.key,
         quota=caller.quota,
-        realm=_find_realm(rooms, caller),
+        realm=find_realm(rooms, caller),
     )
 
 
-def _find_realm(rooms: Rooms, caller: Caller) -> str:
+def find_realm(rooms: Rooms, caller: Caller) -> str:
     """Return whose equal orders are the caller's job: its own, unless the operator lets keys share."""
     return "" if rooms.settings.share_jobs else caller.key
 
@@ -260,5 +260,5 @@ def _unpack(rooms: Rooms, caller: Caller, wanted: JobIn, folder: Path) -> Order:
         wearing=wanted.wearing,
         marks=tuple(wanted.marks),
         choices={word: choose(word, one) for word, one in wanted.parts.items()},
-        realm=_find_realm(rooms, caller),
+        realm=find_realm(rooms, caller),
     )

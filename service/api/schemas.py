@@ -139,7 +139,7 @@ AnyJobIn = Annotated[Annotated[JobIn, Choice("scan")] | Annotated[DerivedIn, Cho
 """What a job is asked for with: a kind says that it works on a stored result."""
 
 
-SQUARE: dict[str, JsonValue] = {
+SQUARE = {
     "pattern": {
         "panels": {
             "square": {
@@ -182,6 +182,19 @@ class PatternEditIn(BaseModel):
     )  # fmt: skip
     pattern: DocumentIn
     operations: list[dict[str, Any]] = Field(max_length=1000, description="Each with `op` and its fields.")
+
+
+class LabelsIn(BaseModel):
+    """Hand in mended labels of a person's scan."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={"example": {"points": "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"}},
+    )
+    points: Sha256 = Field(
+        description="Hash of an upload to /v1/labels: an .npy file, uint8, a part's number for each point of the "
+        "result's segmented.ply."
+    )
 
 
 class JobsIn(BaseModel):

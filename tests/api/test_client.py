@@ -98,6 +98,8 @@ def ask_everything(service: Client, finished: str, folder: Path) -> None:
     for kind, name in kinds.items():
         service.forget_upload(kind, service.upload(kind, folder / name))
     job = service.submit(Order(folder / "a.ply", folder / "b.ply")).job
+    (folder / "points.npy").write_bytes(b"x")
+    refused(service.mend_labels, finished, folder / "points.npy")
     refused(service.submit_derived, DerivedOrder("dress", job, {"body": "builtin:female"}))
     service.find_job(job), service.find_jobs_by_id([job]), service.list_jobs(), service.find_jobs(JobQuery({}))
     service.poll_events(job), service.read_queue(), service.cancel(job), service.retry(job), service.cancel(job)

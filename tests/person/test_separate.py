@@ -11,9 +11,8 @@ import pytest
 import trimesh
 from click.testing import CliRunner
 from garmentq.cli.main import group
-from garmentq.core.body import JOINTS, builtin_body
+from garmentq.core.body import builtin_body
 from garmentq.core.body.presence import SeveralPersons
-from garmentq.core.mesh import vertex_normals
 from garmentq.core.person import Part
 from garmentq.core.person.garments import PartNotWorn, cut_garment_of, find_surface
 from garmentq.core.person.given import PersonFiles, read_given
@@ -23,11 +22,8 @@ from garmentq.core.person.separate import separate
 from garmentq.core.person.separation import Separation
 from garmentq.core.scan.raw import RawScan
 from garmentq.core.segment import segment_garment
-from scipy.spatial import cKDTree
+from shells import BODY, dress_in_shells
 
-BODY = "builtin:male,height=1.78,weight=75,pose=A"
-SHIRT = ("spine1", "spine2", "spine3", "left_collar", "right_collar", "left_shoulder", "right_shoulder")
-TROUSERS = ("pelvis", "left_hip", "right_hip", "left_knee", "right_knee")
 COLOURS = {Part.SKIN: (200, 165, 140), Part.UPPER: (60, 90, 180), Part.LOWER: (70, 75, 60)}
 
 
@@ -44,15 +40,9 @@ class Run:
 @pytest.fixture(scope="session")
 def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
     """Dress the built-in body in a T-shirt over trousers, 20 and 12 mm from the skin, and take it apart once."""
-    body = builtin_body(BODY)
-    part = np.array(JOINTS)[body.weights.argmax(axis=1)]
-    coarse = np.full(len(part), int(Part.SKIN))
-    coarse[np.isin(part, TROUSERS)], coarse[np.isin(part, SHIRT)] = Part.LOWER, Part.UPPER
-    vertices, faces = trimesh.remesh.subdivide(body.vertices, body.faces)
-    label = coarse[cKDTree(body.vertices).query(vertices)[1]]
-    rng = np.random.default_rng(0)
-    lift = np.select([label == Part.UPPER, label == Part.LOWER], [0.020, 0.012], 0.0)
-    points = vertices + lift[:, None] * vertex_normals(vertices, faces) + rng.normal(0.0, 0.001, vertices.shape)
+    shells, rng = dress_in_shells(), np.random.default_rng(0)
+    label, faces = shells.label, shells.faces
+    points = shells.points + rng.normal(0.0, 0.001, shells.points.shape)
     colours = np.array([COLOURS[Part(value)] for value in label]) + rng.normal(0.0, 6.0, points.shape)
     folder = tmp_path_factory.mktemp("person")
     mesh = trimesh.Trimesh(points, faces, process=False, vertex_colors=colours.clip(0, 255).astype(np.uint8))
@@ -89,11 +79,14 @@ def test_garments_and_their_hidden_ends(run):
 def test_files_are_read_by_others(run):
     """Broken where labels are not in the file's order, the coloured scan has other vertices, or a picture is empty."""
     with np.load(run.out / "labels.npz", allow_pickle=False) as kept:
-        assert set(kept.files) == {"label", "confidence", "names"}
+        assert set(kept.files) == {"label", "confidence", "names", "place"}
+        assert np.array_equal(kept["place"], np.arange(len(run.label)))
         assert kept["label"].dtype == np.uint8 and kept["label"].shape == kept["confidence"].shape == run.label.shape
         assert kept["names"][Part.ONE_PIECE] == "one-piece"
     mesh = trimesh.load(run.out / "segmented.ply", process=False)
     assert len(mesh.vertices) == len(run.label)
+    sure = mesh.metadata["_ply_raw"]["vertex"]["data"]["confidence"]
+    assert np.allclose(np.ravel(sure), np.load(run.out / "labels.npz")["confidence"])
     skin = np.flatnonzero(np.load(run.out / "labels.npz")["label"] == Part.SKIN)
     assert len(np.unique(mesh.visual.vertex_colors[skin], axis=0)) == 1
     assert len(trimesh.load(run.out / "body.ply", process=False).vertices) == len(builtin_body(BODY).vertices)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -66,8 +65,7 @@ def _find_crossings(panel: Panel, line: np.ndarray) -> tuple[list[tuple[int, flo
     def is_between(point: np.ndarray) -> bool:
         return -1e-6 <= float((point - line[0]) @ along) / size <= size + 1e-6
 
-    cuts: list[tuple[int, float]] = []
-    corners: set[int] = set()
+    cuts, corners = [], set()
     for number in range(len(panel.edges)):
         fractions = np.linspace(0.0, 1.0, SAMPLES + 1)
         values = side(edge_points(panel, number, SAMPLES))
@@ -85,7 +83,7 @@ def _find_crossings(panel: Panel, line: np.ndarray) -> tuple[list[tuple[int, flo
     return cuts, sorted(corners)
 
 
-def _refine(panel: Panel, edge: int, side: Callable[[np.ndarray], np.ndarray], low: float, high: float) -> float:
+def _refine(panel: Panel, edge: int, side, low: float, high: float) -> float:  # type: ignore[no-untyped-def]
     """Return the fraction of an edge's length at which it crosses, between two others."""
     below = float(side(_point_at(panel, edge, low)))
     for _ in range(HALVINGS):

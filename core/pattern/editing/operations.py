@@ -127,8 +127,8 @@ def _kept(given: Given) -> tuple[bool, bool]:
 
 def _straighten(pattern: Pattern, given: Given) -> Pattern:
     panel = get_text(given["panel"], "panel")
-    start, end = (get_index(given[name], MOST_EDGES, name) for name in ("from", "to"))
-    return straighten_edges(pattern, panel, start, end, *_kept(given))
+    ends = (get_index(given[name], MOST_EDGES, name) for name in ("from", "to"))
+    return straighten_edges(pattern, panel, *ends, *_kept(given))
 
 
 def _smooth(pattern: Pattern, given: Given) -> Pattern:

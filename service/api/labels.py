@@ -1,0 +1,36 @@
+"""`/v1/jobs/{job}/labels`: take a person's scan apart anew with labels that were mended by hand."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from fastapi import APIRouter, Response
+
+from ..mending import Mended, submit_mended
+from ..uploads import find_upload
+from .access import RoomsOf, Submitter, find_own
+from .jobs import find_realm, show_created
+from .schemas import LabelsIn
+
+router = APIRouter(tags=["jobs"])
+
+
+@router.post(
+    "/jobs/{job}/labels", status_code=202, summary="Take a person apart anew with mended labels.",
+    responses=show_created(),
+)  # fmt: skip
+def mend(job: str, wanted: LabelsIn, response: Response, rooms: RoomsOf, caller: Submitter) -> Any:
+    """Queue a new job for the same scan, by labels for the points of the job's `segmented.ply`; the old one stays.
+
+    The same labels once more are the same job: 200, not 202.
+    """
+    row = find_own(rooms, caller, job)
+    kept = find_upload(rooms.database, caller.key, wanted.points, "labels")
+    with tempfile.TemporaryDirectory(prefix="labels-") as folder:
+        points = rooms.store.copy(kept.sha256, Path(folder) / "points.npy")
+        done = submit_mended(rooms, row, Mended(points, caller.key, caller.quota, find_realm(rooms, caller)))
+    response.headers["location"] = f"/v1/jobs/{done.job}"
+    response.status_code = 202 if done.is_new else 200
+    return {"job": done.job, "state": done.state, "is_new": done.is_new}

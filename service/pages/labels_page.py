@@ -1,0 +1,78 @@
+"""`/results/ID/labels`: the parts of a person's scan, to look at and to mend."""
+
+from __future__ import annotations
+
+import json
+
+from fastapi import Response
+
+from ...core.person import PARTS
+from ...core.person.colours import COLOURS, SURE, UNSURE
+from ..api.access import RoomsOf, find_own
+from ..derived import InputWrong
+from ..submission import PERSON_KIND
+from .markup import Html, html, join
+from .page_route import make_router
+from .session import VisitorOf
+from .shell import draw_shell
+
+router = make_router()
+
+
+@router.get("/results/{job}/labels")
+def show_labels(job: str, rooms: RoomsOf, visitor: VisitorOf) -> Response:
+    """Return the page of one person's labels."""
+    row = find_own(rooms, visitor.caller, job)
+    if row.kind != PERSON_KIND:
+        raise InputWrong(f"job {row.id} is a job '{row.kind}'; labels are of a job that takes a person apart.")
+    told = {
+        "parts": [{"value": int(part), "word": part.word, "colour": COLOURS[part]} for part in PARTS],
+        "unsure": UNSURE.tolist(), "sure": SURE.tolist(),
+    }  # fmt: skip
+    parts = join(
+        html(PART, value=int(part), word=part.word, checked=Html(" checked" if n == 0 else ""), key=n + 1)
+        for n, part in enumerate(PARTS)
+    )
+    content = html(CONTENT, name=row.name, job=row.id, told=json.dumps(told), parts=parts)
+    return draw_shell(f"Labels of {row.name}", content, visitor, ["labels/main.js"])
+
+
+PART = """<label><input type="radio" name="part" value="{value}"{checked}>
+<span class="swatch" data-part="{value}"></span> {word} <kbd>{key}</kbd>
+<span class="soft" data-count="{value}"></span></label>"""
+
+CONTENT = """<link rel="stylesheet" href="/static/labels/labels.css">
+<h1>Labels of {name}</h1>
+<p class="soft">What each point of the scan was taken for, and how surely. Mended labels become a new job for the
+same scan; <a href="/results/{job}">job {job}</a> stays as it is.</p>
+<div id="problem"></div>
+<div id="labels" data-job="{job}" data-told="{told}">
+<div class="view"><div id="scene"></div><div id="aim" aria-hidden="true"></div>
+<p id="said" role="status" class="soft">The scan is being read.</p></div>
+<div class="tools">
+<fieldset><legend>Colours</legend>
+<label><input type="radio" name="colours" value="parts" checked> parts</label>
+<label><input type="radio" name="colours" value="confidence"> confidence</label>
+<span class="scale" hidden><span>0.5 or less</span> <span class="bar"></span> <span>1</span></span></fieldset>
+<fieldset id="tool"><legend>Tool</legend>
+<label><input type="radio" name="tool" value="look" checked> look <kbd>L</kbd></label>
+<label><input type="radio" name="tool" value="brush"> brush <kbd>B</kbd></label>
+<label><input type="radio" name="tool" value="fill"> fill <kbd>F</kbd></label>
+<label><input type="radio" name="tool" value="ring"> ring <kbd>R</kbd></label>
+<label class="own" data-tool="brush">radius <input id="radius" type="range" min="5" max="120" value="25">
+<output id="radius-mm" for="radius">25 mm</output></label>
+<div class="row own" data-tool="ring"><button type="button" id="up">Up 5 mm</button>
+<button type="button" id="down">Down 5 mm</button></div></fieldset>
+<fieldset id="part"><legend>Part to paint</legend>{parts}</fieldset>
+<div class="row"><button type="button" id="undo">Undo</button> <button type="button" id="redo">Redo</button></div>
+<p id="changed">Nothing is changed.</p>
+<div class="row"><button type="button" id="again" class="primary">Run again with these labels</button></div>
+<div id="made" role="status"></div>
+<details><summary>By mouse and keyboard</summary>
+<p>Look: drag turns the view, the wheel zooms. Other tools work where you press; the right button turns the view.
+By keyboard, with the view focused: arrows turn it, plus and minus zoom, Space works at the cross in the middle,
+page up and page down move the ring, [ and ] change the brush, 1 to 8 choose the part, Ctrl+Z and Ctrl+Y undo and redo.
+</p>
+<p>Fill: all that hangs together and has the part of the place you press. Ring: press near the border of two parts; then
+move that border.</p></details>
+</div></div>"""

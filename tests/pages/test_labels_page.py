@@ -1,0 +1,216 @@
+"""The labels of a person's scan in a real browser: looked at, painted, filled, a ring moved, and run again with."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from garmentq.core.mesh import vertex_normals
+from garmentq.core.person import PARTS, Part
+from garmentq.core.person.colours import COLOURS
+from garmentq.service.jobs import find_job
+from garmentq.service.kinds import read_request
+from garmentq.service.kinds.person_request import PersonRequest
+from garmentq.service.results import list_files, report_jobs
+from person_jobs import EXTRA, keep_person
+from shells import dress_in_shells
+
+ROOT = "document.querySelector('#labels')"
+KEYS = {part: str(n + 1) for n, part in enumerate(PARTS)}
+
+
+@pytest.fixture(scope="module")
+def shells():
+    """Return a dressed person of 7000 points."""
+    return dress_in_shells(0)
+
+
+@pytest.fixture(scope="module")
+def person(site, shells, tmp_path_factory) -> str:
+    """Return the job that took it apart."""
+    return keep_person(site.services, tmp_path_factory.mktemp("person") / "anna", shells)
+
+
+@pytest.fixture(scope="module")
+def window(open_window):
+    """Open one window for the tests of this file."""
+    with open_window() as opened:
+        yield opened.new_page()
+
+
+@pytest.fixture
+def labels(window, person):
+    """Give the page as it came: what the last test changed is taken back."""
+    if not window.url.endswith(f"/results/{person}/labels"):
+        open_labels(window, person)
+    while window.locator("#undo").is_enabled():
+        window.locator("#undo").click()
+    return window
+
+
+def open_labels(page, job: str) -> None:
+    """Open the page and wait for the scan."""
+    page.goto(f"/results/{job}/labels")
+    page.wait_for_selector("#labels[data-ready]")
+
+
+def read_labels(page) -> np.ndarray:
+    """Give the label of each point as the page has it."""
+    return np.array(page.evaluate(f"[...{ROOT}.painting.label]"))
+
+
+def find_front(shells, part: Part, height: float) -> int:
+    """Give the point of a part that lies nearest to a height in the middle of the front."""
+    own = (shells.label == part) & (vertex_normals(shells.points, shells.faces)[:, 2] > 0.6)
+    off = np.hypot(shells.points[:, 0], shells.points[:, 1] - height) + np.where(own, 0.0, 9.0)
+    return int(off.argmin())
+
+
+def where(page, point) -> tuple[float, float]:
+    """Give where a point is on the screen [px]."""
+    page.locator("#scene").scroll_into_view_if_needed()
+    return tuple(page.evaluate(f"p => {ROOT}.view.viewer.project(p)", list(map(float, point))))
+
+
+def press(page, *keys: str) -> None:
+    """Press keys on the view."""
+    page.locator("#scene canvas").focus()
+    for key in keys:
+        page.keyboard.press(key)
+
+
+def test_parts_and_confidence_are_shown(labels, shells):
+    """Broken where a point has another part's colour, counts are wrong, or confidence looks the same everywhere."""
+    assert np.array_equal(read_labels(labels), shells.label)
+    for part in (Part.SKIN, Part.UPPER, Part.HAIR):
+        shown = labels.locator(f'[data-count="{int(part)}"]').inner_text()
+        assert int(shown.replace(",", "")) == int((shells.label == part).sum())
+    colour = np.array(labels.evaluate(COLOURS_OF)).reshape(-1, 3)
+    for part in (Part.SKIN, Part.UPPER, Part.LOWER):
+        srgb = np.array(COLOURS[part])
+        light = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+        assert np.allclose(colour[shells.label == part], light, atol=1e-4)
+    labels.get_by_label("confidence", exact=True).check()
+    labels.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    colour = np.array(labels.evaluate(COLOURS_OF)).reshape(-1, 3)
+    sure = np.abs(np.sin(8.0 * shells.points[:, 1]))
+    assert np.corrcoef(colour[:, 1], sure)[0, 1] > 0.9
+    labels.get_by_label("parts", exact=True).check()
+
+
+COLOURS_OF = f"[...{ROOT}.view.object.geometry.attributes.color.array]"
+
+
+def test_a_brush_paints_what_it_reaches(labels, shells):
+    """Broken where the brush paints another place, the back too, or more than its radius; or undo leaves a point."""
+    vertex = find_front(shells, Part.UPPER, 1.25)
+    press(labels, "b", KEYS[Part.LOWER])
+    labels.locator("#radius").fill("60")
+    x, y = where(labels, shells.points[vertex])
+    labels.mouse.move(x, y)
+    labels.mouse.down()
+    labels.mouse.up()
+    found = np.flatnonzero(read_labels(labels) != shells.label)
+    away = np.linalg.norm(shells.points - shells.points[vertex], axis=1)
+    facing = vertex_normals(shells.points, shells.faces) @ vertex_normals(shells.points, shells.faces)[vertex] > 0.0
+    sure = np.flatnonzero((away < 0.05) & facing & (shells.label == Part.UPPER))
+    assert set(sure) <= set(found) and away[found].max() < 0.07 and facing[found].all() and len(sure) >= 5
+    labels.mouse.move(x, y)
+    labels.mouse.down()
+    labels.mouse.move(x + 30, y, steps=3)
+    labels.mouse.up()
+    assert (read_labels(labels) != shells.label).sum() > len(found)
+    assert "points are changed" in labels.locator("#changed").inner_text()
+    press(labels, "Control+z")
+    assert np.array_equal(np.flatnonzero(read_labels(labels) != shells.label), found)
+    press(labels, "Control+z")
+    assert np.array_equal(read_labels(labels), shells.label)
+    press(labels, "Control+y")
+    assert np.array_equal(np.flatnonzero(read_labels(labels) != shells.label), found)
+
+
+def test_a_fill_takes_what_hangs_together(labels, shells):
+    """Broken where a fill runs over the border of a part, or leaves some of it; by keyboard, at the cross."""
+    vertex = find_front(shells, Part.UPPER, 1.25)
+    press(labels, "f", KEYS[Part.ONE_PIECE])
+    labels.mouse.click(*where(labels, shells.points[vertex]))
+    wanted = np.where(shells.label == Part.UPPER, Part.ONE_PIECE, shells.label)
+    assert np.array_equal(read_labels(labels), wanted)
+    assert "What was upper is one-piece" in labels.locator("#said").inner_text()
+    labels.locator("#undo").click()
+    assert np.array_equal(read_labels(labels), shells.label)
+    before = labels.evaluate(f"{ROOT}.view.pick({ROOT}.view.middle).vertex")
+    press(labels, KEYS[Part.HAIR], "Space")
+    assert read_labels(labels)[before] == Part.HAIR
+    press(labels, "Control+z", "l")
+
+
+def test_a_ring_moves_up_and_down(labels, shells):
+    """Broken where another border moves, a way up and back changes a label, or a step is not 5 mm along the surface."""
+    hem = shells.points[shells.label == Part.LOWER][:, 1].max()
+    vertex = find_front(shells, Part.UPPER, hem)
+    press(labels, "r")
+    labels.mouse.click(*where(labels, shells.points[vertex]))
+    assert "border of upper above and lower below" in labels.locator("#said").inner_text()
+    for _ in range(4):
+        labels.locator("#up").click()
+    found = read_labels(labels)
+    moved = np.flatnonzero(found != shells.label)
+    assert len(moved) > 10 and set(shells.label[moved]) == {Part.UPPER} and set(found[moved]) == {Part.LOWER}
+    assert "20 mm above where it was" in labels.locator("#said").inner_text()
+    lower = shells.points[shells.label == Part.LOWER]
+    nearest = np.linalg.norm(shells.points[moved][:, None] - lower[None], axis=2).min(axis=1)
+    edge = np.linalg.norm(np.diff(shells.points[shells.faces[:, :2]], axis=1)[:, 0], axis=1)
+    assert nearest.max() < 0.020 + np.quantile(edge, 0.99)
+    press(labels, "PageDown", "PageDown", "PageDown", "PageDown")
+    assert np.array_equal(read_labels(labels), shells.label)
+    press(labels, "PageDown", "PageDown")
+    assert set(shells.label[read_labels(labels) != shells.label]) <= {Part.LOWER}
+    press(labels, "l")
+
+
+def test_it_runs_again_as_a_new_job(labels, site, person, shells):
+    """Broken where the old job's files change, the new one reads another scan or other labels, or points shift."""
+    services = site.services
+    kept = {file.name: file.sha256 for file in list_files(services.database, person)}
+    press(labels, "f", KEYS[Part.ONE_PIECE])
+    labels.mouse.click(*where(labels, shells.points[find_front(shells, Part.UPPER, 1.25)]))
+    labels.get_by_role("button", name="Run again").click()
+    link = labels.locator("#made a")
+    link.wait_for()
+    made = find_job(services.database, link.inner_text())
+    old = find_job(services.database, person)
+    assert (made.kind, made.state, made.scan, made.name) == ("person", "queued", old.scan, "anna") and made.id != person
+    assert report_jobs(services.database, [made], services.settings)[0].tags == ["spring"]
+    request, before = read_request(PersonRequest, made.request), read_request(PersonRequest, old.request)
+    assert request == replace(before, labels=request.labels, given_as="person")
+    with np.load(io.BytesIO(services.store.get_bytes(request.labels.sha256))) as arrays:
+        given = arrays["label"]
+        assert [str(arrays["names"][value]) for value in (0, 10, 12)] == ["skin", "upper", "one-piece"]
+    assert set(given[:EXTRA]) == {Part.OTHER}
+    assert np.array_equal(given[EXTRA:], np.where(shells.label == Part.UPPER, Part.ONE_PIECE, shells.label))
+    assert {file.name: file.sha256 for file in list_files(services.database, person)} == kept
+    labels.get_by_role("button", name="Run again").click()
+    labels.get_by_text("There is a job with these labels").wait_for()
+    assert labels.locator("#made a").inner_text() == made.id
+
+
+@pytest.mark.nightly
+def test_a_cloud_is_painted_too(page, site, tmp_path):
+    """Broken where a scan without faces cannot be picked, filled, or its rings not found."""
+    shells = dress_in_shells(0)
+    open_labels(page, keep_person(site.services, tmp_path / "cloud", shells, is_cloud=True))
+    press(page, "f", KEYS[Part.ONE_PIECE])
+    page.mouse.click(*where(page, shells.points[find_front(shells, Part.UPPER, 1.25)]))
+    found = read_labels(page)
+    assert (found[shells.label == Part.UPPER] == Part.ONE_PIECE).mean() > 0.95
+    assert (found[shells.label != Part.UPPER] == shells.label[shells.label != Part.UPPER]).all()
+
+
+def test_a_garments_job_has_no_labels(page, context, site):
+    """Broken where the page of another kind of job is empty instead of saying so."""
+    page.goto(f"/results/{site.result}/labels")
+    assert "job 'recover'" in page.locator("main").inner_text()
+    context.faults.clear()  # the browser itself reports the answer 422

@@ -1,0 +1,44 @@
+"""Jobs of kind `person` whose files are written as ever, of a person whose parts are known."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import trimesh
+from garmentq.core.export.person import write_segmented
+from garmentq.core.person.labels import write_labels
+from garmentq.service.jobs import claim
+from garmentq.service.kinds.person import Person
+from garmentq.service.kinds.person_found import PersonFound
+from garmentq.service.results import store_result
+from garmentq.service.services import Services
+from garmentq.service.submission import Order, submit
+from shells import Shells, separate_by_truth
+
+EXTRA = 2
+"""Points of the file that are no part of the person: they come first, and are dropped."""
+
+
+def keep_person(services: Services, folder: Path, shells: Shells, key: str = "", is_cloud: bool = False) -> str:
+    """Submit a person's scan and store what it was taken apart into as a worker would; give the job's id."""
+    raw, separation = separate_by_truth(shells, EXTRA)
+    if is_cloud:
+        from dataclasses import replace
+
+        raw = replace(raw, faces=np.zeros((0, 3), np.int64))
+    folder.mkdir(parents=True)
+    points = np.concatenate([np.full((EXTRA, 3), 5.0), shells.points])
+    scan = folder / "shells.ply"
+    trimesh.Trimesh(points, shells.faces + EXTRA, process=False).export(scan)
+    order = Order(scan, None, given_as="person", name=folder.name, tags=("spring",), key=key, realm=key, quota=100)
+    job = submit(services.database, services.store, order).job
+    out = folder / "out"
+    out.mkdir()
+    write_labels(separation.label, separation.confidence, out / "labels.npz", raw.place)
+    write_segmented(raw, shells.label, separation.confidence[raw.origin], out / "segmented.ply")
+    (out / "person.json").write_text(json.dumps({"garments": []}))
+    found = PersonFound(shells.body, {"garments": [], "outfits": [], "parts": {}})
+    store_result(services.database, services.store, claim(services.database, job, "test", 600.0), Person(), found, out)
+    return job
