@@ -80,7 +80,7 @@ class LazyGroup(click.Group):
             return super().resolve_command(ctx, args)
         except click.UsageError as error:
             if near := get_close_matches(args[0], COMMANDS, n=1):
-                error.message += f" Did you mean `garmentq {near[0]}`?"
+                raise click.UsageError(f"{error.message} Did you mean `garmentq {near[0]}`?", error.ctx) from None
             raise
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
