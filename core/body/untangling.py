@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..mesh import self_intersections, untangle
+from ..mesh.untangling import STEP
 from .exposed import ExposedSurface, penetration_depth
 from .projection import project_outside
 
@@ -34,8 +35,8 @@ def untangle_outside(nodes: np.ndarray, skin: ExposedSurface, faces: np.ndarray)
     if not least:
         return nodes
     deepest, moved = max(DEEPEST, penetration_depth(nodes, faces, skin)), nodes
-    for _ in range(TURNS):
-        moved = untangle(moved, faces)
+    for turn in range(TURNS):
+        moved = untangle(moved, faces, (1 + turn) * STEP)  # further apart, lest they meet on the way out of the body
         if penetration_depth(moved, faces, skin) > ALLOWED:
             moved = project_outside(moved, skin, faces)
         crossed = len(self_intersections(moved, faces))

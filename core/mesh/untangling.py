@@ -42,7 +42,7 @@ def contract_contours(vertices: np.ndarray, faces: np.ndarray, pairs: np.ndarray
     return -(_soften(measure_contour(vertices, faces, pairs)[1]) + _part(faces, vertices, pairs))
 
 
-def untangle(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+def untangle(vertices: np.ndarray, faces: np.ndarray, step: float = STEP) -> np.ndarray:
     """Move a mesh out of itself where it passes through itself, and return its vertices [m], shape [vertex_count, 3].
 
     Each round moves the vertices by (1 + w^2 L)^-1 times the step of `contract_contours`, w `WIDTH` and L the uniform
@@ -51,6 +51,7 @@ def untangle(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     Args:
         vertices: Positions [m], shape [vertex_count, 3].
         faces: Vertex indices, shape [face_count, 3].
+        step: Way of a vertex on which a contour pulls evenly, in one round [m]; layers end as far apart at most.
 
     Returns:
         The round's vertices of which fewest faces cross; the given ones, the same array, where none did or none less.
@@ -64,9 +65,9 @@ def untangle(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
         if crossed == 0 or since > PATIENCE:
             break
         smooth = smooth or _factor(vertices, faces)
-        step = smooth.solve(STEP * contract_contours(moved, faces, pairs))
-        longest = float(np.linalg.norm(step, axis=1).max())
-        moved = moved + step * min(1.0, 2.0 * STEP / longest)
+        way = smooth.solve(step * contract_contours(moved, faces, pairs))
+        longest = float(np.linalg.norm(way, axis=1).max())
+        moved = moved + way * min(1.0, 2.0 * step / longest)
     return best
 
 
