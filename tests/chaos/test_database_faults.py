@@ -198,6 +198,7 @@ def test_r17_a_damaged_checkpoint(database, store, queue_job):
         assert (found is None) if left is None else found["step"] == left
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("database_kind", ["sqlite"], indirect=True)
 def test_r18_memory_over_a_hundred_jobs(settings, database, queue_job):
     """Broken where each job leaves something behind in its process; which database it asks is no matter to that."""

@@ -10,12 +10,13 @@ from garmentq.service.states import ENDED, State
 from garmentq.service.submission import JobRequest, add_job
 from garmentq.workers.broker import start_broker
 from garmentq_family import KINDS, PIECES, Root
-from garmentq_home import wait_ended, wait_for
+from garmentq_home import SQLITE_BY_DAY, wait_ended, wait_for
 from sqlalchemy import func, select
 
 STAGES = ("begin", "end", "store")
 
 
+@SQLITE_BY_DAY
 @pytest.mark.slow
 def test_a_family_killed_at_every_stage(settings, database, queue_job, start_worker, marks, monkeypatch):
     """Broken where a kill loses a child, makes one twice, or a result is stored twice."""

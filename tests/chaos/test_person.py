@@ -8,12 +8,13 @@ from garmentq.service.query import JobQuery, find_jobs
 from garmentq.service.states import ENDED, State
 from garmentq.service.submission import Order, submit
 from garmentq.workers.broker import start_broker
-from garmentq_home import put_file, wait_ended, wait_for
+from garmentq_home import SQLITE_BY_DAY, put_file, wait_ended, wait_for
 
 PERSONS = {"separator": "garmentq_person:take_apart", "person_checker": "garmentq_checker:check"}
 STAGES = ("garments", "store")
 
 
+@SQLITE_BY_DAY
 @pytest.mark.slow
 def test_a_person_killed_in_the_middle(settings, database, store, start_worker, marks, monkeypatch, tmp_path):
     """Breaks where a kill in the middle of the parent loses a garment's job, or makes one twice."""

@@ -17,7 +17,7 @@ import pytest
 from garmentq.service.jobs import find_job, read_events
 from garmentq.service.models import ArtifactRow
 from garmentq.workers.broker import is_broker_up, run_folder, start_broker
-from garmentq_home import WAIT_SECONDS, wait_ended, wait_for
+from garmentq_home import SQLITE_BY_DAY, WAIT_SECONDS, wait_ended, wait_for
 from garmentq_standin import STEPS, hold_gate
 from sqlalchemy import func, select
 
@@ -114,6 +114,7 @@ def test_r2_killed_worker_and_r13_stopped_worker(settings, database, queue_job, 
     assert set(done) == set(range(STEPS)) and len(done) <= STEPS + 3 * lost, "a crash costs what no checkpoint has"
 
 
+@SQLITE_BY_DAY
 @pytest.mark.slow
 def test_r3_poison_and_r13_deaf_job(settings, database, queue_job, start_worker, marks):
     """Broken where a job that kills its worker is repeated for ever, harms others, or a deaf one holds up a deploy."""
@@ -203,6 +204,7 @@ def test_r6_the_database_server_stops_and_starts(
     gc.collect()
 
 
+@SQLITE_BY_DAY
 @pytest.mark.slow
 def test_priorities_queues_and_three_dispatchers_r19(settings, database, queue_job, start_worker, marks):
     """Broken where the broker's order decides, a worker takes what it does not serve, or a job starts twice."""

@@ -39,6 +39,12 @@ DATABASES = ("sqlite", "postgresql")
 """What the service must run on; a folder's conftest parametrises `database_kind` over it."""
 
 
+SQLITE_BY_DAY = pytest.mark.parametrize(
+    "database_kind", ["sqlite", pytest.param("postgresql", marks=pytest.mark.nightly)], indirect=True
+)
+"""For faults of processes, which look the same on both databases, and take long on each."""
+
+
 def make_settings(home: Path, **changes) -> ServiceSettings:
     """Give settings with short times and the stand-in pipeline."""
     quick = {
