@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import json
+import zlib
 
 import numpy as np
 import pytest
+from garmentq.core.export.meshes import write_ply
+from garmentq.core.export.point_caches import write_pc2
 from garmentq.core.wear import load_worn
+from garmentq.service.jobs import claim
+from garmentq.service.kinds.recover import Recover
+from garmentq.service.results import store_result
 
 
 @pytest.fixture
@@ -134,6 +140,47 @@ def test_meshes_and_colours_are_chosen(shown):
     shown.keyboard.press("ArrowLeft")
     look()
     assert len(pictures) == 9  # each choice shows something else
+
+
+def test_small_pieces_are_unpacked_as_zlib_packed_them(page):
+    """Broken where one of the three kinds of blocks, or a repetition, is unpacked wrongly."""
+    rng = np.random.default_rng(0)
+    whole = [rng.integers(0, top, size).astype(np.uint8).tobytes() for top in (2, 20, 256) for size in (0, 1, 30, 3000)]
+    whole += [b"abc" * 900, bytes(4000)]
+    kinds = ((0, zlib.Z_DEFAULT_STRATEGY), (6, zlib.Z_DEFAULT_STRATEGY), (6, zlib.Z_FIXED))
+    packers = [zlib.compressobj(level, wbits=-15, strategy=how) for _ in whole for level, how in kinds]
+    packed = [packer.compress(whole[n // 3]) + packer.flush() for n, packer in enumerate(packers)]
+    page.goto("/")
+    script = """(pieces) => import('/static/inflate.js').then(({ inflate }) =>
+        pieces.map(([packed, size]) => [...inflate(Uint8Array.from(packed), size)]))"""
+    found = page.evaluate(script, [[list(one), len(whole[n // 3])] for n, one in enumerate(packed)])
+    assert [bytes(one) for one in found] == [whole[n // 3] for n in range(len(packed))]
+
+
+def test_an_animation_plays(page, site, whole_tube, tmp_path):
+    """Broken where the point cache is read wrongly, or the frames do not follow each other."""
+    recovery = whole_tube()
+    nodes, faces = recovery.garment.nodes, recovery.garment.faces
+    frames = np.stack([nodes + [0.0, 0.1 * n, 0.0] for n in range(4)])
+    write_pc2(frames, tmp_path / "garment.pc2")
+    write_ply(nodes, faces, tmp_path / "garment.ply")
+    (tmp_path / "frames.json").write_text('{"fps": 8, "frames": []}')
+    job = site.queue("moving")
+    held = claim(site.services.database, job, "test", 600.0)
+    store_result(site.services.database, site.services.store, held, Recover(), recovery, tmp_path)
+    page.goto(f"/results/{job}")
+    page.locator("#result[data-ready]").wait_for()
+    assert page.locator("#frame").get_attribute("max") == "3"
+    page.locator("#frame").focus()
+    page.keyboard.press("End")
+    assert page.locator("#time").inner_text() == "0.38 s"
+    page.keyboard.press("Home")
+    page.get_by_role("button", name="Play").click()
+    page.locator("#time", has_text="0.25 s").wait_for()
+    page.get_by_role("button", name="Pause").click()
+    script = """(job) => Promise.all([import('/static/ply.js'), import('/static/api.js')]).then(async ([ply, api]) =>
+        ply.readFrames(await api.getBytes(`/v1/jobs/${job}/artifacts/garment.pc2`)).map((frame) => [...frame]))"""
+    assert np.allclose(np.reshape(page.evaluate(script, job), frames.shape), frames, atol=1e-6)
 
 
 def test_without_webgl_there_are_pictures(chromium, site):

@@ -1,4 +1,5 @@
 // NumPy's archives (.npz): only the arrays that are asked for are unpacked.
+import { inflate } from './inflate.js';
 
 /** @typedef {{shape: number[], values: any}} NumpyArray */
 
@@ -7,7 +8,7 @@ const KINDS = { '<f8': Float64Array, '<f4': Float32Array, '<i8': BigInt64Array, 
 /**
  * Read the directory of an archive.
  * @param {ArrayBuffer} content
- * @returns {Map<string, {method: number, start: number, size: number}>} where each array lies, by its name
+ * @returns {Map<string, {method: number, start: number, size: number, whole: number}>} where each array lies, by its name
  */
 export function readDirectory(content) {
   const view = new DataView(content), bytes = new Uint8Array(content), text = new TextDecoder();
@@ -21,7 +22,7 @@ export function readDirectory(content) {
     const name = text.decode(bytes.subarray(at + 46, at + 46 + nameLength)).replace(/\.npy$/, '');
     const local = view.getUint32(at + 42, true);
     const start = local + 30 + view.getUint16(local + 26, true) + view.getUint16(local + 28, true);
-    found.set(name, { method: view.getUint16(at + 10, true), start, size: view.getUint32(at + 20, true) });
+    found.set(name, { method: view.getUint16(at + 10, true), start, size: view.getUint32(at + 20, true), whole: view.getUint32(at + 24, true) });
     at += 46 + nameLength + view.getUint16(at + 30, true) + view.getUint16(at + 32, true);
   }
   return found;
@@ -38,7 +39,11 @@ export async function readArrays(content, wanted) {
   return new Map(read);
 }
 
-async function unpack(content, { method, start, size }) {
+/** Arrays up to this are unpacked at once [bytes]: a stream for each of some hundred takes longer than the work. */
+const SMALL = 4096;
+
+async function unpack(content, { method, start, size, whole }) {
+  if (method !== 0 && whole <= SMALL) return inflate(new Uint8Array(content, start, size), whole).buffer;
   const part = content.slice(start, start + size);
   if (method === 0) return part;
   const stream = new Blob([part]).stream().pipeThrough(new DecompressionStream('deflate-raw'));

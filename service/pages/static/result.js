@@ -277,6 +277,7 @@ async function start() {
     await Promise.all(boxes.filter((box) => box.checked).map((box) => loadMesh(box.dataset.mesh)));
     viewer.frame();
   }
+  const others = isSolid ? Promise.all(names.filter((name) => name !== 'scan').map(loadMesh)) : null;
   if (flat) {
     garment = await flat;
     pattern = new PatternView(find('#flat'), garment);
@@ -284,7 +285,7 @@ async function start() {
     startMeasuring();
   }
   if (isSolid) {
-    await Promise.all(names.filter((name) => name !== 'scan').map(loadMesh));
+    await others;
     drawBar();
     trimStyles();
     startTools();
