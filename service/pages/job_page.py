@@ -10,6 +10,7 @@ from ..api.access import RoomsOf, find_own
 from ..records import JobReport
 from ..results import list_files, report_jobs
 from ..states import UNSUCCESSFUL, State
+from ..submission import PERSON_KIND
 from .markup import Html, html, join
 from .page_route import make_router
 from .session import VisitorOf
@@ -17,6 +18,9 @@ from .shell import Visitor, draw_shell
 from .words import draw_gates, draw_state, draw_time, draw_verdict, is_ended, tell_understood
 
 router = make_router()
+
+MATCHABLE = ("recover", "dress", "refit", "edit")
+"""Kinds of jobs whose pattern can be compared with another one."""
 
 
 @router.get("/jobs/{job}")
@@ -49,6 +53,10 @@ def _draw_progress(job: JobReport, visitor: Visitor, has_files: bool) -> Html:
         buttons.append(html('<button type="button" id="retry" class="primary">Try again</button>'))
     if has_files:
         buttons.append(html('<a class="button primary" href="/results/{}">Result</a>', job.id))
+    if has_files and job.kind == PERSON_KIND:
+        buttons.append(html('<a class="button" href="/results/{}/labels">Labels</a>', job.id))
+    if has_files and job.kind in MATCHABLE:
+        buttons.append(html('<a class="button" href="/match?a={}">Compare</a>', job.id))
     error = Html()
     if job.error:
         error = html('<p class="error" role="alert">{} <code>{}</code></p>', job.error.message, job.error.code)

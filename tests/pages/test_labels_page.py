@@ -214,3 +214,9 @@ def test_a_garments_job_has_no_labels(page, context, site):
     page.goto(f"/results/{site.result}/labels")
     assert "job 'recover'" in page.locator("main").inner_text()
     context.faults.clear()  # the browser itself reports the answer 422
+
+
+def test_the_jobs_page_leads_there(page, person):
+    """Broken where nobody finds the labels of a person."""
+    page.goto(f"/jobs/{person}")
+    assert page.get_by_role("link", name="Labels").get_attribute("href") == f"/results/{person}/labels"
