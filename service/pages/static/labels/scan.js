@@ -118,7 +118,9 @@ function linksOf({ positions, count }, cubes) {
   const reach = 2.5 * nearest.sort((a, b) => a - b)[Math.floor(nearest.length / 2)], pairs = [];
   for (let n = 0; n < count; n += 1) {
     const at = positions.subarray(3 * n, 3 * n + 3);
-    const near = cubes.find(at, reach).filter((m) => m !== n).sort((a, b) => distance(positions, a, at) - distance(positions, b, at));
+    let radius = reach, found = cubes.find(at, radius);
+    while (found.length <= NEIGHBOURS && radius < cubes.side) found = cubes.find(at, radius *= 2); // where points are sparse
+    const near = found.filter((m) => m !== n).sort((a, b) => distance(positions, a, at) - distance(positions, b, at));
     for (const m of near.slice(0, NEIGHBOURS)) pairs.push(n, m);
   }
   return pairs;
