@@ -85,7 +85,7 @@ def hang(name: str, gender: str, poses: tuple[str, ...]) -> None:
         "tshirt+collar=stand",
         "long_sleeve_tshirt+sleeve_head=set-in,yoke=back,cuff=band",
         "dress+neckline=v,skirt=half-circle,waist=seam",
-        "dress+shaping=princess",
+        "sleeved_dress+sleeve_head=set-in,shaping=princess",
         "dress+shaping=princess,skirt=gored,waist=seam",
         "sleeved_dress+shaping=darts,skirt=straight,waist=seam",
         "pencil_skirt+shaping=darts",

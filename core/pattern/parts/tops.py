@@ -31,6 +31,9 @@ from .sleeves import SLEEVES, SleeveEnd, half_sleeves, raglan_sleeves, set_in_ca
 
 FACES = ("front", "back")
 
+PLACED_INWARD = 0.09
+"""How far the side panels of princess seams are placed towards the middle [m]; welding the seams moves them back."""
+
 RAGLAN_SHARE = (0.35, 0.5)
 """Share of half a neckline, in front and behind, that a raglan sleeve takes: its seam then runs to the underarm at a
 slant, from the hollow of the collarbone in front and from beside the nape behind."""
@@ -191,13 +194,18 @@ def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
             outlines = [(name, unfold_closed(Outline((0.0, side[0].end[1]), (*waist, *side[1:], *upper))))]
         else:
             outlines = [(name, unfold(Outline(side[0].end, (*side[1:], *upper)), "hem"))]
-        panels += [place_panel(part, outline, m.nape_height) for part, outline in outlines]
+        panels += [place_panel(part, outline, m.nape_height, across=_inward(part)) for part, outline in outlines]
     if cut.collar is Collar.STAND:
         panels += collar_stand(shoulder.neck, shoulder.necklines, m.nape_height)
     sleeves = shoulder.sleeves(cut, m.nape_height)
     if not sleeves:
         return panels
     return sorted([*panels, *sleeves], key=lambda panel: (panel.name not in FACES, panel.name))
+
+
+def _inward(part: str) -> float:
+    """Return how far a side panel is placed towards the middle [m]: beyond a shoulder only sleeves are looked for."""
+    return 0.0 if "_side_" not in part else -PLACED_INWARD if part.endswith("left") else PLACED_INWARD
 
 
 def _check_shaping(cut: Cut) -> None:
