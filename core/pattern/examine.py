@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
@@ -169,7 +168,7 @@ def _as_filed(finding: Finding, pattern: Pattern, numbers: dict[str, Numbering])
 def _describe_panel(panel: Panel, numbers: Numbering) -> dict[str, Any]:
     lengths = [0.0] * len(panel.edges)
     for index, number in enumerate(numbers.edges):
-        lengths[number] = _finite(MM * edge_length(panel, index))
+        lengths[number] = MM * edge_length(panel, index)
     return {"panel": panel.name, "area_cm2": CM2 * panel_area(panel), "edges_mm": lengths}
 
 
@@ -199,7 +198,3 @@ def _describe_mirrors(pattern: Pattern, numbers: dict[str, Numbering]) -> list[d
         matrix = sides[1] @ mirror.rotation @ sides[0]
         found.append({"source": source.name, "target": target.name, "vertices": pairs, "matrix": matrix.tolist()})
     return found
-
-
-def _finite(value: float) -> float:
-    return value if math.isfinite(value) else 0.0

@@ -23,6 +23,10 @@ SAME_PLACE = 0.01
 """Mean distance [m] between the control points of a panel and another one, both placed, up to which it is cut out of
 that: what is cut keeps its axes and its place."""
 
+FURTHEST = 20.0
+"""Largest barycentric weight of a point beyond the present cloth: so many triangles away, 40 cm where they are of 2 cm,
+nothing can be said of where it hangs."""
+
 
 def lay_over(garment: Garment, pattern: Pattern) -> Garment | None:
     """Return an edited pattern's mesh with its nodes where the present garment has the same cloth.
@@ -37,7 +41,7 @@ def lay_over(garment: Garment, pattern: Pattern) -> Garment | None:
         pattern: The edited pattern.
 
     Returns:
-        The mesh; None where a panel comes from nowhere, so that there is no place for it.
+        The mesh; None where a panel or a part of one comes from nowhere, so that there is no place for it.
 
     Raises:
         MeshTooCoarse: where the pattern cannot be meshed.
@@ -58,6 +62,8 @@ def lay_over(garment: Garment, pattern: Pattern) -> Garment | None:
         own = np.flatnonzero(mesh.panel_of_uv == index)
         flat, faces = _lay_flat(garment, _join_gone(garment.pattern, base, gone))
         corner, weight = locate(flat, faces, mesh.uv[own], is_within=False)
+        if np.abs(weight).max() > FURTHEST:
+            return None
         found[own] = np.einsum("nk,nkd->nd", weight, garment.nodes[garment.uv_node[corner]])
     count = len(mesh.nodes)
     shares = np.bincount(mesh.uv_node, minlength=count)

@@ -40,7 +40,7 @@ def add_recovered(session: Session, request: dict[str, Any], row: JobRow) -> dic
     """
     if "recovered" in request:
         raise RequestBad("the recovered pattern is that of the result; leave it out.")
-    if row.kind == "edit":
+    if "recovered" in row.request:
         return request | {"recovered": row.request["recovered"]}
     named = (ArtifactRow.job == row.id) & (ArtifactRow.kind == "result") & (ArtifactRow.name == FILE)
     key = session.scalars(select(ArtifactRow.sha256).where(named)).one_or_none()

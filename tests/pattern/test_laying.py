@@ -35,8 +35,8 @@ def test_moved_points_keep_mesh_and_nodes(worn):
     laid = lay_over(worn, wider)
     assert np.array_equal(laid.nodes, worn.nodes) and np.array_equal(laid.faces, worn.faces)
     assert laid.pattern is wider and 1e-3 < np.abs(laid.uv - worn.uv).max() < 0.011
-    far = lay_over(worn, worn.pattern.with_points({"front": worn.pattern.panel("front").points * [1.0, 3.0]}))
-    assert len(far.nodes) == pytest.approx(len(worn.nodes), rel=0.06) and not np.array_equal(far.uv, laid.uv)
+    far = worn.pattern.with_points({"front": worn.pattern.panel("front").points * [1.0, 3.0]})
+    assert lay_over(worn, far) is None, "a metre beyond the cloth nobody knows where it would hang"
 
 
 @pytest.mark.parametrize("edit", ["split", "cut", "cut_and_joined"])
@@ -68,3 +68,6 @@ def test_a_panel_from_nowhere_has_no_place(worn):
     """Broken where a panel that nothing is known of is laid on cloth that it never was."""
     panel = replace(worn.pattern.panels[0], name="hood", translation=np.array([0.0, 3.0, 0.0]))
     assert lay_over(worn, replace(worn.pattern, panels=(*worn.pattern.panels, panel))) is None
+    divided = split_edges(worn.pattern, "front", 0, 0.4)
+    away = divided.with_points({"front": divided.panel("front").points + 5.0})
+    assert lay_over(worn, away) is None

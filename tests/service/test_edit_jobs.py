@@ -149,6 +149,17 @@ def test_what_cannot_be_sewn_is_refused_with_its_place(result, settings, worn, t
     assert all(place["edge"] is not None for place in finding["places"])
 
 
+def test_edit_by_command(cli, result, worn, tmp_path):
+    """Broken where the command queues nothing, or ends well or without a place where the pattern cannot be sewn."""
+    start = write_pattern(worn.pattern)
+    longer = write(lengthen(start, ("front", "back"), 2.0), tmp_path / "longer.json")
+    done = cli("edit", result, "--pattern", str(longer), "--json")
+    assert done.returncode == 0 and json.loads(done.stdout)["is_new"]
+    broken = write(lengthen(start, ("front",), 5.0), tmp_path / "broken.json")
+    refused = cli("edit", result, "--pattern", str(broken))
+    assert refused.returncode == 4 and "pattern.unsound" in refused.stderr and "seam 0" in refused.stderr
+
+
 def test_what_is_no_pattern_is_refused(backend, result, tmp_path):
     """Broken where bytes that are no pattern are queued, or the recovered pattern can be given by whoever asks."""
     (tmp_path / "bad.json").write_text("{")
