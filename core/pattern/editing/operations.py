@@ -127,8 +127,8 @@ def _kept(given: Given) -> tuple[bool, bool]:
 
 def _straighten(pattern: Pattern, given: Given) -> Pattern:
     panel = get_text(given["panel"], "panel")
-    ends = (get_index(given[name], MOST_EDGES, name) for name in ("from", "to"))
-    return straighten_edges(pattern, panel, *ends, *_kept(given))
+    first, last = (get_index(given[name], MOST_EDGES, name) for name in ("from", "to"))
+    return straighten_edges(pattern, panel, first, last, *_kept(given))
 
 
 def _smooth(pattern: Pattern, given: Given) -> Pattern:
