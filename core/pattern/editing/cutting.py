@@ -65,7 +65,8 @@ def _find_crossings(panel: Panel, line: np.ndarray) -> tuple[list[tuple[int, flo
     def is_between(point: np.ndarray) -> bool:
         return -1e-6 <= float((point - line[0]) @ along) / size <= size + 1e-6
 
-    cuts, corners = [], set()
+    cuts: list[tuple[int, float]] = []
+    corners: set[int] = set()
     for number in range(len(panel.edges)):
         fractions = np.linspace(0.0, 1.0, SAMPLES + 1)
         values = side(edge_points(panel, number, SAMPLES))
