@@ -139,7 +139,7 @@ AnyJobIn = Annotated[Annotated[JobIn, Choice("scan")] | Annotated[DerivedIn, Cho
 """What a job is asked for with: a kind says that it works on a stored result."""
 
 
-SQUARE = {
+SQUARE: dict[str, JsonValue] = {
     "pattern": {
         "panels": {
             "square": {

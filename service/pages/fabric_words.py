@@ -26,7 +26,8 @@ def draw_fabric(name: str | None, fit: Any) -> Html:
         name: The fabric that the result was recovered with.
         fit: What `fit.json` holds; None where the method fits no fabric.
     """
-    known, unknown = [], []
+    known: list[Html] = []
+    unknown: list[Html] = []
     fabric = fit.get("fabric", {}) if isinstance(fit, dict) else {}
     for parameter, told in fabric.items() if isinstance(fabric, dict) else ():
         (known if told.get("identifiable") else unknown).append(_tell(str(parameter), told))

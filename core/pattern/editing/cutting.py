@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -84,7 +85,7 @@ def _find_crossings(panel: Panel, line: np.ndarray) -> tuple[list[tuple[int, flo
     return cuts, sorted(corners)
 
 
-def _refine(panel: Panel, edge: int, side, low: float, high: float) -> float:  # type: ignore[no-untyped-def]
+def _refine(panel: Panel, edge: int, side: Callable[[np.ndarray], np.ndarray], low: float, high: float) -> float:
     """Return the fraction of an edge's length at which it crosses, between two others."""
     below = float(side(_point_at(panel, edge, low)))
     for _ in range(HALVINGS):
