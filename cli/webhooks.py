@@ -33,7 +33,7 @@ def command() -> None:
 @home_option
 @json_option
 def create_command(url: str, states: tuple[str, ...], home: Path | None, as_json: bool) -> None:
-    """Tell an address of jobs that end from now on, and print its secret.
+    """Send an address a message about jobs that end from now on, and print its secret.
 
     The secret signs the messages; it is shown only now. Over HTTP it is told of the key's own jobs, on a home of all.
 

@@ -27,7 +27,7 @@ class PatternUnsound(BadInput):
 
 
 def examine_pattern(path: Path) -> dict[str, Any]:
-    """Examine a pattern file in a limited process: what is wrong with it, its lengths and its symmetry.
+    """Check a pattern file in a limited process: what is wrong with it, its lengths and its symmetry.
 
     Returns:
         JSON values as `core.pattern.examine_file` gives them.

@@ -58,7 +58,7 @@ class Pace:
 
 
 class Pacer:
-    """Tell how far a running job is in all, from how far it is in a stage; never less than before."""
+    """Return how far a running job is in all, from how far it is in a stage; never less than before."""
 
     def __init__(self, pace: Pace) -> None:
         """Begin now."""

@@ -1,4 +1,4 @@
-"""Examine a pattern's document: everything that keeps it from being cut, sewn and meshed, each with its place."""
+"""Check a pattern's document: everything that keeps it from being cut, sewn and meshed, each with its place."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def _examine_seams(pattern: Pattern) -> list[Finding]:
 
 
 def examine_file(source: str, vertex_count: int = VERTICES) -> dict[str, Any]:
-    """Examine a pattern file in a limited process, and return what was found and measured, as JSON values.
+    """Check a pattern file in a limited process, and return what was found and measured, as JSON values.
 
     Args:
         source: Path of the file.
@@ -126,7 +126,7 @@ def examine_file(source: str, vertex_count: int = VERTICES) -> dict[str, Any]:
 
 
 def examine_pattern(document: dict[str, Any], vertex_count: int = VERTICES) -> dict[str, Any]:
-    """Examine a pattern's document as `examine_file` does.
+    """Check a pattern's document as `examine_file` does.
 
     Args:
         document: The parsed document.

@@ -27,7 +27,7 @@ DIGITS = 13
 
 
 def write_pattern(pattern: Pattern) -> dict[str, Any]:
-    """Give a pattern as a GarmentCode object, ready for `json.dump`; what was unknown on import is kept.
+    """Return a pattern as a GarmentCode object, ready for `json.dump`; what was unknown on import is kept.
 
     What is read from it and written again is the same, digit for digit.
     """

@@ -9,7 +9,7 @@ from .errors import Place
 
 @dataclass(frozen=True)
 class Numbering:
-    """Tell how a file numbers a panel.
+    """Return how a file numbers a panel.
 
     Attributes:
         edges: The file's number of each edge of ours.

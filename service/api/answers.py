@@ -184,7 +184,7 @@ class Webhooks(_Answer):
 
 
 class Pair(_Answer):
-    """Say how two panels differ: how they were paired, turning distance [rad], area of the first over the second's.
+    """Return how two panels differ: how they were paired, turning distance [rad], area of the first over the second's.
 
     The best fit turns the first over (x becomes -x) where `turned_over`, then by `angle`, and moves it by `shift`.
     """
@@ -246,7 +246,7 @@ class MirrorImage(_Answer):
 
 
 class PatternCheck(_Answer):
-    """Say what is wrong with a pattern, and measure it."""
+    """Find what is wrong with a pattern, and measure it."""
 
     is_sound: bool
     findings: list[Finding]

@@ -44,7 +44,7 @@ EXAMPLE = {
     responses=show_answer(EXAMPLE, model=PatternCheck, refusals=(408,)),
 )  # fmt: skip
 def check(document: DocumentIn, caller: Reader) -> Any:
-    """Examine a GarmentCode or NeuralTailor document: outlines, seams, mesh; nothing is kept.
+    """Check a GarmentCode or NeuralTailor document: outlines, seams, mesh; nothing is kept.
 
     `is_sound` is false where a finding of severity `error` keeps the pattern from being draped. Edges, control points
     and seams have the document's numbers, points its unit.

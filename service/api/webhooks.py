@@ -32,7 +32,7 @@ WebhookId = Annotated[str, Path(pattern="^[0-9A-Za-z]{1,16}$")]
     responses=show_answer(EXAMPLE | {"secret": "whsec_..."}, 201, NewWebhook),
 )  # fmt: skip
 def create(wanted: WebhookIn, rooms: RoomsOf, caller: Submitter) -> Any:
-    """Tell an address of the caller's own jobs that end from now on.
+    """Send an address a message about the caller's own jobs that end from now on.
 
     The secret that signs the messages is in this answer and never again. The address is https and a public one, unless
     the operator allows others; docs/api.md describes the messages.

@@ -42,7 +42,7 @@ def draw_fabric(name: str | None, fit: Any) -> Html:
 
 
 def _tell(parameter: str, told: dict[str, Any]) -> Html:
-    """Say one number: within which factor it is known, or that it is not."""
+    """Return one number in words: within which factor it is known, or that it is not."""
     name, note = NAMES.get(parameter, parameter), str(told.get("note") or "")
     if not told.get("identifiable"):
         return html("{}{}", name, f": {note}" if note else "")
