@@ -85,9 +85,9 @@ def find_chromium() -> str | None:
     return shutil.which(chosen) if chosen else None
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def chromium():
-    """Start the browser once."""
+    """Start the browser for a module: while it runs an event loop does too, which other tests must not have."""
     path = find_chromium()
     if path is None:
         pytest.skip("no chromium found: `apt-get install chromium`, or set GARMENTQ_CHROMIUM to its path")
@@ -211,7 +211,7 @@ def open_context(chromium, site, faults: list[str]) -> Iterator:
     assert faults == []
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def open_window(chromium, site) -> Callable:
     """Give `open_context` for fixtures whose window several tests share."""
     return lambda: open_context(chromium, site, [])

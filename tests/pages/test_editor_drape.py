@@ -10,7 +10,9 @@ import pytest
 import trimesh
 from garmentq.core.pattern import load_draped_template, read_pattern
 from garmentq.core.simulate import Drape, Outcome
+from garmentq.service.jobs import find_job
 from garmentq.service.keys import admit, create_key
+from garmentq.service.models import JobRow
 from garmentq.service.query import JobQuery, find_jobs
 from garmentq.service.submission import Order, submit
 from garmentq.workers.recovery import run_job
@@ -45,7 +47,11 @@ def drape(page, site) -> str:
     page.click("#drape")
     page.locator("#draping progress").wait_for()
     (job,) = find_jobs(site.services.database, JobQuery({"state": "queued", "kind": "edit"}).conditions)
+    with site.services.database.write() as session:  # before what other tests have queued here
+        session.get(JobRow, job.id).priority = 1000
     run_job(site.settings, site.services.database, job.id, lambda: False)
+    ended = find_job(site.services.database, job.id)
+    assert ended.state == "succeeded", ended.error_message
     page.locator(f"#draped[data-job='{job.id}']").wait_for()
     return job.id
 
