@@ -136,7 +136,7 @@ RULES = (
     ),
     Rule(
         "plausible", _read("pattern.beyond_human"), 1.0, 1.5,
-        "A length or an opening of the pattern is {value:.1f} times beyond what humans wear",
+        "The most unusual length or opening of the pattern is {value:.1f} of the limit of what humans wear",
         "check the units with --units, and that the scan is a garment in the size of its body.",
         "The ranges hold babies and the largest sizes sold; half as much again is a doll, or a wrong unit.",
         Product.PATTERN,

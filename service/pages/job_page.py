@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from fastapi import Response
 
 from ..api.access import RoomsOf, find_own
 from ..records import JobReport
 from ..results import list_files, report_jobs
-from ..states import UNSUCCESSFUL, State
+from ..states import UNSUCCESSFUL
 from ..submission import PERSON_KIND
 from .markup import Html, html, join
 from .page_route import make_router
 from .session import VisitorOf
 from .shell import Visitor, draw_shell
-from .words import draw_gates, draw_state, draw_time, draw_verdict, is_ended, tell_understood
+from .words import draw_family, draw_gates, draw_state, draw_time, draw_verdict, is_ended, tell_understood
 
 router = make_router()
 
@@ -34,7 +32,7 @@ def show_job(job: str, rooms: RoomsOf, visitor: VisitorOf) -> Response:
             html("<h1>{}</h1>", report.name),
             _draw_progress(report, visitor, has_files),
             _draw_understood(report),
-            _draw_children(report),
+            draw_family(report),
             _draw_checks(report),
             html('<details class="card"{}><summary>Events</summary><ol id="events"></ol></details>',
                  Html("" if is_ended(report) else " open")),
@@ -77,20 +75,6 @@ def _draw_understood(job: JobReport) -> Html:
     rows = join(html("<tr><th scope=row>{}</th><td>{}</td></tr>", name, text) for name, text in told)
     return html('<section class="card" id="understood"><h2>What was understood of the files</h2><div class="wide">'
                 "<table>{}</table></div></section>", rows)  # fmt: skip
-
-
-def _draw_children(job: JobReport) -> Html:
-    links: Sequence[Html] = [
-        html('<li><a href="{}">{}</a> <span class="soft">{}</span> <span data-child="{}">{}</span></li>',
-             f"/{'results' if child.state == State.SUCCEEDED else 'jobs'}/{child.job}", child.name, child.kind,
-             child.job, child.state)
-        for child in job.children
-    ]  # fmt: skip
-    own = [html('<li>made by <a href="/jobs/{}">its person</a></li>', job.parent)] if job.parent else []
-    read = [html('<li>reads <a href="/results/{}">{}</a></li>', one, name) for name, one in job.inputs.items()]
-    if not (links or own or read):
-        return Html()
-    return html('<section class="card"><h2>Family</h2><ul>{}</ul></section>', join([*own, *read, *links]))
 
 
 def _draw_checks(job: JobReport) -> Html:

@@ -19,7 +19,7 @@ from .page_route import make_router
 from .session import VisitorOf
 from .shell import Visitor, draw_shell
 from .stored_files import REPORT, list_pictures, read_json
-from .words import draw_gates, draw_verdict
+from .words import draw_family, draw_gates, draw_verdict
 
 router = make_router()
 
@@ -61,6 +61,7 @@ def show_result(job: str, rooms: RoomsOf, visitor: VisitorOf) -> Response:
         [
             _draw_head(report, names, visitor),
             _draw_views(rooms, report, names),
+            draw_family(report),
             _draw_known(rooms, report),
             _draw_files(rooms, report, files, visitor),
         ]
@@ -100,7 +101,7 @@ def _draw_views(rooms: Rooms, job: JobReport, names: set[str]) -> Html:
         VIEWS, job=job.id, files=" ".join(sorted(names & WANTED)), boxes=boxes, styles=styles, pictures=pictures,
         flat=Html() if "worn.npz" in names else Html(" hidden"),
         player=Html() if "garment.pc2" in names else Html(" hidden"),
-        solid=Html() if there else Html(" hidden"),
+        solid=Html() if there else Html(" hidden"), hidden=Html(" hidden" if cloth else ""),
     )  # fmt: skip
 
 
@@ -111,6 +112,8 @@ WANTED = {f"{name}.ply" for name in MESHES} | {"worn.npz", "garment.pc2", "body.
 def _draw_known(rooms: Rooms, job: JobReport) -> Html:
     warnings = join(html('<p class="doubt">{}</p>', text) for text in job.warnings)
     checks = html("<h2>Checks</h2>{}{}", warnings, draw_gates(job.gates))
+    if not job.garment:
+        return html('<section class="card">{}</section>', checks) if job.warnings or job.gates else Html()
     fabric = draw_fabric(job.fabric, read_json(rooms, job.id, "fit.json"))
     both = '<div class="pair"><section class="card">{}</section><section class="card">{}</section></div>'
     return html(both, fabric, checks)
@@ -171,7 +174,7 @@ VIEWS = """<div id="result" data-job="{job}" data-files="{files}">
 <span class="soft" id="pointed" role="status">Point at a panel, or an edge.</span></div><div id="flat"></div>
 <div id="measured" role="status"></div></section></div>
 <div id="problem"></div>
-<section class="card" id="pictures" hidden><h2>Pictures</h2><div class="pictures">{pictures}</div></section></div>"""
+<section class="card" id="pictures"{hidden}><h2>Pictures</h2><div class="pictures">{pictures}</div></section></div>"""
 
 FILES = """<section class="card">{exports}<details><summary>Files</summary><div class="wide"><table><thead><tr>
 <th scope="col">File</th><th scope="col" class="number">Bytes</th></tr></thead><tbody>{rows}</tbody></table></div>

@@ -46,6 +46,21 @@ def draw_gates(gates: Sequence[Gate]) -> Html:
     return html('<div class="wide" tabindex="0" role="region" aria-label="Checks"><table>{}</table></div>', rows)
 
 
+def draw_family(job: JobReport) -> Html:
+    """Return links to the jobs that a job was made by, reads and made; nothing where it stands alone."""
+    links: Sequence[Html] = [
+        html('<li><a href="{}">{}</a> <span class="soft">{}</span> <span data-child="{}">{}</span></li>',
+             f"/{'results' if child.state == State.SUCCEEDED else 'jobs'}/{child.job}", child.name, child.kind,
+             child.job, child.state)
+        for child in job.children
+    ]  # fmt: skip
+    own = [html('<li>made by <a href="/jobs/{}">its person</a></li>', job.parent)] if job.parent else []
+    read = [html('<li>reads <a href="/results/{}">{}</a></li>', one, name) for name, one in job.inputs.items()]
+    if not (links or own or read):
+        return Html()
+    return html('<section class="card"><h2>Family</h2><ul>{}</ul></section>', join([*own, *read, *links]))
+
+
 def is_ended(job: JobReport) -> bool:
     """Return whether a job has ended."""
     return job.state in ENDED

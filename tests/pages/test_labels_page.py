@@ -220,3 +220,11 @@ def test_the_jobs_page_leads_there(page, person):
     """Broken where nobody finds the labels of a person."""
     page.goto(f"/jobs/{person}")
     assert page.get_by_role("link", name="Labels").get_attribute("href") == f"/results/{person}/labels"
+
+
+def test_a_persons_result_shows_its_scan(page, person):
+    """Broken where a person's page tells of a fabric that was not asked for, or hides the pictures of the scan."""
+    page.goto(f"/results/{person}")
+    assert page.locator("#pictures").get_attribute("hidden") is None
+    assert "Fabric" not in page.locator("h2").all_inner_texts()
+    assert page.locator("a", has_text="Labels").get_attribute("href") == f"/results/{person}/labels"
