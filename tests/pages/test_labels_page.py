@@ -227,4 +227,4 @@ def test_a_persons_result_shows_its_scan(page, person):
     page.goto(f"/results/{person}")
     assert page.locator("#pictures").get_attribute("hidden") is None
     assert "Fabric" not in page.locator("h2").all_inner_texts()
-    assert page.locator("a", has_text="Labels").get_attribute("href") == f"/results/{person}/labels"
+    assert page.locator("a.button", has_text="Labels").get_attribute("href") == f"/results/{person}/labels"
