@@ -9,24 +9,19 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.pattern import load_draped_template, read_pattern
-from garmentq.core.simulate import Drape, Outcome
 from garmentq.service.jobs import find_job
 from garmentq.service.keys import admit, create_key
 from garmentq.service.models import JobRow
 from garmentq.service.query import JobQuery, find_jobs
 from garmentq.service.submission import Order, submit
 from garmentq.workers.recovery import run_job
+from quick_edit import drape_at_once
 
 
 @pytest.fixture
 def quick(monkeypatch):
-    """Let draping take no time: the garment stays where it is."""
-
-    def drape(garment, wearer, fabric, target, **_):
-        return garment, Drape(garment.nodes, 0.1, 3, 1.0, Outcome.CONVERGED, garment.nodes)
-
-    monkeypatch.setattr("garmentq.core.edit.redraping.drape_graded", drape)
-    monkeypatch.setattr("garmentq.core.edit.redraping.part_layers", lambda garment, *given: (garment.nodes, given[3]))
+    """Let draping take no time."""
+    drape_at_once(monkeypatch)
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from garmentq.core.body import builtin_body
 from garmentq.core.errors import GarmentqError
 from garmentq.core.export.result import write_json
 from garmentq.core.pattern import load_draped_template, load_pattern, read_pattern, write_pattern
-from garmentq.core.simulate import Drape, Outcome, get_fabric
+from garmentq.core.simulate import get_fabric
 from garmentq.core.wear import Worn, load_worn, save_worn
 from garmentq.service.derived import DerivedOrder
 from garmentq.service.keys import create_key
@@ -29,6 +29,7 @@ sys.path.insert(0, str(ROOT / "tests" / "api"))
 
 from api_client import serving  # noqa: E402
 from api_work import finish  # noqa: E402
+from quick_edit import drape_at_once  # noqa: E402
 
 
 @pytest.fixture(scope="session")
@@ -59,13 +60,8 @@ def result(queue_job, settings, database, store, tmp_path, worn) -> str:
 
 @pytest.fixture
 def quick(monkeypatch):
-    """Let draping take no time: the garment stays where it is."""
-
-    def drape(garment, wearer, fabric, target, **_):
-        return garment, Drape(garment.nodes, 0.1, 3, 1.0, Outcome.CONVERGED, garment.nodes)
-
-    monkeypatch.setattr("garmentq.core.edit.redraping.drape_graded", drape)
-    monkeypatch.setattr("garmentq.core.edit.redraping.part_layers", lambda garment, *given: (garment.nodes, given[3]))
+    """Let draping take no time."""
+    drape_at_once(monkeypatch)
 
 
 @pytest.fixture(params=["local", "remote"])

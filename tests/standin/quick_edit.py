@@ -1,0 +1,16 @@
+"""A drape of an edited pattern that takes no time."""
+
+from __future__ import annotations
+
+import pytest
+from garmentq.core.simulate import Drape, Outcome
+
+
+def drape_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let draping take no time: the garment stays where it is."""
+
+    def drape(garment, wearer, fabric, target, **_):
+        return garment, Drape(garment.nodes, 0.1, 3, 1.0, Outcome.CONVERGED, garment.nodes)
+
+    monkeypatch.setattr("garmentq.core.edit.redraping.drape_graded", drape)
+    monkeypatch.setattr("garmentq.core.edit.redraping.part_layers", lambda garment, *given: (garment.nodes, given[3]))
