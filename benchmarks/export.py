@@ -19,26 +19,21 @@ from resource import RUSAGE_CHILDREN, getrusage
 
 import numpy as np
 import trimesh
-from garmentq.core.body import builtin_body
 from garmentq.core.errors import GarmentqError
 from garmentq.core.export.meshes import write_ply
 from garmentq.core.formats import DIALECTS, FORMATS, ExportOptions, Production, write_production
-from garmentq.core.pattern import list_templates, load_draped_template
+from garmentq.core.pattern import list_templates
 from garmentq.core.simulate import get_fabric
-from garmentq.core.wear import WORN, Worn, load_worn, save_worn
-
-BODY = "builtin:female,height=1.70"
+from garmentq.core.wear import WORN, load_worn, save_worn, wear_template
 
 
 def make_result(name: str, folder: Path) -> Path:
     """Write a shipped drape as a recovery writes it, and return its scan: the drape with colours by height."""
-    garment = load_draped_template(name)
-    if garment is None:
+    worn = wear_template(name, get_fabric("single_jersey"))
+    if worn is None:
         raise SystemExit("no drape is shipped for this machine's triangulation")
-    waist = garment.contour("waist")
-    curve = None if waist is None else garment.nodes[waist.vertices]
-    category = garment.pattern.category or name
-    save_worn(Worn(garment, get_fabric("single_jersey"), builtin_body(BODY), curve, None, name, category), folder)
+    save_worn(worn, folder)
+    garment = worn.garment
     for mesh in ("graded", "detail", "simulation", "redrape"):
         write_ply(garment.nodes, garment.faces, folder / f"{mesh}.ply")
     told = {"scan": {"name": name, "units": "m", "up": "y"}}

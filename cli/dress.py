@@ -62,22 +62,25 @@ def split_wearer(wearer: WearerOptions) -> tuple[dict[str, Any], dict[str, Path]
 @click.command("dress")
 @click.argument("job")
 @wearer_options
+@click.option("--over", default="", metavar="JOB", help="Wear it over this job's garment; both drape together.")
 @derived_options
 @click.pass_context
-def command(context: click.Context, job: str, wearer: WearerOptions, options: DerivedOptions) -> None:
+def command(context: click.Context, job: str, wearer: WearerOptions, over: str, options: DerivedOptions) -> None:
     """Dress another body in a stored result.
 
     The pattern stays as it is, and is draped on the other body in its own cloth or another one. Prints the id of the
-    job; with --wait the result: whether the garment is at rest, outside the body, and wide enough.
+    job; with --wait the result: whether the garment is at rest, outside the body, and wide enough. With --over it is
+    worn over another result's garment, a shirt over trousers: both drape together, and nothing passes through.
 
     \b
     Example:
       garmentq dress 3685ecfd4f81 --body builtin:male,height=1.85,weight=85 --pose A --wait
       garmentq dress 3685ecfd4f81 --body body.ply --fabric denim --out dressed
       garmentq dress 3685ecfd4f81 --measures anna.csv --pose stride --wait --json
+      garmentq dress 3685ecfd4f81 --over 9be1f0aa2c47 --wait
     """
     from ..service.derived import DerivedOrder
     from .derived import run_derived
 
     given, files = split_wearer(wearer)
-    context.exit(run_derived(DerivedOrder("dress", job, given, files), options))
+    context.exit(run_derived(DerivedOrder("dress", job, given, files, over=over), options))

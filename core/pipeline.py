@@ -14,9 +14,17 @@ from .body import Body, builtin_body, is_builtin, register_body
 from .case import Case, GradedDrape
 from .checkpoints import load, save
 from .clock import Clock
-from .drape import WearerGeometry, describe_motion, drape_as_scanned, drape_template, redrape
+from .drape import (
+    DrapeSettings,
+    WearerGeometry,
+    describe_motion,
+    drape_as_scanned,
+    drape_template,
+    hangs_in_sleeves,
+    redrape,
+)
 from .fit import METHODS, Fit, find_held
-from .grade import Choice, choose_cut, complete_target, grade_pattern, slide_seams
+from .grade import Candidate, Choice, choose_cut, complete_target, grade_pattern, slide_seams
 from .hooks import SILENT, Hooks
 from .inputs import read_body, read_files, read_template
 from .measure import (
@@ -35,7 +43,7 @@ from .pattern.parts import PartsConflict
 from .pieces import measure_pieces
 from .recovery import Recovery, Request
 from .scan import Pieces
-from .segment import CATEGORIES, Target, mark_hidden_border, name_contours, segment_garment
+from .segment import CATEGORIES, Target, find_remarks, mark_hidden_border, name_contours, segment_garment
 from .settings import SettingsBad
 from .simulate import Drape, get_fabric
 
@@ -60,6 +68,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     """
     clock = Clock(hooks)
     case = complete_case(make_case(request, clock), clock)
+    remarks = find_remarks(case.scan.vertices, case.body)
     drape = drape_to_scan(case, clock)
     fit = METHODS[request.settings.method].fit(case, drape, clock)
     if fit.wearer is not None:
@@ -80,7 +89,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         meshes=fit.meshes,
         metrics=metrics,
         gates=judge(metrics),
-        warnings=tuple(dict.fromkeys((*case.scan.repairs, *drape.warnings, *fit.warnings))),
+        warnings=tuple(dict.fromkeys((*remarks, *case.scan.repairs, *drape.warnings, *fit.warnings))),
         stage_seconds=clock.seconds,
         cpu_seconds=clock.total,
         peak_mb=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
@@ -155,8 +164,9 @@ def drape_to_scan(case: Case, clock: Clock) -> GradedDrape:
     with clock.stage("grade", "grading the pattern to the scan") as hooks:
         graded, notes = grade(case, worn, hooks)
     with clock.stage("drape", "draping the graded pattern") as hooks:
+        settings = DrapeSettings(apart=hangs_in_sleeves(case.target, case.body))
         garment, drape = drape_as_scanned(
-            graded, case.wearer, case.fabric, case.target, vertex_count=count, hooks=hooks
+            graded, case.wearer, case.fabric, case.target, vertex_count=count, settings=settings, hooks=hooks
         )
     motion = () if drape.rotation is None else (describe_motion(drape.rotation),)
     warnings = (
@@ -263,7 +273,7 @@ def measure(case: Case, drape: GradedDrape, fit: Fit) -> dict[str, float | None]
     metrics |= measure_plausibility(fit.garment.pattern)
     metrics |= measure_contour_shapes(fit.garment, fit.meshes.last_drape, case.seen, case.body)
     metrics |= measure_wear(case.target, case.body, fit.meshes.detail, fit.garment.faces, case.settings.seed)
-    for name, candidate in zip(("cut.misfit", "cut.next_misfit"), case.candidates, strict=False):
+    for name, candidate in zip(("cut.misfit", "cut.next_misfit", "cut.third_misfit"), case.candidates, strict=False):
         metrics[name] = candidate.misfit
     metrics["drape.residual"] = drape.drape.residual
     metrics["drape.iterations"] = float(drape.drape.iterations)
@@ -280,10 +290,18 @@ def describe(case: Case) -> dict[str, Any]:
         "scan": {"name": scan.name, "sha256": scan.sha256, "units": scan.units, "up": scan.up_axis},
         "body": {"source": body.source, "fit_rms_m": float(np.round(body.fit_rms, 6))},
         "template": case.template,
-        "candidates": [{"template": one.template, "misfit": float(np.round(one.misfit, 4))} for one in case.candidates],
+        "candidates": [_describe_candidate(one) for one in case.candidates],
         "category": case.target.category,
         "fitted_faces": len(case.target.faces),
         "settings": case.settings.as_dict(),
+    }
+
+
+def _describe_candidate(candidate: Candidate) -> dict[str, Any]:
+    """Return a cut's name and what its misfit is made of."""
+    parts = {name: getattr(candidate, name) for name in ("misfit", "girths", "neckline")}
+    return {"template": candidate.template} | {
+        name: float(np.round(value, 4)) for name, value in parts.items() if value is not None
     }
 
 

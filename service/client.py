@@ -44,6 +44,17 @@ class Client(RemoteBackend):
         params |= {"only_given": only_given, "outlines": outlines}
         return self._ask_object("GET", "/v1/match", params=params)
 
+    def inspect_scan(self, sha256: str, quick: bool = False, **said: str) -> dict[str, Any]:
+        """Return what is understood of an uploaded scan, before a job is asked for.
+
+        Args:
+            sha256: Its hash, as `upload("scans", path)` returns it.
+            quick: Read the file alone, and do not look for its wearer.
+            said: What an order would say: `as_` (person or garment), `body` (builtin:...), `units`, `up`.
+        """
+        params = {name.rstrip("_"): value for name, value in said.items()} | {"quick": quick}
+        return self._ask_object("GET", f"/v1/scans/{quote(sha256, safe='')}/inspection", params=params)
+
     def check_pattern(self, document: Mapping[str, Any]) -> dict[str, Any]:
         """Return what is wrong with a pattern's document, with lengths, seams and symmetry; see docs/edit.md."""
         return self._ask_object("POST", "/v1/patterns/check", json=dict(document))

@@ -46,10 +46,15 @@ def read_clock(database: Database) -> float:
 
 
 def find_silence(database: Database, duty: str, seconds: float) -> float | None:
-    """Return how long nobody has done a duty [s], or None where nobody holds it; `seconds` is how long it is held."""
+    """Return how long nobody has done a duty [s], or None where nobody holds it; `seconds` is how long it is held.
+
+    Nobody holds what was taken before the clock was set back.
+    """
     with database.read() as session:
         found = session.scalar(select(clock() - LockRow.until).where(LockRow.name == duty))
-    return None if found is None else max(0.0, float(found) + seconds)
+    if found is None or found + seconds <= -AHEAD_SECONDS:
+        return None
+    return max(0.0, float(found) + seconds)
 
 
 class Leaps:

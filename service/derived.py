@@ -37,6 +37,7 @@ class DerivedOrder:
     Attributes:
         kind: Name of the kind, `dress`.
         result: Id of the job whose result it works on, or on this machine a beginning of it.
+        over: Id of the job whose garment the result is worn over, or a beginning of it; empty: it is worn alone.
         options: Fields of the kind's request that are no files, as JSON values.
         files: Files of the request by field: on this machine, or stored ones.
         name: What it is called; empty: as the result's job.
@@ -63,6 +64,7 @@ class DerivedOrder:
     key: str = ""
     quota: int = 0
     realm: str = ""
+    over: str = ""
 
 
 def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
@@ -80,31 +82,37 @@ def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
     kind = find_kind(services.settings, order.kind)
     if len(kind.reads) != 1:
         raise RequestBad(f"a job '{order.kind}' works on no stored result; leave out the result, or name another kind.")
+    if order.over and not kind.reads_too:
+        raise RequestBad(f"a job '{order.kind}' takes one garment alone; leave out the one under it, or dress a body.")
     ((folder, kinds),) = kind.reads.items()
+    reads = [(folder, kinds, order.result)]
+    reads += [(name, others, order.over) for name, others in kind.reads_too.items() if order.over]
     check_labels(order.name, order.tags)
     files = {name: _keep(services, file) for name, file in order.files.items()}
     asked = read_request(kind.request, {**_find_fabric(services, order.options), **files})
     request = pack_request(asked)
     if {place for place, _ in find_files(request)} - files.keys():  # whoever knows a hash has not handed the file in
         raise RequestBad("a file of the request is named among its options; upload it and name it among the files.")
-    row = find_job(services.database, order.result)
+    rows = [find_job(services.database, named) for _, _, named in reads]
+    row = rows[0]
     kind.refuse(services.store, asked)
     with services.database.write() as session:
-        if order.key and session.get(OwnerRow, (order.key, row.id)) is None:
-            raise JobUnknown(f"there is no job '{order.result[:40]}'; `garmentq status` lists them all.")
-        if row.kind not in kinds:
-            raise InputWrong(
-                f"job {row.id} is a job '{row.kind}', and '{order.kind}' works on the result of {' or '.join(kinds)}; "
-                f"`garmentq status {row.id}` shows the jobs below it."
-            )
-        _check_files(session, row.id, kind.choose_input(asked, folder))
+        for one, (name, allowed, named) in zip(rows, reads, strict=True):
+            if order.key and session.get(OwnerRow, (order.key, one.id)) is None:
+                raise JobUnknown(f"there is no job '{named[:40]}'; `garmentq status` lists them all.")
+            if one.kind not in allowed:
+                raise InputWrong(
+                    f"job {one.id} is a job '{one.kind}', and '{order.kind}' works on the result of "
+                    f"{' or '.join(allowed)}; `garmentq status {one.id}` shows the jobs below it."
+                )
+            _check_files(session, one.id, kind.choose_input(asked, name))
         wanted = JobRequest(
             order.kind,
             kind.adopt(session, request, row),
             row.scan,
             order.name or row.name,
             order.tags,
-            inputs={folder: row.id},
+            inputs={name: one.id for one, (name, _, _) in zip(rows, reads, strict=True)},
             priority=order.priority,
             queue=order.queue,
             nonce=(order.nonce or uuid.uuid4().hex) if order.force else "",

@@ -35,7 +35,10 @@ def find_troubles(queue: Queue) -> list[str]:
     """Return what keeps jobs from running, one sentence each; nothing where all is well or nothing waits."""
     troubles = []
     if not queue.workers and any(queue.states.get(state) for state in (State.QUEUED, State.RUNNING, State.WAITING)):
-        troubles.append("no worker is up, so the jobs wait; `garmentq up` starts one, `garmentq worker` on a server.")
+        troubles.append(
+            "no worker is up, or none reaches its broker, so the jobs wait; `garmentq up` starts one, "
+            "`garmentq worker` on a server, and `garmentq doctor` there says what is away."
+        )
     if queue.workers and (queue.silence is None or queue.silence > SILENT_SECONDS):
         since = "yet" if queue.silence is None else f"for {queue.silence:.0f} s"
         troubles.append(f"no dispatcher has acted {since}, so nothing new begins; see the workers' log, restart them.")
@@ -49,6 +52,11 @@ def find_troubles(queue: Queue) -> list[str]:
 def explain(code: str) -> str:
     """Return what an outage's code means and what to do, with nothing of this installation in it."""
     return next((kind().message for kind in _find_kinds(Unavailable) if kind.code == code), Unavailable().message)
+
+
+def explain_kind(error: GarmentqError) -> str:
+    """Return what is said of every error of a kind and what to do, with nothing of this installation in it."""
+    return (type(error).__doc__ or "").strip().split("\n", 1)[0]
 
 
 def _find_kinds(kind: type[GarmentqError]) -> list[type[GarmentqError]]:

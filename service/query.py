@@ -75,7 +75,7 @@ UNKEPT = re.compile("[\x00-\x1f\x7f\ud800-\udfff]")
 AND = re.compile(r"and\s", re.ASCII | re.IGNORECASE)
 
 MANY = 2_000
-"""Jobs that meet a condition on a metric from which they are many: naming 2000 takes about 2 ms."""
+"""Jobs that meet a condition on another table from which they are many: naming 2000 takes about 2 ms."""
 
 MOST_CONDITIONS = 50
 """Conditions of one question; SQLite refuses some hundreds, PostgreSQL takes seconds for them."""
@@ -259,25 +259,36 @@ def _condition(name: str, sign: str, value: str) -> Condition:
 
 
 def _meets(session: Session, condition: Condition) -> ColumnElement[bool]:
-    """Return what a job must meet.
-
-    Where many jobs do, they are met soon on the way through the jobs in their order, one look-up each; where few do,
-    the index of the metrics names them at once. The other way round either takes seconds in a long table.
-    """
+    """Return what a job must meet."""
     compare, name = OPERATORS[condition.operator], condition.name
     field = TEXTS.get(name, NUMBERS.get(name))
     if field is not None:
-        return cast(ColumnElement[bool], compare(_as_text(name, field), _checked(condition)))
+        table = getattr(field, "class_", JobRow)
+        if table is JobRow:
+            return cast(ColumnElement[bool], compare(_as_text(name, field), _checked(condition)))
+        row, pattern = aliased(table), aliased(PatternRow)
+        matches = compare(getattr(row, field.key), _checked(condition))
+        if table is MaterialRow:
+            return _is_named(session, pattern.job, (pattern.material == row.id) & matches)
+        return _is_named(session, row.job, matches)
     if name == TAG:
         has = exists().where(JobTagRow.job == JobRow.id, JobTagRow.tag == _checked(condition))
         return has if compare is operator.eq else ~has
     _check_metric(session, name)
     metric = aliased(MetricRow)
-    matches = (metric.name == name) & compare(metric.value, condition.value)
-    first = select(metric.job).where(matches).limit(MANY).subquery()
+    return _is_named(session, metric.job, (metric.name == name) & compare(metric.value, condition.value))
+
+
+def _is_named(session: Session, job: Any, matches: ColumnElement[bool]) -> ColumnElement[bool]:
+    """Return that another table's rows that match name a job in their column `job`.
+
+    Where many jobs are named, they are met soon on the way through the jobs in their order, one look-up each; where few
+    are, the index of the other table names them at once. The other way round either takes long in a long table.
+    """
+    first = select(job).where(matches).limit(MANY).subquery()
     if (session.scalar(select(func.count()).select_from(first)) or 0) < MANY:
-        return JobRow.id.in_(select(metric.job).where(matches))
-    return exists().where(metric.job == JobRow.id, matches)
+        return JobRow.id.in_(select(job).where(matches))
+    return exists().where(job == JobRow.id, matches)
 
 
 def _checked(condition: Condition) -> str | float:

@@ -122,10 +122,9 @@ class RemoteBackend(RemoteLibraries):
 
     def submit_derived(self, order: DerivedOrder) -> Submitted:
         """Upload an order's files and ask for the job that works on a stored result."""
-        result = self.find_job(order.result).id if len(order.result) < ID_LENGTH else order.result
-        wanted = {
+        wanted: dict[str, Any] = {
             "kind": order.kind,
-            "result": result,
+            "result": self._complete(order.result),
             "options": dict(order.options),
             "files": {name: self._send_file(name, file) for name, file in order.files.items()},
             "priority": order.priority,
@@ -134,9 +133,15 @@ class RemoteBackend(RemoteLibraries):
             "name": order.name,
             "tags": list(order.tags),
         }
+        if order.over:  # a service of an earlier version knows no such field
+            wanted["over"] = self._complete(order.over)
         token = order.nonce or uuid.uuid4().hex
         found = self._ask("POST", "/v1/jobs", json=wanted, headers={"idempotency-key": token} if order.force else {})
         return _read_submitted(found)
+
+    def _complete(self, job: str) -> str:
+        """Return the whole id of a job of which a beginning is given."""
+        return self.find_job(job).id if len(job) < ID_LENGTH else job
 
     def _send_file(self, field: str, file: Path | FileRef) -> str:
         """Send a file of a derived job's request, and return its key.

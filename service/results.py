@@ -137,17 +137,27 @@ def choose_files(job: str, files: Sequence[Artifact], names: Sequence[str]) -> l
 
 
 def report_jobs(database: Database, rows: Sequence[JobRow], settings: ServiceSettings) -> list[JobReport]:
-    """Return jobs with what they found, in the order of their rows; seven questions for each `JOBS_AT_ONCE`."""
+    """Return jobs with what they found, in the order of their rows; ten questions for each `JOBS_AT_ONCE`."""
     reports: list[JobReport] = []
     with database.read() as session:
         for start in range(0, len(rows), JOBS_AT_ONCE):
             chunk = rows[start : start + JOBS_AT_ONCE]
             ids = [row.id for row in chunk]
             found, family = _find_patterns(session, ids), _find_family(session, ids)
+            held = _load_garments(session, ids)
             for row in chunk:
                 details = _show_details(session, row, settings)
                 reports.append(JobReport.from_row(row, details=details, **found[row.id], **family[row.id]))
+            del held
     return reports
+
+
+def _load_garments(session: Session, jobs: Sequence[str]) -> list[object]:
+    """Load what `Kind.show` asks the session for; it answers at once for as long as the rows are held."""
+    patterns = list(session.scalars(select(PatternRow).where(PatternRow.job.in_(jobs))))
+    materials = select(MaterialRow).where(MaterialRow.id.in_({row.material for row in patterns}))
+    bodies = select(BodyRow).where(BodyRow.job.in_(jobs))
+    return [*patterns, *session.scalars(materials), *session.scalars(bodies)]
 
 
 def _find_patterns(session: Session, jobs: Sequence[str]) -> dict[str, dict[str, Any]]:

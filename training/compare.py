@@ -1,73 +1,83 @@
 """Compare rules, trees and network on described scans: `python -m garmentq.training.compare`.
 
 All answer on the same samples and fits: as they are, and `told`, after all that a separation does with a posterior,
-which is what a user gets.
+which is what a user gets. What is told is also judged on the scans by what is worn: without an outer layer, and of
+those with the outfit read rightly and wrongly.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 
-from ..core.person.colour import use_colours
+from ..core.person.colour import link_alike
 from ..core.person.confidence import leave_foreign
 from ..core.person.crumbs import give_crumbs
-from ..core.person.diffusion import diffuse, link_points
+from ..core.person.diffusion import Links, link_points
 from ..core.person.features import Features, describe_points
-from ..core.person.outfit import above_waist, rank_outfits, read_all, read_as
+from ..core.person.outfit import above_waist, outfit_probabilities, rank_outfits, read_all, read_as
+from ..core.person.part import GARMENTS, Part
 from ..core.person.points import PersonPoints, sample_person
 from ..core.person.rules import predict_by_rules
+from ..core.person.separate import smooth_parts
+from ..core.person.tone import skin_evidence
 from .boosted import load_boosted, predict_boosted
 from .describe import Described, load_described, painted_scan, unpack_fit
 from .judge import NUMBERS, judge_labels
 from .runtime import Network, load_network
 from .shards import load_shard
+from .waists import PRESENT
 
 
-@dataclass
-class Answers:
-    """What was found on the scans so far, by one name.
+@dataclass(frozen=True)
+class Answer:
+    """What was found on one scan by one name.
 
     Attributes:
-        labels: Of each scan.
-        confidences: Of each label.
+        label: Of each sample.
+        confidence: Of each label.
+        outfit: The garments of the best reading, and None where none was chosen.
+        likely: Its probability.
     """
 
-    labels: list[np.ndarray] = field(default_factory=list)
-    confidences: list[np.ndarray] = field(default_factory=list)
+    label: np.ndarray
+    confidence: np.ndarray
+    outfit: frozenset[Part] | None = None
+    likely: float = 0.0
 
 
-def answer(shard: Path, described: Described, learners: Learners) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Return the labels and their confidence on one scan by the name of who answers."""
+def answer(shard: Path, described: Described, learners: Learners) -> dict[str, Answer]:
+    """Return the answers on one scan by the name of who answers."""
     raw, fit = painted_scan(load_shard(shard)), unpack_fit(described.state)
     points = sample_person(raw, fit)
     features = describe_points(points, fit)
-    rules = predict_by_rules(points, features, fit)
-    found = {"rules": rules} | learners.predict(features, replace(described, rules=rules))
-    above = above_waist(features.place, fit.body)
-    answers = {name: (NUMBERS[each.argmax(axis=1)], each.max(axis=1)) for name, each in found.items()}
-    return answers | {f"{name}_told": tell(each, points, features, above) for name, each in found.items()}
-
-
-def tell(
-    posterior: np.ndarray, points: PersonPoints, features: Features, above: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the labels and their confidence that a separation makes of a posterior of the samples."""
+    tone = None if points.colours is None else skin_evidence(points.colours, features.place, fit.body)
+    rules = predict_by_rules(points, features, fit, tone)
+    found = {"rules": rules} | learners.predict(features, described)
     links = link_points(points.positions, points.normals)
-    posterior = diffuse(posterior, links)
     if points.colours is not None:
-        posterior = use_colours(posterior, points.colours, features.place, links)
+        links = link_alike(links, points.colours)
+    above = above_waist(features.place, fit.body)
+    answers = {name: Answer(NUMBERS[each.argmax(axis=1)], each.max(axis=1)) for name, each in found.items()}
+    for name, each in found.items():
+        answers[f"{name}_told"] = tell(smooth_parts(each, points, features, links, tone), points, links, above)
+    return answers
+
+
+def tell(posterior: np.ndarray, points: PersonPoints, links: Links, above: np.ndarray) -> Answer:
+    """Return the labels and their confidence that a separation makes of a smoothed posterior of the samples."""
     outfits = rank_outfits(posterior, above)
     believed, read = read_all(posterior, outfits, above), read_as(posterior, outfits[0].parts, above)
     first = read.argmax(axis=1)
     column = give_crumbs(first, points.positions, np.full(len(first), points.spacing**2), links)
-    rows = np.arange(len(column))
     # A crumb that was given away is as sure as what it was taken for.
-    return NUMBERS[column], leave_foreign(believed)[rows, first]
+    confidence = leave_foreign(believed)[np.arange(len(column)), first]
+    likely = float(outfit_probabilities(outfits)[0])
+    return Answer(NUMBERS[column], confidence, frozenset(outfits[0].parts), likely)
 
 
 @dataclass(frozen=True)
@@ -100,21 +110,51 @@ class Learners:
 
 def compare(persons: Path, samples: Path, learners: Learners) -> dict[str, dict]:
     """Return the figures of everybody who answers on the described scans of a folder."""
-    answers: dict[str, Answers] = {}
-    labels = []
+    answers: dict[str, list[tuple[Answer, np.ndarray]]] = {}
+    count = 0
     for path in sorted(samples.glob("*.npz")):
         described = load_described(path)
         found = answer(persons / path.name, described, learners)
-        if len(found["rules"][0]) != len(described.label):  # another version of the samples
+        if len(found["rules"].label) != len(described.label):  # another version of the samples
             continue
-        labels.append(described.label)
-        for name, (label, confidence) in found.items():
-            own = answers.setdefault(name, Answers())
-            own.labels.append(label)
-            own.confidences.append(confidence)
-    return {name: asdict(judge_labels(own.labels, own.confidences, labels)) for name, own in answers.items()} | {
-        "scans": {"count": len(labels)}
+        count += 1
+        for name, each in found.items():
+            answers.setdefault(name, []).append((each, described.label))
+    figures = {name: judge_answers(own) for name, own in answers.items()}
+    for name, own in answers.items():
+        for group, members in split_by_outfit(own).items():
+            if members:
+                figures[f"{name}, {group}"] = judge_answers(members)
+    return figures | {"scans": {"count": count}}
+
+
+def judge_answers(own: list[tuple[Answer, np.ndarray]]) -> dict:
+    """Return the figures of some answers, each with the true labels, and how often the outfit is right and said so."""
+    labels = [true for _, true in own]
+    figures = asdict(judge_labels([each.label for each, _ in own], [each.confidence for each, _ in own], labels))
+    figures["scans"] = len(own)
+    figures["confidence"] = float(np.concatenate([each.confidence for each, _ in own]).mean())
+    if own[0][0].outfit is not None:
+        figures["outfit_right"] = float(np.mean([each.outfit == worn(true) for each, true in own]))
+        figures["outfit_said"] = float(np.mean([each.likely for each, _ in own]))
+    return figures
+
+
+def split_by_outfit(own: list[tuple[Answer, np.ndarray]]) -> dict[str, list[tuple[Answer, np.ndarray]]]:
+    """Return the answers for which an outfit was chosen, by what is worn and whether that was read."""
+    chosen = [each for each in own if each[0].outfit is not None]
+    plain = [each for each in chosen if Part.OUTER not in worn(each[1])]
+    return {
+        "no outer layer": plain,
+        "no outer layer, outfit right": [each for each in plain if each[0].outfit == worn(each[1])],
+        "no outer layer, outfit wrong": [each for each in plain if each[0].outfit != worn(each[1])],
+        "outer layer": [each for each in chosen if Part.OUTER in worn(each[1])],
     }
+
+
+def worn(label: np.ndarray) -> frozenset[Part]:
+    """Return the garments that are worn in truth."""
+    return frozenset(part for part in GARMENTS if (label == part).mean() > PRESENT)
 
 
 def main() -> None:

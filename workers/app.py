@@ -45,6 +45,7 @@ def make_app(settings: ServiceSettings) -> Celery:
         worker_disable_prefetch=True,  # a message in a busy worker's hands is one that an idle worker cannot take
         worker_lost_wait=LOST_SECONDS,
         worker_send_task_events=False,
+        worker_enable_remote_control=False,  # a message could end a worker; signals do
         worker_hijack_root_logger=False,
         worker_redirect_stdouts=False,
         broker_connection_retry_on_startup=True,

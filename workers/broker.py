@@ -16,9 +16,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..core.errors import Unavailable
+from ..core.errors import GarmentqError, Unavailable
 from ..service.lock import hold_lock
-from ..service.settings import ServiceSettings
+from ..service.settings import ServiceSettingBad, ServiceSettings
 from .detached import has_ended, kill_group, launch
 
 if TYPE_CHECKING:
@@ -35,6 +35,12 @@ class BrokerUnreachable(Unavailable):
     """The broker does not answer; see broker.log in the home folder, or check GARMENTQ_BROKER_URL."""
 
     code = "service.broker_unreachable"
+
+
+class BrokerRefused(BrokerUnreachable):
+    """The broker answers but refuses the name, password or rights of GARMENTQ_BROKER_URL; correct them there."""
+
+    code = "service.broker_refused"
 
 
 def run_folder(settings: ServiceSettings) -> Path:
@@ -79,17 +85,43 @@ def find_server() -> Path | None:
         return None
 
 
-def is_broker_up(settings: ServiceSettings) -> bool:
-    """Return whether the broker answers within two seconds."""
-    import redis
+def check_broker(settings: ServiceSettings) -> None:
+    """Check that the broker answers within two seconds, and lets us in.
 
-    client = _connect(settings)
+    Raises:
+        BrokerRefused: where user name or password are wrong or missing.
+        BrokerUnreachable: where it does not answer, or is no broker.
+        ServiceSettingBad: where its address cannot be read.
+    """
+    import redis
+    from redis import exceptions as refusals
+
     try:
-        return bool(client.ping())
+        client = _connect(settings)
+    except ValueError:  # its text holds parts of the password
+        raise ServiceSettingBad(
+            "GARMENTQ_BROKER_URL is no address; it looks like redis://:PASSWORD@HOST:6379/0, "
+            "and what is no letter or digit in the password is written as %2F for /, %23 for #, %3F for ?, %40 for @."
+        ) from None
+    try:
+        client.ping()
+    except (refusals.AuthenticationError, refusals.AuthorizationError, refusals.NoPermissionError):
+        raise BrokerRefused() from None
     except (redis.RedisError, OSError):
-        return False
+        if settings.is_embedded:
+            raise BrokerUnreachable() from None
+        raise BrokerUnreachable("the broker at GARMENTQ_BROKER_URL does not answer; start it, or correct it.") from None
     finally:
         client.close()
+
+
+def is_broker_up(settings: ServiceSettings) -> bool:
+    """Return whether the broker answers within two seconds, and lets us in."""
+    try:
+        check_broker(settings)
+    except GarmentqError:
+        return False
+    return True
 
 
 def start_broker(settings: ServiceSettings) -> bool:
@@ -99,11 +131,10 @@ def start_broker(settings: ServiceSettings) -> bool:
         True where it was started by this call.
 
     Raises:
-        BrokerUnreachable: where it does not answer.
+        BrokerUnreachable, BrokerRefused, ServiceSettingBad: where it cannot be used.
     """
     if not settings.is_embedded:
-        if not is_broker_up(settings):
-            raise BrokerUnreachable("the broker at GARMENTQ_BROKER_URL does not answer; `garmentq doctor` tells more.")
+        check_broker(settings)
         return False
     folder = run_folder(settings)
     with hold_lock(folder / "broker.lock"):

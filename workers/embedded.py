@@ -75,10 +75,7 @@ def ensure_services(settings: ServiceSettings, workers: int | None = None) -> li
 
 @contextmanager
 def keeping_up(settings: ServiceSettings, workers: int | None = None) -> Iterator[None]:
-    """Start broker and worker again where they die within the block, unless a person stops them.
-
-    A worker ends by a message that is none (whoever may write to the broker can send one), as by a kill.
-    """
+    """Start broker and worker again where they die within the block, unless a person stops them."""
     ended = threading.Event()
 
     def keep() -> None:

@@ -49,6 +49,7 @@ from ..service.webhooks import forget_messages, has_due
 from .app import CHANNELS, TASK, count_messages, make_app, publish
 from .courier import start_courier
 from .detached import has_ended
+from .messages import MessageGuard
 from .recovery import run_job
 from .threads import limit_threads
 
@@ -76,6 +77,8 @@ class Duties(bootsteps.StartStopStep):
         self.name = f"{socket.gethostname()}:{os.getpid()}:{uuid.uuid4().hex[:6]}"
         self.app = parent.app
         self.rounds = parent.timer.call_repeatedly(self.settings.poll_seconds, self._round)
+        # A dying child's pipe closes a moment before the system tells of its end; Celery then looks again after 5 s.
+        parent.timer.call_repeatedly(self.settings.poll_seconds, parent.pool.maintain_pool)
         self.showed, self.forgot = 0.0, -FORGET_OLD_SECONDS
         self.courier: int | None = None
         self.leaps = Leaps(self.settings.lease_seconds)
@@ -163,6 +166,7 @@ def run_worker(
     draining = multiprocessing.RawValue("b", 0)
     _register(app, settings, draining, lock)
     app.steps["worker"].add(Duties)
+    app.steps["consumer"].add(MessageGuard)
     worker = app.Worker(
         hostname=f"garmentq-{os.getpid()}@{socket.gethostname()}",
         pool_cls="prefork",

@@ -6,7 +6,7 @@ from .follow import FollowSettings, PbdState, Threads, follow, lay_threads
 from .layer_contact import LayerContact
 from .motion import MotionSettings, describe_motion, drape_as_scanned
 from .sizing import measure_wearer, size_template
-from .stage import DrapeSettings, drape_graded, drape_template, redrape, remesh, waist_height
+from .stage import DrapeSettings, drape_graded, drape_template, hangs_in_sleeves, redrape, remesh, waist_height
 from .tie import pin_waist, tie_contour
 from .wearer import WearerGeometry
 
@@ -29,6 +29,7 @@ __all__ = [
     "dress",
     "flat_length",
     "follow",
+    "hangs_in_sleeves",
     "lay_threads",
     "measure_wearer",
     "pin_waist",

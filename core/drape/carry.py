@@ -20,6 +20,7 @@ from ..body import (
     project_outside,
     skin,
     unskin,
+    untangle_outside,
     weights_at,
 )
 from ..mesh import adjacency_matrix, factor_symmetric, self_intersections, undo_crossings, vertex_normals
@@ -182,7 +183,8 @@ def clear_body(
 
     The grid of distances errs by millimetres where body parts meet. A current takes what is inside out together with
     the layers around it; `project_outside` does the rest where it crosses nothing, after a few steps without weight if
-    need be; a node for which there is no way out stays.
+    need be. Cloth that still crosses once it is outside, as a fold in the crease of a lap whose nodes leave towards
+    thigh and belly, is taken out of itself there (`untangle_outside`); a node for which there is no way out stays.
     """
     faces, body = threads.faces, ShellBeside(way.own, way.skin)
     nodes = carry_outside(nodes, faces, way.skin, threads.mean_edge)
@@ -194,7 +196,7 @@ def clear_body(
             return pushed
         start = PbdState.at_rest(nodes)
         nodes = follow(threads, start, body, 5, settings=settings.follow, held=held, layers=CREEPING).nodes
-    pushed = project_outside(nodes, way.skin, faces)
+    pushed = untangle_outside(project_outside(nodes, way.skin, faces), way.skin, faces)
     undo_crossings(pushed, nodes, faces, self_intersections(nodes, faces))
     return pushed
 

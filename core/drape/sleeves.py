@@ -14,6 +14,10 @@ T-shirts droop by 12 degrees, and patterns for an A-pose by 30 to 60."""
 HANGING = np.radians(75.0)
 """Angle below the horizontal from which a tube is a leg's, or hangs along the trunk, and no sleeve's."""
 
+RAISED = np.radians(45.0)
+"""Angle above the arm from which a panel that ends in an opening of its own is no sleeve's: none is drafted for raised
+arms, and from the seams of a bodice's side panel to its armhole it is 60 degrees and more."""
+
 
 def turn_sleeves(garment: Garment, body: Body, lift: float) -> tuple[np.ndarray, np.ndarray]:
     """Turn sleeves in the plane of the panels until they lie along the wearer's arms.
@@ -21,8 +25,9 @@ def turn_sleeves(garment: Garment, body: Body, lift: float) -> tuple[np.ndarray,
     A sleeve is a group of sewn panels beyond one shoulder that ends in an open contour of its own; its axis runs from
     the middle of the seams by which it hangs to the middle of that contour. Sleeves near the arm's direction stay as
     they are, unless their upper end sinks below the middle of the arm, which would then come out through it and not
-    through the cuff; and so do such as hang along the trunk. Its seam with the armhole is then as far open as the
-    author's pose differs from the T-pose, which welding spreads into the panels.
+    through the cuff. So do such as hang along the trunk, and panels whose opening lies above their seams, as the side
+    panels of a bodice with princess seams. A turned sleeve's seam with the armhole is as far open as the author's pose
+    differs from the T-pose, which welding spreads into the panels.
 
     Args:
         garment: The sewn garment; where its nodes are does not matter.
@@ -54,7 +59,7 @@ def turn_sleeves(garment: Garment, body: Body, lift: float) -> tuple[np.ndarray,
             axis = cuff - cap
             droop = np.arctan2(-axis[1], side * axis[0])
             sinks = float((ends[0] @ upward).max() - (ends[1] @ upward).max()) > lift + half
-            if (abs(droop - arm) <= ON_THE_ARM and not sinks) or abs(droop) >= HANGING:
+            if (abs(droop - arm) <= ON_THE_ARM and not sinks) or abs(droop) >= HANGING or arm - droop >= RAISED:
                 continue
             turn = side * (droop - arm)
             turned = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])

@@ -149,7 +149,7 @@ def _take_pose(
     hooks.progress("template", 0.6, "taking the pose")
     body = wearer.body
     waist = waist_loop(garment)
-    if target is None or carry or (waist is None and not _hangs_in_sleeves(target, body)):
+    if target is None or carry or (waist is None and not hangs_in_sleeves(target, body)):
         nodes, _ = take_pose(threads, nodes, wearer.way, wearer.grid, held=waist)
     else:  # skinned, it starts the grading as the T-pose left it, pinched between legs or under arms here and there
         nodes = skin(nodes, weights_at(body, nodes, rest=True), body.transforms)
@@ -160,8 +160,12 @@ def _take_pose(
     return garment.at(nodes, name_contours(nodes, garment.faces, body)[0])
 
 
-def _hangs_in_sleeves(target: Target, body: Body) -> bool:
-    """Return whether the wearer's arms hang in sleeves: carried, cloth is pushed 7 cm down out of the closed armpit."""
+def hangs_in_sleeves(target: Target, body: Body) -> bool:
+    """Return whether the wearer's arms hang in sleeves.
+
+    Carried into that pose, cloth is pushed 7 cm down out of the closed armpit; draped as if it could pass through
+    itself, sleeves and sides end inside each other there.
+    """
     return bool(find_hanging_arms(body)) and any(contour.name.startswith("cuff") for contour in target.contours)
 
 

@@ -1,6 +1,6 @@
 """A result's pattern edited: draped from where its garment hangs, judged, and compared with what it was."""
 
 from .compare import PatternDifference, SeamChange, compare_versions
-from .redraping import STAGES, Edited, drape_edit
+from .redraping import STAGES, Edited, drape_edit, worn_length
 
-__all__ = ["STAGES", "Edited", "PatternDifference", "SeamChange", "compare_versions", "drape_edit"]
+__all__ = ["STAGES", "Edited", "PatternDifference", "SeamChange", "compare_versions", "drape_edit", "worn_length"]

@@ -21,13 +21,18 @@ def write_dressed(dressed: Dressed, folder: Path) -> list[Path]:
 
     Returns:
         The files: dressed.obj, dressed.glb, dressed.ply (with `strain` and `pressure` [Pa] of each vertex), body.ply,
-        body_joints.json, pattern.json, pattern.svg, metrics.json, manifest.json, worn.npz, picture.png, report.html.
+        body_joints.json, pattern.json, pattern.svg, metrics.json, manifest.json, worn.npz, picture.png, report.html;
+        of a garment that is worn over another one, that one as under.obj, under.glb and under.ply.
     """
     folder.mkdir(parents=True, exist_ok=True)
     worn = dressed.worn
     garment, loads = worn.garment, {"strain": dressed.strain, "pressure": dressed.pressure}
     files = write_meshes(garment, garment.nodes, folder, "dressed", ("obj", "glb"))
     files.append(write_ply(garment.nodes, garment.faces, folder / "dressed.ply", loads))
+    if dressed.under is not None:
+        below = dressed.under.garment
+        files += write_meshes(below, below.nodes, folder, "under", ("obj", "glb"))
+        files.append(write_ply(below.nodes, below.faces, folder / "under.ply"))
     files.append(write_ply(worn.body.vertices, worn.body.faces, folder / "body.ply"))
     files.append(write_json(describe_joints(worn.body), folder / "body_joints.json"))
     files.append(write_json(write_pattern(worn.pattern), folder / "pattern.json"))

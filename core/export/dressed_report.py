@@ -27,18 +27,26 @@ TURNS = (0.0, 0.5 * np.pi, np.pi)
 def draw_wearers(dressed: Dressed) -> bytes:
     """Return a PNG: above the first wearer, then the new one, the strain and the pressure; front, side and back."""
     strain, pressure = dressed.strain / MOST_STRAIN, dressed.pressure / MOST_PRESSURE
-    rows = [draw_wearer(dressed.before, CLOTH), draw_wearer(dressed.worn, DRAPED)]
+    rows = [draw_wearer(dressed.before, CLOTH), draw_wearer(dressed.worn, DRAPED, dressed.under)]
     rows += [draw_wearer(dressed.worn, colour_of(np.clip(share, 0.0, 1.0))) for share in (strain, pressure)]
     return base64.b64decode(png_base64(np.concatenate(rows, axis=0)))
 
 
-def draw_wearer(worn: Worn, colour: np.ndarray) -> np.ndarray:
-    """Return a picture of a wearer in a garment from all sides, uint8, shape [height, 3 width, 4 or 3]."""
+def draw_wearer(worn: Worn, colour: np.ndarray, under: Worn | None = None) -> np.ndarray:
+    """Return a picture of a wearer in a garment from all sides, uint8, shape [height, 3 width, 4 or 3].
+
+    Args:
+        worn: The garment.
+        colour: Its colour, one or one of each node.
+        under: The garment below it, in the colour of scanned cloth, or None.
+    """
     body = worn.body
     surfaces = [
         ColouredMesh(body.vertices, body.faces, SKIN),
         ColouredMesh(worn.garment.nodes, worn.garment.faces, colour),
     ]
+    if under is not None:
+        surfaces.append(ColouredMesh(under.garment.nodes, under.garment.faces, CLOTH))
     return np.concatenate([on_white(draw(surfaces, aim_at(worn, turn))) for turn in TURNS], axis=1)
 
 
@@ -79,6 +87,8 @@ def _header(dressed: Dressed) -> str:
         "Wearer": worn.body.source,
         "CPU time": f"{dressed.cpu_seconds:.0f} s",
     }
+    if dressed.under is not None:
+        facts["Worn over"] = dressed.under.pattern.name or dressed.under.category
     return head_html(Heading("worn again", worn.pattern.name or worn.category, facts), dressed.gates, dressed.warnings)
 
 

@@ -70,28 +70,36 @@ def write_meshes(
 
 
 def write_ply(
-    vertices: np.ndarray, faces: np.ndarray, path: Path, values: Mapping[str, np.ndarray] | None = None
+    vertices: np.ndarray,
+    faces: np.ndarray,
+    path: Path,
+    values: Mapping[str, np.ndarray] | None = None,
+    colours: np.ndarray | None = None,
 ) -> Path:
     """Write a welded triangle mesh as binary PLY [m]: double positions, nothing merged or reordered.
 
     Args:
         vertices: Positions [m], shape [n, 3].
-        faces: Vertex indices, shape [m, 3].
+        faces: Vertex indices, shape [m, 3]; of a cloud none.
         path: Where to.
         values: Further numbers of each vertex by the name of their property, shape [n] each.
+        colours: RGB bytes of each vertex, shape [n, 3], or None.
     """
-    values = values or {}
+    values = {"x": vertices[:, 0], "y": vertices[:, 1], "z": vertices[:, 2]} | dict(values or {})
+    shades = {} if colours is None else dict(zip(("red", "green", "blue"), colours.T, strict=True))
+    table = np.zeros(len(vertices), dtype=[(name, "<f8") for name in values] + [(name, "u1") for name in shades])
+    for name, column in (values | shades).items():
+        table[name] = column
     header = (
         "ply\nformat binary_little_endian 1.0\ncomment metres, y up\n"
-        f"element vertex {len(vertices)}\nproperty double x\nproperty double y\nproperty double z\n"
+        f"element vertex {len(vertices)}\n"
         + "".join(f"property double {name}\n" for name in values)
+        + "".join(f"property uchar {name}\n" for name in shades)
         + f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
     )
     rows = np.zeros(len(faces), dtype=[("count", "u1"), ("corners", "<i4", (3,))])
     rows["count"], rows["corners"] = 3, faces
-    path.write_bytes(
-        header.encode("ascii") + np.column_stack([vertices, *values.values()]).astype("<f8").tobytes() + rows.tobytes()
-    )
+    path.write_bytes(header.encode("ascii") + table.tobytes() + rows.tobytes())
     return path
 
 

@@ -13,6 +13,7 @@ from ..person import Part, Separation
 from ..person.colours import COLOURS, SURE, UNSURE
 from ..person.labels import write_labels
 from ..scan.raw import RawScan
+from ..scan.thin import thin
 from .meshes import write_ply
 from .picture import ColouredMesh, aim, draw, png_base64
 
@@ -30,11 +31,11 @@ TURNS = (0.0, np.pi, 0.5 * np.pi)
 
 
 def write_person(raw: RawScan, separation: Separation, folder: Path) -> list[Path]:
-    """Write `labels.npz`, `segmented.ply`, `body.ply` and `picture.png` into a folder that is there.
+    """Write `labels.npz`, `segmented.ply`, `scan.ply`, `body.ply` and `picture.png` into a folder that is there.
 
     `labels.npz` has a label for each point of the given file, in its order, and in `place` the point of the cleaned
     scan that stands for it (-1: none); `segmented.ply` holds the cleaned scan in metres, y up, each point coloured by
-    its part and with its `label` and `confidence`.
+    its part and with its `label` and `confidence`; `scan.ply` the same in the scan's own colours, thinned for a view.
 
     Returns:
         The files.
@@ -45,9 +46,17 @@ def write_person(raw: RawScan, separation: Separation, folder: Path) -> list[Pat
     return [
         write_labels(separation.label, separation.confidence, folder / "labels.npz", raw.place),
         write_segmented(raw, label, separation.confidence[raw.origin], folder / "segmented.ply"),
+        write_seen(raw, folder / "scan.ply"),
         write_ply(separation.body.vertices, separation.body.faces, folder / "body.ply"),
         picture,
     ]
+
+
+def write_seen(raw: RawScan, path: Path) -> Path:
+    """Write a scan in its own colours as PLY, thinned to at most `FACES` triangles or half as many points."""
+    seen = thin(raw)
+    colours = None if seen.colours is None else (255.0 * seen.colours + 0.5).astype(np.uint8)
+    return write_ply(seen.points, seen.faces, path, colours=colours)
 
 
 def colour_parts(label: np.ndarray) -> np.ndarray:

@@ -142,8 +142,13 @@ def _header(recovery: Recovery) -> str:
 
 def _describe_candidates(candidates: list[dict[str, Any]]) -> Iterator[tuple[str, str]]:
     """Yield the cuts that were compared with the scan, best first, with their misfits; nothing where one was named."""
+
+    def describe(one: dict[str, Any]) -> str:
+        parts = ", ".join(f"{part} {one[part]:.3f}" for part in ("girths", "neckline") if part in one)
+        return f"{one['template']} {one['misfit']:.3f}" + (f" ({parts})" if parts else "")
+
     if candidates:
-        yield "Cuts by misfit", ", ".join(f"{one['template']} {one['misfit']:.3f}" for one in candidates)
+        yield "Cuts by misfit", "; ".join(describe(one) for one in candidates)
 
 
 def _pictures(recovery: Recovery) -> str:

@@ -13,6 +13,8 @@ from ..body import JOINTS, PARENTS, Body
 from ..mesh import TriangleSurface
 from ..pattern import write_pattern
 from ..recovery import Recovery
+from ..scan.coloured import coloured_of
+from ..texture import colour_vertices
 from ..wear import save_worn, worn_of
 from .meshes import write_meshes, write_ply
 from .pattern_svg import write_svg
@@ -30,16 +32,19 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
         The files: graded.ply, detail.ply, detail.obj, detail.glb, simulation.ply and redrape.ply (if the method makes
         them; each .ply with the `distance` [m] of each vertex from the scan), scan.ply (as it was read), body.ply,
         body_joints.json, pattern.json, pattern.svg, fit.json (likewise), metrics.json, manifest.json, worn.npz,
-        report.html.
+        report.html. Of a scan with colours scan.ply has them, and detail.ply what the scan shows at each vertex.
     """
     folder.mkdir(parents=True, exist_ok=True)
     files: list[Path] = []
     scanned = TriangleSurface(recovery.scan.vertices, recovery.scan.faces)
+    coloured = None if recovery.scan.colours is None else coloured_of(recovery.scan, recovery.scan.unseen is not None)
     for name, nodes in recovery.meshes:
         faces, apart = recovery.garment.faces, {"distance": scanned.distance(nodes)}
-        files.append(write_ply(nodes, faces, folder / f"{name}.ply", apart))
+        shades = colour_vertices(nodes, faces, coloured) if coloured and name == "detail" else None
+        files.append(write_ply(nodes, faces, folder / f"{name}.ply", apart, shades))
         files += write_meshes(recovery.garment, nodes, folder, name, ("obj", "glb")) if name == "detail" else []
-    files.append(write_ply(recovery.scan.vertices, recovery.scan.faces, folder / "scan.ply"))
+    shades = None if coloured is None else coloured.colours
+    files.append(write_ply(recovery.scan.vertices, recovery.scan.faces, folder / "scan.ply", colours=shades))
     files.append(write_ply(recovery.body.vertices, recovery.body.faces, folder / "body.ply"))
     files.append(write_json(describe_joints(recovery.body), folder / "body_joints.json"))
     files.append(write_json(write_pattern(recovery.pattern), folder / "pattern.json"))

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..ply import PlyBad, read_ply
 from ..wear import Worn
 from ..wear.worn import ResultOld
 from .sewn_mesh import SewnMesh
@@ -44,14 +45,10 @@ def read_nodes(path: Path) -> np.ndarray:
     Raises:
         ResultOld: where it is another one.
     """
-    content = path.read_bytes()
-    head, mark, body = content.partition(b"end_header\n")
-    count = re.search(rb"element vertex (\d+)", head)
-    width = head.partition(b"element face")[0].count(b"property double")
-    if not mark or count is None or width < 3 or len(body) < 8 * width * int(count[1]):
-        raise ResultOld()
-    rows = np.frombuffer(body, dtype="<f8", count=width * int(count[1])).reshape(-1, width)
-    return rows[:, :3].copy()
+    try:
+        return read_ply(path.read_bytes()).vertices
+    except PlyBad as error:
+        raise ResultOld() from error
 
 
 def garment_stem(folder: Path) -> str:

@@ -12,7 +12,9 @@ from ..errors import BadInput
 from ..pattern import Pattern, edge_length, list_templates, load_template, name_cut
 from ..pattern.parts import CUTS, Bodice, Cut, Neckline, draft_cut, half_neck
 from ..segment import Target
+from .cut_search import search_cuts
 from .neckline import NecklineFit, NecklineFits, fit_necklines
+from .sleeve_length import fit_sleeve
 
 STAND_IN = {"long_sleeve_tshirt": "tshirt", "shorts": "trousers"}
 """The category whose templates serve where there is none of a target's own: sleeves and legs are graded longer or
@@ -29,12 +31,17 @@ class Candidate:
 
     Attributes:
         template: Name by which it is drafted.
-        misfit: How unlike the scan's contours its own are: root mean square of the deviation of their lengths and of
-            the distance between necklines, both relative.
+        misfit: How unlike the scan it is: root of the sum of squares of the deviation of its girths along the garment
+            (of the lengths of its contours, where the scan does not show them) and of the distance between necklines,
+            both relative.
+        girths: The first of the two; None where the scan does not show its girths.
+        neckline: The second; None where it has no neckline to be compared.
     """
 
     template: str
     misfit: float
+    girths: float | None = None
+    neckline: float | None = None
 
 
 @dataclass(frozen=True)
@@ -63,10 +70,10 @@ class TemplateMissing(BadInput):
 def choose_cut(target: Target, body: Body, parts: Mapping[str, str] | None = None) -> Choice:
     """Choose template and parts for a target by its contours.
 
-    The template is that of `rank_templates`. A garment with a neck then gets the necklines, in front and behind, whose
-    lines are nearest to the scan's (`fit_necklines`): the shipped one where they agree or differ in depth only, which
-    grading mends, or else one drafted with the scan's proportion of depth to width. Grading moves control points and
-    never makes a corner, so a V has to be there before it.
+    The template is that of `rank_templates`, with the sleeves and the girths that the scan shows. A garment with a neck
+    then gets the necklines, in front and behind, whose lines are nearest to the scan's (`fit_necklines`): the shipped
+    one where they agree or differ in depth only, which grading mends, or else one drafted with the scan's proportion of
+    depth to width. Grading moves control points and never makes a corner, so a V has to be there before it.
 
     Args:
         target: The target.
@@ -79,25 +86,52 @@ def choose_cut(target: Target, body: Body, parts: Mapping[str, str] | None = Non
         PartUnknown, PartsConflict: where the user's parts are none, or cannot be sewn to each other.
     """
     wanted, fits = dict(parts or {}), fit_necklines(target, body)
-    options: list[tuple[tuple[float, bool, float], str, Cut]] = []
-    for template, missing, misfit in rank_templates(target, list(CUTS)):
-        fixed = {part: word for part, word in wanted.items() if CUTS[template].has_place_for(part)}
-        cut = CUTS[template].choose(fixed)
-        for named, more in _with_necklines(cut, fits, fixed):
-            cost = (missing, bool(options), math.hypot(misfit, more))
-            options.append((cost, name_cut(template, named), named))
-    chosen, *others = options
-    ranked = {
-        name: Candidate(name, cost[2]) for cost, name, _ in [*sorted(others, key=lambda one: one[0])[::-1], chosen]
-    }
-    _, name, cut = chosen
+    found: dict[str, tuple[int, Candidate, Cut]] = {}
+    for one in _rank_cuts(target, body, wanted):
+        for named, line in _with_necklines(one.cut, fits, wanted):
+            name = name_cut(one.template, named)
+            candidate = Candidate(name, math.hypot(one.misfit, line or 0.0), one.girths, line)
+            found.setdefault(name, (one.missing, candidate, named))
+    (_, chosen, cut), *others = found.values()
+    others.sort(key=lambda each: (each[0], each[1].misfit))
+    name, candidates = chosen.template, (chosen, *(candidate for _, candidate, _ in others))[:KEPT]
     notes = tuple(
         f"A {target.category} has no {part}; '{part}={word}' was left out."
         for part, word in wanted.items()
         if not cut.has_place_for(part)
     )
     pattern = load_template(name) if cut == CUTS.get(name) else draft_cut(cut, name=name)
-    return Choice(name, pattern, tuple(ranked.values())[: -KEPT - 1 : -1], notes)
+    return Choice(name, pattern, candidates, notes)
+
+
+@dataclass(frozen=True)
+class _Ranked:
+    """A cut but for its necklines: contours that only it or the scan has, its misfit, and whether that is of girths."""
+
+    template: str
+    cut: Cut
+    missing: int
+    misfit: float
+    girths: float | None = None
+
+
+def _rank_cuts(target: Target, body: Body, wanted: Mapping[str, str]) -> list[_Ranked]:
+    """Rank the cuts but for their necklines, the chosen one first.
+
+    Templates by their contours (`rank_templates`), with the sleeves that reach as far as the scan's (`fit_sleeve`); of
+    those with the fewest contours missing, then, every cut by its girths (`search_cuts`), where the scan shows them.
+    """
+    ranked = []
+    for template, missing, misfit in rank_templates(target, list(CUTS)):
+        fixed = {part: word for part, word in wanted.items() if CUTS[template].has_place_for(part)}
+        cut = CUTS[template].choose(fixed)
+        ranked.append(_Ranked(template, cut if "sleeve" in fixed else fit_sleeve(target, body, cut), missing, misfit))
+    least = ranked[0].missing
+    fits = search_cuts(target, body, [(one.template, one.cut) for one in ranked if one.missing == least], wanted)
+    if not fits:
+        return ranked
+    rest = [one for one in ranked if one.missing > least]
+    return [_Ranked(fit.template, fit.cut, least, fit.misfit, fit.misfit) for fit in fits] + rest
 
 
 def choose_template(target: Target, names: Sequence[str]) -> str:
@@ -141,7 +175,9 @@ def rank_templates(target: Target, names: Sequence[str]) -> list[tuple[str, int,
     return [(fitting[i], costs[i][0], math.sqrt(costs[i][1])) for i in order]
 
 
-def _with_necklines(cut: Cut, fits: NecklineFits | None, fixed: Mapping[str, str]) -> Iterator[tuple[Cut, float]]:
+def _with_necklines(
+    cut: Cut, fits: NecklineFits | None, fixed: Mapping[str, str]
+) -> Iterator[tuple[Cut, float | None]]:
     """Yield a cut with the necklines that fit a contour, the best pair first, each with the pair's misfit.
 
     What the user fixed stays. A crew neck and a scoop are one line in two depths, and the cut's own stays for both. The
@@ -149,7 +185,7 @@ def _with_necklines(cut: Cut, fits: NecklineFits | None, fixed: Mapping[str, str
     straight: the bow that its line seems to have is that of the shoulder, which no cylinder unrolls.
     """
     if fits is None or cut.bodice is Bodice.NONE:
-        yield cut, 0.0
+        yield cut, None
         return
     fronts, backs = (
         _unfixed(ranked, part in fixed, getattr(cut, part))

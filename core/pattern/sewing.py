@@ -16,7 +16,9 @@ ROUNDS = 4
 """Rounds of splitting edges that would be shared by four triangles; one is enough on all patterns tried."""
 
 
-def mesh_pattern(pattern: Pattern, vertex_count: int = 4000, edge_length: float | None = None) -> Garment:
+def mesh_pattern(
+    pattern: Pattern, vertex_count: int = 4000, edge_length: float | None = None, sweeps: int = MeshSettings.sweeps
+) -> Garment:
     """Mesh all panels evenly and sew them.
 
     Both sides of every seam, gathered ones too, get the same number of vertices, uniform in arc length.
@@ -25,13 +27,14 @@ def mesh_pattern(pattern: Pattern, vertex_count: int = 4000, edge_length: float 
         pattern: What to mesh.
         vertex_count: Nodes of the sewn mesh, met within about 4 %.
         edge_length: Edge length [m]; overrides vertex_count.
+        sweeps: Force sweeps that make triangles regular; none where only lengths and areas are measured on them.
 
     Raises:
         MeshTooCoarse: where a panel cannot be meshed at this edge length.
         PanelCrossing: where that is because a panel's outline crosses itself.
         NotOrientable: where the seams make a one-sided surface.
     """
-    settings = MeshSettings(vertex_count, edge_length)
+    settings = MeshSettings(vertex_count, edge_length, sweeps)
     size = edge_length or choose_edge_length(pattern, vertex_count)
     counts = count_segments(pattern, size)
     for _ in range(settings.refinements):

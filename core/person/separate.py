@@ -161,10 +161,23 @@ def predict_parts(points: PersonPoints, fit: FittedPerson, links: Links) -> tupl
     """Return the posterior by geometry and colour, shape [n, part_count], and the features."""
     features = describe_points(points, fit)
     tone = None if points.colours is None else skin_evidence(points.colours, features.place, fit.body)
-    posterior = diffuse(predict_by_rules(points, features, fit, tone), links)
-    if points.colours is not None:
-        posterior = use_colours(posterior, points.colours, features.place, links, tone)
-    return posterior, features
+    return smooth_parts(predict_by_rules(points, features, fit, tone), points, features, links, tone), features
+
+
+def smooth_parts(
+    posterior: np.ndarray, points: PersonPoints, features: Features, links: Links, tone: np.ndarray | None
+) -> np.ndarray:
+    """Return a posterior of the samples, shape [n, part_count], smoothed, and with what the scan's colours say.
+
+    Args:
+        posterior: By geometry alone, or by anything that was learnt, shape [n, part_count].
+        points: The samples.
+        features: Their description.
+        links: Their neighbours, as `link_alike` gives them where there are colours.
+        tone: Evidence for skin by its colour, shape [n], or None.
+    """
+    posterior = diffuse(posterior, links)
+    return posterior if points.colours is None else use_colours(posterior, points.colours, features.place, links, tone)
 
 
 def _refit(fit: PersonFit | _Given, points: PersonPoints, posterior: np.ndarray, hooks: Hooks) -> PersonFit | _Given:

@@ -3,7 +3,7 @@
 from .category import choose_category
 from .contours import name_contours
 from .garment import NoContour, PartMissing, SeveralGarments, segment_garment
-from .inspect import Inspection, inspect_file
+from .inspect import Inspection, find_remarks, inspect_file
 from .loop import find_loops, smooth_loop, smoothed_length
 from .neck import NeckLines, unroll_neck
 from .noise import smooth_noise
@@ -22,6 +22,7 @@ __all__ = [
     "Target",
     "choose_category",
     "find_loops",
+    "find_remarks",
     "flatten_spikes",
     "inspect_file",
     "mark_hidden_border",

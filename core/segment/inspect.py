@@ -12,6 +12,7 @@ from ..body import Body, is_builtin, is_smpl, load_smpl
 from ..scan import Limits, Pieces, Scan, Selection, describe_scan, load_pieces
 from .garment import segment_garment
 from .loop import find_loops, smoothed_length
+from .misfit import explain_misfit
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,7 @@ class Inspection:
         holes_m: Smoothed length of each hole [m]; None where no body was given.
         category: The category that would be chosen; None where no body was given.
         body: What the body is and how well its skeleton fits; None where no body was given.
+        remarks: What speaks against the body that was given, one sentence each.
     """
 
     name: str
@@ -55,6 +57,7 @@ class Inspection:
     holes_m: tuple[float, ...] | None = None
     category: str | None = None
     body: dict[str, Any] | None = None
+    remarks: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Give everything as plain JSON values."""
@@ -108,6 +111,7 @@ def inspect_file(
         contour_bones={contour.name: contour.bones for contour in target.contours},
         holes_m=tuple(round(smoothed_length(scan.vertices[hole]), 4) for hole in target.holes),
         category=target.category,
+        remarks=find_remarks(scan.vertices, who),
         body={
             "source": who.source,
             "height_m": round(float(np.ptp(who.vertices[:, 1])), 4),
@@ -121,6 +125,16 @@ def _describe(scan: Scan, boundaries: list[float]) -> dict[str, Any]:
     found = describe_scan(scan)
     lengths = tuple(round(length, 4) for length in boundaries)
     return found | {"extent_m": tuple(found["extent_m"]), "repairs": scan.repairs, "boundaries_m": lengths}
+
+
+def find_remarks(points: np.ndarray, body: Body) -> tuple[str, ...]:
+    """Return what speaks against a body for a garment's vertices [m], shape [n, 3], one sentence each.
+
+    A model that was fitted to a clothed person lies where it was guessed; nothing is said of it.
+    """
+    is_given = body.source.startswith(("mesh:", "builtin:"))
+    misfit = explain_misfit(points, body.vertices, body.faces) if is_given else ""
+    return (misfit,) if misfit else ()
 
 
 def _find_body(body: Body | Path | str | None, pieces: Pieces) -> Body | None:

@@ -11,6 +11,10 @@ PINCH = 0.15
 """Largest chord across a pinch, over the shorter way around: where scanned legs touch it has 0.01 to 0.05; a skirt's
 hem has 0.6 where it is round, and 0.25 where it is four times as wide as deep."""
 
+TOUCH = 0.08
+"""Largest chord across a pinch [m]: scanned legs touch to within 3 cm. A tiered hem of 2.5 to 3.4 m has chords of 15 to
+18 cm across its folds, which are short only beside its length."""
+
 LEAST = 0.25
 """Least share of the loop's length on either side of a pinch: two legs are alike."""
 
@@ -42,7 +46,7 @@ def split_legs(points: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     chord = np.linalg.norm(coarse[:, None] - coarse, axis=2)
     ratio = np.where(arc >= LEAST * length, chord / np.maximum(arc, 1e-12), np.inf)
     i, j = sorted(int(k) for k in np.unravel_index(ratio.argmin(), ratio.shape))
-    if ratio[i, j] > PINCH:
+    if ratio[i, j] > PINCH or chord[i, j] > TOUCH:
         return None
     i, j = i * stride, j * stride
     return np.arange(i, j + 1), np.concatenate([np.arange(j, len(points)), np.arange(i + 1)])

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .dynamics import State, move_on, settle
     from .energy import Energy, Inertia
     from .friction import Friction, lag_friction
+    from .layers import Layer, lay_over
     from .linearised import Linearised
     from .parameters import Parameters, list_gathers, map_rest, stretch_edge
     from .pins import Pins, PinsBad
@@ -46,6 +47,7 @@ _LAZY = {
     "Implicit": "derivative",
     "InMotion": "steps",
     "Inertia": "energy",
+    "Layer": "layers",
     "Linearised": "linearised",
     "NodesBad": "statics",
     "NotAtRest": "rest",
@@ -68,6 +70,7 @@ _LAZY = {
     "equilibrium": "statics",
     "fabric_forces": "sensitivity",
     "lag_friction": "friction",
+    "lay_over": "layers",
     "linearise_at": "derivative",
     "list_gathers": "parameters",
     "make_solver": "solver",
@@ -102,6 +105,7 @@ __all__ = [
     "Implicit",
     "InMotion",
     "Inertia",
+    "Layer",
     "Linearised",
     "NodesBad",
     "NotAtRest",
@@ -130,6 +134,7 @@ __all__ = [
     "fabric_forces",
     "get_fabric",
     "lag_friction",
+    "lay_over",
     "linearise_at",
     "list_gathers",
     "load_fabrics",

@@ -64,6 +64,10 @@ class FoldFriction(NamedTuple):
             return cls(topology.hinges.angles, np.zeros(len(topology.hinges.nodes)), SLIP)
         return cls(friction.angles, friction.moments, float(friction.slip))
 
+    def among(self, hinges: slice) -> FoldFriction:
+        """Return the friction in some of the hinges."""
+        return FoldFriction(self.angles[hinges], self.moments[hinges], self.slip)
+
 
 def measure_angles(topology: Topology, nodes: np.ndarray) -> np.ndarray:
     """Compute the angle between the normals of each hinge's faces [rad], signed as in `bending`, [hinge_count]."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .collision.advance import LEAST
 from .collision.coupling import couple
 from .collision.rubbing import Rubbing
 from .energy import Energy, Inertia
@@ -77,7 +78,7 @@ def move_on(
         if energy.push is not None or n == 0:
             energy = energy.pull_apart(nodes)
         energy = energy.lag_rubbing(nodes, state.rubbing)
-        energy, free = energy.free_share(nodes, pinned - nodes)
+        energy, free = energy.free_share(nodes, pinned - nodes, LEAST)
         pinned = pinned if free == 1.0 else nodes + free * (pinned - nodes)
         energy, solver, end = _step(energy, solver, pinned, settings)
         state = State(end, (end - nodes) / dt, end if friction is None else friction.slide(end), energy.rubbing)

@@ -60,12 +60,6 @@ class Energy:
     push: np.ndarray | None = None
     near: Near | None = None
 
-    @property
-    def _stiffness(self) -> np.ndarray:
-        """Return the membrane's four numbers as its kernels take them [N/m]."""
-        fabric = self.scene.fabric
-        return np.array([fabric.H00, fabric.H01, fabric.H11, fabric.H22])
-
     def watch(self, nodes: np.ndarray, end: np.ndarray | None = None) -> Energy:
         """Return the same energy that knows which pairs of cloth may touch at nodes [m] and on the way to `end` [m]."""
         cloth, near = self.scene.self_contact, self.near
@@ -79,16 +73,17 @@ class Energy:
             return replace(self, near=look_back(cloth, nodes[None], near)[0])
         return replace(self, near=find_near(cloth, nodes, end))
 
-    def free_share(self, nodes: np.ndarray, step: np.ndarray) -> tuple[Energy, float]:
+    def free_share(self, nodes: np.ndarray, step: np.ndarray, least: float = 0.0) -> tuple[Energy, float]:
         """Return the largest share, 0 to 1, of a step [m] from nodes [m] on which no two parts of the cloth meet.
 
-        With it comes the energy that knows the pairs along the step; both arrays are of shape [node_count, 3].
+        With it comes the energy that knows the pairs along the step; both arrays are of shape [node_count, 3]. No pair
+        comes nearer than the share `least` of its reach.
         """
         if self.scene.self_contact is None:
             return self, 1.0
         watching = self.watch(nodes, nodes + step)
         assert watching.near is not None
-        return watching, watching.near.free_share(nodes, step)
+        return watching, watching.near.free_share(nodes, step, least)
 
     def hold(self, nodes: np.ndarray) -> Energy:
         """Return the same energy with the pairs near nodes [m], shape [node_count, 3], and no others anywhere.
@@ -152,20 +147,26 @@ class Energy:
 
         It is linear in the step and so free of the stretch that any straight step along a fold brings.
         """
-        topology = self.scene.topology
-        return np.asarray(foresee_stress(nodes, step, topology.faces, topology.rest.gradients, self._stiffness))
+        topology, found = self.scene.topology, []
+        for layer in self.scene.garments:
+            faces, shape, _, _ = layer.membrane_of(topology)
+            found.append(foresee_stress(nodes, step, faces, shape, layer.stiffness))
+        return np.concatenate(found)
 
     def _evaluate(
         self, nodes: np.ndarray, order: int, exact: bool, stress: np.ndarray = NO_STRESS
     ) -> tuple[float, np.ndarray, np.ndarray]:
         scene = self.scene
-        topology, fabric = scene.topology, scene.fabric
+        topology = scene.topology
         nodes = np.ascontiguousarray(nodes, dtype=np.float64)
         blocks = np.zeros((len(topology.pattern.rows), 3, 3)) if order == 2 else NO_BLOCKS
         found = Derivatives(np.zeros_like(nodes), blocks)
-        energy = membrane(nodes, topology.face_elements, self._stiffness, stress, order, exact, found)
-        folds = FoldFriction.of(topology, scene.bending_friction)
-        energy += bending(nodes, topology.hinge_elements, fabric.k, folds, order, exact, found)
+        energy, folds = 0.0, FoldFriction.of(topology, scene.bending_friction)
+        for layer in scene.garments:
+            foreseen = stress[layer.faces] if len(stress) else stress
+            faces, hinges = layer.membrane_of(topology), layer.bending_of(topology)
+            energy += membrane(nodes, faces, layer.stiffness, foreseen, order, exact, found)
+            energy += bending(nodes, hinges, layer.fabric.k, folds.among(layer.hinges), order, exact, found)
         diagonal = topology.pattern.diagonal
         if scene.body is not None:
             elements, forces = NodeElements(topology.rest.node_areas, diagonal), Forces.none(len(nodes))

@@ -41,10 +41,10 @@ def lag_friction(scene: Scene, nodes: np.ndarray, anchors: np.ndarray) -> Fricti
 
     A derivative takes it as given: `nodes` and `anchors`, both of shape [node_count, 3], are then a drape's.
     """
-    if scene.body is None or not scene.contact.friction or scene.fabric.friction <= 0:
+    if scene.body is None or not scene.contact.friction or not np.any(scene.per_node("friction")):
         return None
     force, normals = contact_forces(scene, nodes)
-    return Friction(anchors, normals, scene.fabric.friction * force, scene.contact.slip)
+    return Friction(anchors, normals, scene.per_node("friction") * force, scene.contact.slip)
 
 
 @njit(cache=True, inline="always")

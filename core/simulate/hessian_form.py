@@ -28,7 +28,7 @@ def pull_form(energy: Energy, nodes: np.ndarray, one: np.ndarray, other: np.ndar
         q [J], for directions in metres; derivatives of shapes [node_count, 3], [face_count, 3, 2] and [6].
     """
     scene = energy.scene
-    topology, fabric = scene.topology, scene.fabric
+    topology, fabric = scene.topology, scene.only_fabric
     values = [fabric.H00, fabric.H01, fabric.H11, fabric.H22, fabric.k, fabric.density]
     free = [torch.tensor(np.array(part), requires_grad=True) for part in (nodes, topology.rest.corners, values)]
     x, rest, stiffness = free

@@ -10,8 +10,9 @@ from ..body import DistanceGrid
 from .bending_friction import BendingFriction
 from .collision.self_contact import SelfContact
 from .fabric import Fabric
+from .layers import Layer
 from .pins import Pins
-from .settings import GRAVITY, ContactSettings
+from .settings import GRAVITY, ContactSettings, SettingsBad
 from .tangent_planes import TangentPlanes
 from .topology import Topology
 
@@ -41,7 +42,7 @@ class Scene:
 
     Attributes:
         topology: The mesh with its rest shape.
-        fabric: What it is made of.
+        fabric: What it is made of; of garments one upon the other the outermost's.
         body: Signed distance to the body; of one that moves the planes that the cloth is near; or None.
         pins: Pinned nodes, or None.
         rotation: For cloth in steady rotation, or None.
@@ -49,6 +50,7 @@ class Scene:
         gravity: Acceleration [m/s2], shape [3].
         contact: How the cloth touches the body.
         self_contact: How it touches itself, or None: then it passes through itself.
+        layers: The garments one upon the other that it is, from `lay_over`; empty for one garment.
     """
 
     topology: Topology
@@ -60,11 +62,38 @@ class Scene:
     gravity: tuple[float, float, float] = GRAVITY
     contact: ContactSettings = field(default_factory=ContactSettings)
     self_contact: SelfContact | None = None
+    layers: tuple[Layer, ...] = ()
 
     @property
     def masses(self) -> np.ndarray:
         """Return the lumped mass of each node [kg], shape [node_count]."""
-        return self.fabric.density * self.topology.rest.node_areas
+        return self.per_node("density") * self.topology.rest.node_areas
+
+    @property
+    def garments(self) -> tuple[Layer, ...]:
+        """Return each garment of the mesh with its fabric."""
+        whole = slice(None)
+        return self.layers or (Layer(self.fabric, whole, whole, whole),)
+
+    @property
+    def only_fabric(self) -> Fabric:
+        """Return the one fabric by which derivatives are taken.
+
+        Raises:
+            SettingsBad: where there are several.
+        """
+        if self.layers:
+            raise SettingsBad("derivatives know one garment alone; take it without the others.")
+        return self.fabric
+
+    def per_node(self, name: str) -> np.ndarray | float:
+        """Return a parameter of the fabric of that name: one number, or one for each node, shape [node_count]."""
+        if not self.layers:
+            return float(getattr(self.fabric, name))
+        found = np.zeros(self.topology.node_count)
+        for layer in self.layers:
+            found[layer.nodes] = getattr(layer.fabric, name)
+        return found
 
     @property
     def mean_weight(self) -> float:

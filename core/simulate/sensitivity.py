@@ -51,7 +51,7 @@ def pull_forces(energy: Energy, nodes: np.ndarray, weights: np.ndarray) -> tuple
 
     Notation: g = dE/dx [N], `nodes` x and `weights`, both of shape [node_count, 3].
     """
-    topology, fabric = energy.scene.topology, energy.scene.fabric
+    topology, fabric = energy.scene.topology, energy.scene.only_fabric
     shape, areas, faces = topology.rest.gradients, topology.rest.areas, topology.faces
     F, sigma = _deform(topology, fabric, nodes)
     L = np.swapaxes(weights[faces], 1, 2) @ shape
@@ -88,7 +88,7 @@ def push_forces(energy: Energy, nodes: np.ndarray, rest_rates: np.ndarray) -> np
 
     `rest_rates` [m], shape [face_count, 3, 2, direction_count].
     """
-    topology, fabric = energy.scene.topology, energy.scene.fabric
+    topology, fabric = energy.scene.topology, energy.scene.only_fabric
     shape, areas, faces = topology.rest.gradients, topology.rest.areas, topology.faces
     count, many = len(faces), rest_rates.shape[-1]
     F, sigma = _deform(topology, fabric, nodes)
@@ -175,7 +175,7 @@ def _acceleration(energy: Energy, nodes: np.ndarray) -> np.ndarray:
 def _load_per_area(energy: Energy, nodes: np.ndarray) -> np.ndarray:
     """Give what a unit of a node's area adds to the gradient [N/m2], shape [node_count, 3]: mass and contact."""
     scene = energy.scene
-    found = scene.fabric.density * _acceleration(energy, nodes)
+    found = scene.only_fabric.density * _acceleration(energy, nodes)
     if scene.body is not None:
         force, normal = contact_forces(scene, nodes, np.ones(len(nodes)))
         found -= force[:, None] * normal

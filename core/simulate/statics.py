@@ -10,6 +10,7 @@ import numpy as np
 
 from ..errors import BadInput
 from ..hooks import SILENT, Hooks
+from .collision.advance import LEAST
 from .collision.coupling import couple
 from .collision.rubbing import Rubbing
 from .collision.untangle import is_resolving
@@ -169,7 +170,7 @@ def equilibrium(
         pinned = move_pins(nodes, energy.scene.pins, settings.max_step)
         arrived = bool((pinned == nodes).all())
         if not arrived:
-            energy, free = energy.free_share(nodes, pinned - nodes)
+            energy, free = energy.free_share(nodes, pinned - nodes, LEAST)
             nodes = pinned if free == 1.0 else nodes + free * (pinned - nodes)
         cloth = energy.scene.self_contact
         if cloth is not None and cloth.crossed.any():

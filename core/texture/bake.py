@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import BadInput
-from ..mesh import TriangleSurface, vertex_normals
+from ..mesh import vertex_normals
 from ..pattern import Garment
 from ..scan.coloured import ColouredScan
-from .beyond import find_beyond
 from .fill import fill_gaps, spread_border
+from .lookup import look_up_colours
 from .texels import Texels, find_texels
 
 TEXELS_MM = (0.5, 1.0, 2.0)
@@ -22,15 +22,6 @@ GUTTER = 8
 
 BESIDE = 2.0
 """Ground beside the border that shows the scan itself [texel]: what bilinear reading at the border touches."""
-
-REACH = 0.01
-"""Largest distance between the garment and the scan's surface that it shows [m]."""
-
-AGREE = 0.2
-"""Least cosine between the garment's normal and the scan's: a face that is seen so flatly is another fold's."""
-
-OVER_RIM = 2e-3
-"""How far over the scan's rim a place may lie and still take the rim's colour [m]; beyond is a hole of the scan."""
 
 
 class TexelBad(BadInput):
@@ -103,44 +94,13 @@ def bake_texture(
 
 def _look_up(garment: Garment, nodes: np.ndarray, scan: ColouredScan, texels: Texels) -> tuple[np.ndarray, np.ndarray]:
     """Return the colour of each texel, shape [n, 3], and whether the scan shows it, shape [n]."""
-    beyond = find_beyond(scan)[scan.faces].any(axis=1) if scan.is_cut else np.zeros(len(scan.faces), dtype=bool)
-    own = np.flatnonzero(scan.is_coloured)
-    surface = TriangleSurface(scan.vertices, scan.faces[own])
     normals = vertex_normals(nodes, garment.faces)
     corners = garment.faces[texels.face]
     points = np.einsum("nk,nkd->nd", texels.barycentric, nodes[corners])
     inner = np.clip(texels.barycentric, 0.0, None)  # beside the border the direction is that on it
     facing = np.einsum("nk,nkd->nd", inner, normals[corners])
     facing /= np.maximum(np.linalg.norm(facing, axis=1, keepdims=True), 1e-30)
-    found = surface.closest(points)
-    face, place, distance = found.face.copy(), found.barycentric.copy(), found.distance.copy()
-    away = points - found.foot
-    cosine = np.einsum("nd,nd->n", facing, surface.face_normals[face])
-    sign = _outward(surface)
-    lost = np.flatnonzero((distance <= 2.0 * REACH) & (sign * cosine < AGREE))
-    for axis in range(3):
-        for side in (1.0, -1.0):
-            mine = lost[np.argmax(np.abs(facing[lost]), axis=1) == axis]
-            mine = mine[np.sign(facing[mine, axis]) == side]
-            alike = np.flatnonzero(sign * side * surface.face_normals[:, axis] > AGREE)
-            if len(mine) and len(alike):
-                again = TriangleSurface(surface.vertices, surface.faces[alike]).closest(points[mine])
-                face[mine], place[mine], distance[mine] = alike[again.face], again.barycentric, again.distance
-                away[mine] = points[mine] - again.foot
-    normal = surface.face_normals[face]
-    cosine = sign * np.einsum("nd,nd->n", facing, normal)
-    aside = np.linalg.norm(away - np.einsum("nd,nd->n", away, normal)[:, None] * normal, axis=1)
-    hole = surface.border_faces[face] & (aside > OVER_RIM)
-    shown = (distance <= REACH) & (cosine >= AGREE) & ~hole & ~beyond[own[face]]
-    return scan.colours_at(own[face], place), shown
-
-
-def _outward(surface: TriangleSurface) -> float:
-    """Return 1.0 where faces look away from the middle of what they go around, -1.0 where they look towards it."""
-    centres = surface.vertices[surface.faces].mean(axis=1)
-    middle = np.average(centres, axis=0, weights=surface.face_areas)
-    flow = np.einsum("nd,nd->n", centres - middle, surface.face_normals) @ surface.face_areas
-    return 1.0 if flow >= 0.0 else -1.0  # a file's faces may all look inward; of two layers the outer is larger
+    return look_up_colours(scan, points, facing)
 
 
 def _fill_panels(

@@ -4,10 +4,11 @@ from .bodies import BodyFile, describe_body_file, find_wearer, read_body_file
 from .dressing import STAGES, Dressed, dress_body, is_sound, measure_worn
 from .ease import Ease, cut_cloth, measure_ease
 from .load import measure_pressure, measure_strain
+from .over import dress_over, rest_together
 from .refit import Refitted, make_to_measure, refit_pattern
 from .verdicts import judge_wear
 from .waist import carry_curve, match_models
-from .worn import WORN, ResultOld, Worn, hang_from, load_worn, save_worn, worn_of
+from .worn import WORN, ResultOld, Worn, hang_from, load_worn, save_worn, wear_template, worn_of
 
 __all__ = [
     "STAGES",
@@ -22,6 +23,7 @@ __all__ = [
     "cut_cloth",
     "describe_body_file",
     "dress_body",
+    "dress_over",
     "find_wearer",
     "hang_from",
     "is_sound",
@@ -35,6 +37,8 @@ __all__ = [
     "measure_worn",
     "read_body_file",
     "refit_pattern",
+    "rest_together",
     "save_worn",
+    "wear_template",
     "worn_of",
 ]

@@ -11,6 +11,7 @@ import numpy as np
 from ..body import Body, penetration_depth
 from ..clock import Clock
 from ..drape import WearerGeometry, redrape
+from ..hooks import Hooks
 from ..mesh import self_intersections
 from ..pieces import PieceNumbers, measure_pieces
 from ..segment import name_contours
@@ -21,7 +22,7 @@ from .load import measure_pressure, measure_strain
 from .parting import part_layers
 from .verdicts import judge_wear
 from .waist import carry_curve
-from .worn import Worn, hang_from
+from .worn import Worn
 
 STAGES = ("drape", "measure")
 """Stages of dressing, after those that read its input."""
@@ -46,6 +47,7 @@ class Dressed:
         peak_mb: Largest resident memory of the process [MB].
         manifest: What reproduces the result.
         pieces: Of each production piece of the pattern, its numbers; empty where none can be cut.
+        under: The garment below it at rest with it, or None where it is worn alone.
     """
 
     before: Worn
@@ -62,6 +64,7 @@ class Dressed:
     peak_mb: float = 0.0
     manifest: dict[str, Any] = field(default_factory=dict)
     pieces: tuple[PieceNumbers, ...] = ()
+    under: Worn | None = None
 
 
 def dress_body(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:
@@ -78,28 +81,66 @@ def dress_body(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> D
     Raises:
         Cancelled: as soon as the clock's hooks say so.
     """
-    cloth, wearer = fabric or worn.fabric, WearerGeometry(body)
+    wearer = WearerGeometry(body)
     with clock.stage("drape", "dressing the body in the pattern") as hooks:
-        waist = None if worn.waist is None else carry_curve(worn.waist, worn.body, body)
-        target = hang_from(waist, worn.category)
-        nodes, drape = redrape(worn.garment, wearer, cloth, target, hooks=hooks)
-        nodes, drape = part_layers(worn.garment.at(nodes), wearer, cloth, target, drape, hooks)
+        now, drape = drape_worn(carry_worn(worn, body, fabric), wearer, hooks)
+    return judge_dressed(worn, now, drape, wearer, clock)
+
+
+def carry_worn(worn: Worn, body: Body, fabric: Fabric | None) -> Worn:
+    """Return a garment that is to hang on another body, its waist carried there and its nodes as they were.
+
+    Args:
+        worn: The garment as a result keeps it.
+        body: Who is to wear it.
+        fabric: The cloth, or None for the garment's own.
+    """
+    waist = None if worn.waist is None else carry_curve(worn.waist, worn.body, body)
+    return replace(worn, fabric=fabric or worn.fabric, body=body, waist=waist, rotation=None)
+
+
+def drape_worn(worn: Worn, wearer: WearerGeometry, hooks: Hooks) -> tuple[Worn, Drape]:
+    """Drape a garment on its wearer from its pattern's rest placement, and part its layers; give it and its rest."""
+    nodes, drape = redrape(worn.garment, wearer, worn.fabric, worn.target, hooks=hooks)
+    nodes, drape = part_layers(worn.garment.at(nodes), wearer, worn.fabric, worn.target, drape, hooks)
+    return replace(worn, garment=worn.garment.at(nodes)), drape
+
+
+def judge_dressed(
+    before: Worn,
+    draped: Worn,
+    drape: Drape,
+    wearer: WearerGeometry,
+    clock: Clock,
+    layers: dict[str, float | None] | None = None,
+) -> Dressed:
+    """Measure and judge how a garment fits that came to rest on another body.
+
+    Args:
+        before: The garment on the wearer that it was recovered from.
+        draped: The garment at rest on the other one.
+        drape: The equilibrium.
+        wearer: The other one's geometry.
+        clock: Times the stages.
+        layers: Metrics of how it lies over another garment, or None where it is worn alone.
+    """
+    body = wearer.body
     with clock.stage("measure", "measuring how it fits"):
-        contours, _ = name_contours(nodes, worn.garment.faces, body)
-        garment = worn.garment.at(nodes, contours or worn.garment.contours)
-        now = replace(worn, garment=garment, fabric=cloth, body=body, waist=waist, rotation=None)
+        contours, _ = name_contours(draped.garment.nodes, draped.garment.faces, body)
+        garment = draped.garment.at(draped.garment.nodes, contours or draped.garment.contours)
+        now = replace(draped, garment=garment)
         ease, strain, pressure = measure_ease(garment, body), measure_strain(now), measure_pressure(now, wearer)
         cut = measure_pieces(now.pattern)
-        metrics = {**measure_worn(now, wearer, drape), **tabulate_ease(ease), **cut.metrics}
+        metrics = {**measure_worn(now, wearer, drape), **tabulate_ease(ease), **cut.metrics, **(layers or {})}
         metrics |= {
             "strain_p99": float(np.quantile(strain, 0.99)),
             "pressure_p99_pa": float(np.quantile(pressure, 0.99)),
         }
     warnings = [] if drape.converged else [f"the garment is {drape.outcome.advice}"]
-    if worn.rotation is not None:
+    if before.rotation is not None:
         warnings.append("the scanned cloth was in motion; here it hangs at rest.")
     return Dressed(
-        before=worn,
+        before=before,
         worn=now,
         drape=drape,
         ease=ease,
@@ -112,7 +153,7 @@ def dress_body(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> D
         stage_seconds=clock.seconds,
         cpu_seconds=clock.total,
         peak_mb=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
-        manifest={"body": body.source, "fabric": cloth.name, "template": worn.template, "category": worn.category},
+        manifest={"body": body.source, "fabric": now.fabric.name, "template": now.template, "category": now.category},
     )
 
 

@@ -45,7 +45,25 @@ def judge_wear(metrics: Metrics) -> tuple[Gate, ...]:
             if crossed == 0.0
             else f"{crossed:.0f} faces pass through others: mend them before the mesh is simulated on.",
         ),
+        *_judge_layers(metrics),
     )
+
+
+def _judge_layers(metrics: Metrics) -> tuple[Gate, ...]:
+    """Judge how a garment lies over another one; nothing where it is worn alone."""
+    crossed, depth = metrics.get("layers.crossing_faces"), metrics.get("layers.depth_mm")
+    if crossed is None or depth is None:
+        return ()
+    crossed += metrics.get("under.self_intersecting_faces") or 0.0
+    deepest = max(depth, metrics.get("under.body_penetration_mm") or 0.0)
+    lies = crossed == 0.0 and deepest <= DEPTH_MM
+    message = "It lies over the other garment."
+    if not lies:
+        message = (
+            f"{crossed:.0f} faces of it and the garment below pass through the other or through themselves, or it lies "
+            f"{depth:.1f} mm under that, or that in the body: change their order, or take a wider size."
+        )
+    return (Gate("layers", Verdict.PASS if lies else Verdict.FAIL, max(crossed, deepest), DEPTH_MM, message),)
 
 
 def _judge_width(metrics: Metrics) -> Gate:

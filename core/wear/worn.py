@@ -9,10 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ..body import Body
+from ..body import Body, builtin_body
 from ..checkpoints import pack, unpack
+from ..drape.shipped import WEARER
 from ..errors import BadInput
-from ..pattern import EdgeRef, Garment, Pattern
+from ..pattern import EdgeRef, Garment, Pattern, load_draped_template
 from ..recovery import Recovery
 from ..segment import Contour, Target
 from ..simulate import Fabric, SteadyRotation
@@ -79,6 +80,24 @@ def hang_from(waist: np.ndarray | None, category: str) -> Target:
     contours = () if waist is None else (Contour("waist", np.arange(len(points)), length),)
     faces = np.zeros((0, 3), dtype=np.int64)
     return Target(points, faces, np.zeros_like(points), contours, (), category)
+
+
+def wear_template(name: str, fabric: Fabric) -> Worn | None:
+    """Return a shipped template on the built-in female body that it hangs on; None where no drape of it is shipped.
+
+    Args:
+        name: Of the template.
+        fabric: The cloth that it is worn in.
+
+    Raises:
+        TemplateUnknown: where there is no template of that name.
+    """
+    garment = load_draped_template(name)
+    if garment is None:
+        return None
+    waist = garment.contour("waist")
+    curve = None if waist is None else garment.nodes[waist.vertices]
+    return Worn(garment, fabric, builtin_body(WEARER), curve, None, name, garment.pattern.category or name)
 
 
 def worn_of(recovery: Recovery) -> Worn:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields
 from typing import Any, Literal, get_type_hints
 
-from pydantic import BaseModel, ConfigDict, create_model
+from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from .. import records
 from ..catalogue import Template
@@ -71,6 +71,44 @@ class Upload(_Answer):
     sha256: Sha256
     name: str
     size: int
+
+
+class ScanRead(_Answer):
+    """Describe a scan as it was read; `file_count` are the file's points before it was cleaned."""
+
+    name: str
+    units: str
+    up: str
+    is_cloud: bool
+    vertex_count: int
+    face_count: int
+    file_count: int
+    extent_m: tuple[float, float, float]
+    has_colours: bool
+    has_labels: bool
+    notes: list[str]
+
+
+class Need(_Answer):
+    """Describe what a job would need beside the scan."""
+
+    code: str
+    message: str
+
+
+class Inspection(BaseModel):
+    """Describe what is understood of a scan; `is_sure` is false where only the job will know what it is."""
+
+    model_config = ConfigDict(extra="forbid", populate_by_name=True, serialize_by_alias=True)
+
+    given_as: Literal["person", "garment"] = Field(alias="as")
+    is_sure: bool
+    scan: ScanRead
+    body: dict[str, Any] | None
+    category: str | None
+    contours_m: dict[str, float] | None
+    remarks: list[str]
+    needs: Need | None
 
 
 class Asked(_Answer):

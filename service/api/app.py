@@ -22,6 +22,7 @@ from . import (
     batches,
     events,
     health,
+    inspection,
     jobs,
     keys,
     labels,
@@ -68,7 +69,7 @@ def make_app(settings: ServiceSettings, limits: ApiLimits | None = None, is_open
     token = make_local_token(settings.home) if is_open else ""
     app.state.rooms = Rooms(settings, open_database(settings), store, limits, token, meter)
     libraries = (match, patterns, templates, materials, keys, persons, webhooks)
-    for module in (uploads, batches, jobs, labels, events, results, questions, *libraries):
+    for module in (uploads, inspection, batches, jobs, labels, events, results, questions, *libraries):
         app.include_router(module.router, prefix="/v1", dependencies=[Depends(refuse_unknown)])
     app.include_router(health.router)
     app.include_router(pages.router)

@@ -11,7 +11,7 @@ from fastapi.responses import JSONResponse, PlainTextResponse, Response
 
 from ... import __version__
 from ...core.errors import GarmentqError
-from ..health import find_troubles, hide_places, read_queue
+from ..health import explain_kind, find_troubles, hide_places, read_queue
 from .access import RoomsOf, Watcher
 from .answers import Health, Readiness
 from .problems import ALWAYS, make_problem, show_answer, show_refusals
@@ -47,6 +47,7 @@ def tell_readiness(rooms: RoomsOf) -> Response:
     """
     found: dict[str, str] = {}
     troubles: list[str] = []
+    told: list[str] = []
     for name, check in {
         "database": lambda: find_troubles(hide_places(read_queue(rooms.database))),
         "store": lambda: rooms.store.check(rooms.settings.free_bytes),
@@ -57,10 +58,10 @@ def tell_readiness(rooms: RoomsOf) -> Response:
         except GarmentqError as error:
             log.warning("not ready: %s", error.code)
             found[name] = error.code
+            told.append(f"{name} {error.code}: {explain_kind(error)}")
     if set(found.values()) == {"ok"}:
         return JSONResponse(found | {"troubles": troubles})
-    told = ", ".join(f"{name} {state}" for name, state in found.items())
-    return make_problem(503, "service.not_ready", f"{told}; ask again later, or tell the operator.")
+    return make_problem(503, "service.not_ready", " ".join(told))
 
 
 @router.get(

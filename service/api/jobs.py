@@ -54,8 +54,8 @@ VERSION = {
     "verdict": "pass", "created": 1795250100.0,
 }  # fmt: skip
 DELETED = {"jobs": ["3685ecfd4f81"], "uploads": 0, "files": 7, "size": 2048000, "young": 0}
-OF_PERSONS = ("given_as", "wearing", "marks", "parts")
-"""Fields of a request that say something of a whole person."""
+ADDED = ("given_as", "wearing", "marks", "parts", "over")
+"""Fields of a request that came with later versions: left empty they are no part of what it is."""
 
 Words = Annotated[Text | None, Query(max_length=255)]
 ASKED = {"job": "3685ecfd4f81", "state": "queued", "is_new": True}
@@ -194,8 +194,8 @@ def _create(rooms: Rooms, caller: Caller, wanted: JobIn | DerivedIn, token: str 
 
 
 def fingerprint(wanted: JobIn | DerivedIn) -> dict[str, Any]:
-    """Return what makes a repeated request the same; of one without a person's options what earlier versions made."""
-    return wanted.model_dump(exclude={name for name in OF_PERSONS if not getattr(wanted, name, None)})
+    """Return what makes a repeated request the same; of one without later versions' fields what earlier ones made."""
+    return wanted.model_dump(exclude={name for name in ADDED if not getattr(wanted, name, None)})
 
 
 def _incoming(rooms: Rooms) -> Path:
@@ -209,9 +209,10 @@ def _derive(rooms: Rooms, caller: Caller, wanted: DerivedIn, nonce: str) -> Deri
         field: find_upload(rooms.database, caller.key, sha256, UPLOADED_AS.get(field)).name
         for field, sha256 in wanted.files.items()
     }
-    asked = wanted.model_dump(exclude={"files", "tags"})
+    asked = wanted.model_dump(exclude={"files", "tags", "over"})
     return DerivedOrder(
         **asked,
+        over=wanted.over or "",
         files={field: FileRef(wanted.files[field], clean_name(name)) for field, name in names.items()},
         tags=tuple(wanted.tags),
         nonce=nonce,

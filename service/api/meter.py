@@ -8,10 +8,14 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from ...core.errors import GarmentqError
+from ..inspection import InspectionsFull
 from .limits import ApiLimits
 
 FORGIVEN_SECONDS = 10.0
 """After so long one wrong key is forgiven [s]."""
+
+INSPECTIONS = 2
+"""Scans that this process lets be looked at at a time: each takes a core for some seconds, and up to 4 GiB."""
 
 MOST_ADDRESSES = 10_000
 """Addresses and keys that are remembered, so that nobody fills the memory."""
@@ -136,6 +140,20 @@ class Meter:
             yield
         finally:
             self._end("stream", key)
+
+    @contextmanager
+    def inspecting(self) -> Iterator[None]:
+        """Count one scan that is looked at for the block, whoever asks.
+
+        Raises:
+            InspectionsFull: where as many are looked at as may be.
+        """
+        if not self._begin("inspection", "", INSPECTIONS):
+            raise InspectionsFull()
+        try:
+            yield
+        finally:
+            self._end("inspection", "")
 
     def _begin(self, what: str, key: str, most: int | None) -> bool:
         with self._lock:

@@ -39,6 +39,7 @@ EXAMPLE = {
     }],
 }  # fmt: skip
 
+
 @router.post(
     "/check", summary="Say what is wrong with a pattern, and where.",
     responses=show_answer(EXAMPLE, model=PatternCheck, refusals=(408,)),

@@ -122,6 +122,7 @@ class DerivedIn(BaseModel):
     )
     kind: Annotated[str, StringConstraints(pattern=r"^[a-z][a-z_]{0,31}$")] = Field(description="dress, for example.")
     result: JobId = Field(description="The job whose result it works on.")
+    over: JobId | None = Field(None, description="dress: the job whose garment it is worn over; null: none.")
     options: dict[FieldName, Any] = Field(default={}, max_length=50, description="What the kind is asked; docs/api.md.")
     files: dict[FieldName, Sha256] = Field(default={}, max_length=10, description="Uploads by the request's fields.")
     priority: int = Field(0, ge=-100, le=100)

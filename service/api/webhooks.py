@@ -38,9 +38,7 @@ def create(wanted: WebhookIn, rooms: RoomsOf, caller: Submitter) -> Any:
     the operator allows others; docs/api.md describes the messages.
     """
     states = [State(state) for state in wanted.states]
-    webhook, secret = create_webhook(
-        rooms.database, wanted.url, states, rooms.settings.webhook_networks, caller.key
-    )
+    webhook, secret = create_webhook(rooms.database, wanted.url, states, rooms.settings.webhook_networks, caller.key)
     return webhook.as_json() | {"secret": secret}
 
 

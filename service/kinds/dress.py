@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 
 from ..jobs import Claim
 from ..models import JobRow
-from .dress_request import BODY, RESULT, DressRequest
+from .dress_request import BODY, RESULT, UNDER, DressRequest
 from .kind import Kind, Outcome, Work
 from .rows import add_metrics, add_pattern, add_pieces, describe_body, show_garment, summarise
 
@@ -39,6 +39,7 @@ class Dress(Kind):
     request = DressRequest
     stages: ClassVar[tuple[str, ...]] = ("check", "body", "drape", "measure")
     reads = MappingProxyType({RESULT: GARMENTS})
+    reads_too = MappingProxyType({UNDER: GARMENTS})
 
     def checker(self, settings: ServiceSettings) -> str:
         """Return the reader of bodies."""
@@ -54,14 +55,17 @@ class Dress(Kind):
         from ...core.export.dressed import write_dressed
         from ...core.record_file import read_record
         from ...core.simulate import get_fabric
-        from ...core.wear import BodyFile, find_wearer, load_worn
+        from ...core.wear import BodyFile, dress_over, find_wearer, load_worn
 
         worn, clock = load_worn(work.inputs[RESULT]), Clock(hooks)
         wanted = request.body if isinstance(request.body, str | None) else read_record(BodyFile, work.files / BODY)
         with clock.stage("body", "finding the body's joints") as told:
             body = find_wearer(wanted, worn.body, request.pose, told)
         fabric = None if request.fabric is None else get_fabric(request.fabric)
-        dressed = self.wear(worn, body, fabric, clock)
+        if UNDER in work.inputs:
+            dressed = dress_over(worn, load_worn(work.inputs[UNDER]), body, fabric, clock)
+        else:
+            dressed = self.wear(worn, body, fabric, clock)
         write_dressed(dressed, work.out)
         return dressed
 
@@ -85,6 +89,7 @@ class Refit(Dress):
 
     name = "refit"
     stages: ClassVar[tuple[str, ...]] = ("check", "body", "refit", "drape", "measure")
+    reads_too = MappingProxyType({})
 
     def wear(self, worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:
         """Return the garment made to measure on the body."""

@@ -10,6 +10,9 @@ from .request import FileRef, RequestBad
 RESULT = "result"
 """Name of the input: the stored result whose garment is worn again."""
 
+UNDER = "under"
+"""Name of the other input, where there is one: the stored result whose garment it is worn over."""
+
 BODY = "body.npz"
 """Holds what was read of the body's file, beside its folder."""
 

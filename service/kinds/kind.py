@@ -101,12 +101,14 @@ class Kind(ABC):
         stages: Names of the stages in order, by which progress is reported; the first is always `check`.
         reads: Of a kind whose jobs are derived from stored results: the kinds of job that each input may be, by the
             input's name.
+        reads_too: The same of an input that a job may do without; `DerivedOrder.over` names its job.
     """
 
     name: ClassVar[str]
     request: ClassVar[type[Any]]
     stages: ClassVar[tuple[str, ...]]
     reads: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
+    reads_too: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
 
     def checker(self, settings: ServiceSettings) -> str:
         """Return what reads the user's bytes and refuses what cannot be used: the first stage, in a limited process.

@@ -1,19 +1,28 @@
-"""`/results/ID/report`, its pictures, and the small picture of each job: what pages show of stored files."""
+"""`/results/ID/report`, its pictures and meshes, and the small picture of each job: what pages show of stored files."""
 
 from __future__ import annotations
 
+import hashlib
+from collections.abc import Sequence
+
 from fastapi import Request, Response
 
-from ..api.access import RoomsOf, find_own
-from ..results import ResultMissing
+from ..api.access import Rooms, RoomsOf, find_own
+from ..records import Artifact
+from ..results import ResultMissing, list_files
 from .page_route import make_router
 from .session import VisitorOf
-from .stored_files import REPORT, find_file, list_pictures, make_thumbnail, read_bytes
+from .shell import Visitor
+from .shown_meshes import MESHES, SCANS, WORN
+from .stored_files import REPORT, find_file, list_pictures, make_thumbnail, pack_files, read_bytes
 
 router = make_router()
 
 REPORT_POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'none'; sandbox"
 """What a report may do: show its own style and pictures; no script runs in it, whatever it holds."""
+
+MOST_SHOWN = 64 * 1024**2
+"""Largest file that is packed for a view [bytes]: a scan of 1.3 million vertices."""
 
 KEPT = "private, max-age=86400"
 """How long a browser keeps a picture, whose address changes with its content."""
@@ -38,6 +47,31 @@ def show_picture(job: str, number: int, rooms: RoomsOf, visitor: VisitorOf) -> R
     if not 0 <= number < len(pictures):
         raise ResultMissing("the report has no such picture.")
     return Response(pictures[number].content, media_type=f"image/{pictures[number].kind}")
+
+
+@router.get("/results/{job}/view.bin")
+def show_view(job: str, request: Request, rooms: RoomsOf, visitor: VisitorOf) -> Response:
+    """Return meshes and flat pattern of a result as `pack_shown` packs them; scans are asked for one by one."""
+    return _send_packed(job, [f"{name}.ply" for name in MESHES if name not in SCANS] + [WORN], request, rooms, visitor)
+
+
+@router.get("/results/{job}/scan.bin")
+def show_scan(job: str, request: Request, rooms: RoomsOf, visitor: VisitorOf) -> Response:
+    """Return the scan of a result as `pack_shown` packs it."""
+    return _send_packed(job, ["scan.ply"], request, rooms, visitor)
+
+
+def _send_packed(job: str, names: Sequence[str], request: Request, rooms: Rooms, visitor: Visitor) -> Response:
+    row = find_own(rooms, visitor.caller, job)
+    there = {row.name: Artifact.from_row(row) for row in list_files(rooms.database, row.id)}
+    files = [(name, there[name].sha256) for name in names if name in there and there[name].size <= MOST_SHOWN]
+    if not files:
+        raise ResultMissing("the job has no such mesh, or one that is too large to be shown; download its files.")
+    etag = f'"{hashlib.sha256(repr(files).encode()).hexdigest()[:32]}"'
+    headers = {"etag": etag, "cache-control": KEPT}
+    if etag in request.headers.get("if-none-match", ""):
+        return Response(status_code=304, headers=headers)
+    return Response(pack_files(rooms.store, tuple(files)), media_type="application/octet-stream", headers=headers)
 
 
 @router.get("/jobs/{job}/thumbnail")

@@ -168,6 +168,10 @@ XYZ.</p>
 <label>Tags <input name="tags" placeholder="spring, fitting"></label>
 <label>The scan is <select name="as"><option value="">found out</option><option value="person">a person</option>
 <option value="garment">a garment</option></select></label>
+<label>Unit <select name="units"><option value="">found out</option><option>m</option><option>cm</option>
+<option>mm</option><option>inch</option><option>foot</option></select></label>
+<label>Up axis <select name="up"><option value="">found out</option><option>y</option><option>z</option>
+<option>-y</option><option>-z</option><option>x</option><option>-x</option></select></label>
 <label>Body <input name="body" placeholder="builtin:female,height=1.70"></label>
 <label>Body's file <input name="body_file" type="file" accept=".ply,.obj,.stl,.off,.glb,.npz"></label>
 <label>Labels <input name="labels" type="file" accept=".npz,.npy,.json,.txt"></label>
@@ -177,4 +181,6 @@ XYZ.</p>
 <label>Method <select name="method"><option value="">as by default</option>{methods}</select></label>
 </div></details>
 <p class="row"><button type="submit" class="primary">Queue the job</button><progress id="sent" max="1" value="0" hidden
- aria-label="Upload"></progress></p><div id="problem"></div></form>"""
+ aria-label="Upload"></progress></p><div id="problem"></div>
+<section id="understood" hidden aria-label="What is understood of the scan"><h3>What is understood of it</h3>
+<div class="wide"><table></table></div><p id="looking" class="soft" role="status"></p></section></form>"""

@@ -2,41 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fastapi import Response
 from sqlalchemy import select
 
 from ..api.access import Rooms, RoomsOf, find_own
+from ..kinds.recover_request import PERSON
 from ..models import JobInputRow, JobRow, OwnerRow
 from ..records import Artifact, JobReport
 from ..results import ResultMissing, list_files, report_jobs
 from ..states import State
+from ..submission import JobUnknown
 from .fabric_words import draw_fabric
 from .markup import Html, html, join
 from .page_route import make_router
 from .session import VisitorOf
 from .shell import Visitor, draw_shell
-from .stored_files import REPORT, list_pictures, read_json
+from .shown_meshes import MESHES, SCANS, WORN
+from .stored_files import REPORT, find_file, list_pictures, read_json
 from .words import draw_family, draw_gates, draw_verdict
 
 router = make_router()
 
-MESHES = {
-    "detail": "Detail",
-    "simulation": "Simulation",
-    "redrape": "Dressed anew",
-    "graded": "Graded",
-    "dressed": "Dressed",
-    "garment": "Garment",
-    "body": "Body",
-    "scan": "Scan",
-}
-"""What is shown in 3D where the result has it as NAME.ply; the first of them is shown at first, and the body."""
-
 STYLES = {
     "cloth": "Cloth",
+    "texture": "Texture",
     "normals": "Fold normals",
     "distance": "Distance from the scan",
     "strain": "Stretch",
@@ -60,13 +52,14 @@ def show_result(job: str, rooms: RoomsOf, visitor: VisitorOf) -> Response:
     content = join(
         [
             _draw_head(report, names, visitor),
-            _draw_views(rooms, report, names),
+            _draw_views(rooms, report, names, _find_person(rooms, report, visitor)),
             draw_family(report),
             _draw_known(rooms, report),
             _draw_files(rooms, report, files, visitor),
         ]
     )
-    return draw_shell(report.name, content, visitor, ["result.js"])
+    data = f"/results/{report.id}/view.bin" if _has_view(names) else ""
+    return draw_shell(report.name, content, visitor, ["result.js"], data=data)
 
 
 def _draw_head(job: JobReport, names: set[str], visitor: Visitor) -> Html:
@@ -85,12 +78,33 @@ def _draw_head(job: JobReport, names: set[str], visitor: Visitor) -> Html:
     return html(head, job.name, draw_verdict(job.verdict), what, join(links, " "))
 
 
-def _draw_views(rooms: Rooms, job: JobReport, names: set[str]) -> Html:
-    there = [name for name in MESHES if f"{name}.ply" in names]
-    cloth = [name for name in there if name not in ("body", "scan")]
+def _list_shown(names: set[str]) -> set[str]:
+    """Return the meshes that a result of some files has for the 3D view."""
+    return {name for name in MESHES if f"{name}.ply" in names}
+
+
+def _has_view(names: set[str]) -> bool:
+    """Return whether there is anything that `view.bin` holds."""
+    return bool(_list_shown(names) - set(SCANS)) or WORN in names
+
+
+def _find_person(rooms: Rooms, job: JobReport, visitor: Visitor) -> str:
+    """Return the job of the person that a garment was taken from, where the visitor sees its scan; else nothing."""
+    try:
+        row = find_own(rooms, visitor.caller, job.inputs.get(PERSON, ""))
+    except JobUnknown:
+        return ""
+    return row.id if find_file(rooms, row.id, "scan.ply") else ""
+
+
+def _draw_views(rooms: Rooms, job: JobReport, names: set[str], person: str) -> Html:
+    there = [name for name in MESHES if name in _list_shown(names)]
+    cloth = [name for name in there if name not in ("body", *SCANS)]
+    titles = [(name, MESHES[name]) for name in there] + ([("person", "The person's scan")] if person else [])
+    shown = {*cloth[:1], "body"} if cloth else {"scan"} if "scan" in there else {"body"}
     boxes = join(
         html('<label><input type="checkbox" data-mesh="{}"{}> {}</label>', name,
-             Html(" checked" if name == "body" or name in cloth[:1] else ""), MESHES[name]) for name in there
+             Html(" checked" if name in shown else ""), title) for name, title in titles
     )  # fmt: skip
     styles = join(html('<option value="{}">{}</option>', name, title) for name, title in STYLES.items())
     pictures = join(
@@ -98,15 +112,27 @@ def _draw_views(rooms: Rooms, job: JobReport, names: set[str]) -> Html:
              job.id, number, one.title, one.title) for number, one in enumerate(list_pictures(rooms, job.id))
     )  # fmt: skip
     return html(
-        VIEWS, job=job.id, files=" ".join(sorted(names & WANTED)), boxes=boxes, styles=styles, pictures=pictures,
-        flat=Html() if "worn.npz" in names else Html(" hidden"),
+        VIEWS, job=job.id, person=person, files=" ".join(sorted(names & WANTED)), boxes=boxes, styles=styles,
+        pictures=pictures, uncoloured=_tell_uncoloured(job),
+        packed=Html(" data-packed") if _has_view(names) else Html(),
+        cloth=Html() if cloth else Html(" hidden"),
+        flat=Html() if WORN in names else Html(" hidden"),
         player=Html() if "garment.pc2" in names else Html(" hidden"),
         solid=Html() if there else Html(" hidden"), hidden=Html(" hidden" if cloth else ""),
     )  # fmt: skip
 
 
-WANTED = {f"{name}.ply" for name in MESHES} | {"worn.npz", "garment.pc2", "body.pc2", "frames.json"}
-"""The files that the page's script reads."""
+def _tell_uncoloured(job: JobReport) -> str:
+    """Return why a result without colours has none, for the place of the colouring that it lacks."""
+    checked = job.details.get("checked") or {}
+    scan = checked.get("scan") if isinstance(checked, Mapping) else None
+    if isinstance(scan, Mapping) and scan.get("has_colours"):
+        return "No texture: the result was stored before colours were kept with it; submit its scan anew."
+    return f"No texture: {'the scan has no colours' if job.kind == 'recover' else 'it is kept with a recovery alone'}."
+
+
+WANTED = {WORN, "garment.pc2", "body.pc2", "frames.json"}
+"""The files that the page's script asks whether they are there."""
 
 
 def _draw_known(rooms: Rooms, job: JobReport) -> Html:
@@ -159,15 +185,17 @@ def _may_submit(visitor: Visitor) -> bool:
     return "submit" in visitor.caller.scopes or visitor.caller.sees_all
 
 
-VIEWS = """<div id="result" data-job="{job}" data-files="{files}">
+VIEWS = """<div id="result" data-job="{job}" data-person="{person}" data-files="{files}"{packed}>
 <div class="views"><section class="card view"{solid} aria-label="3D"><div class="row tools">
 <fieldset class="row"><legend>Shown</legend>{boxes}</fieldset>
-<label>Colour <select id="style">{styles}</select></label>
+<label{cloth}>Colour <select id="style">{styles}</select></label>
 <label><input type="checkbox" id="wireframe"> Wireframe</label>
 <button type="button" id="whole">Whole</button></div>
 <div id="space"></div><p class="row"><span id="colours" hidden><canvas id="bar" width="200" height="12"
  role="img" aria-label="Colours from none to the largest value"></canvas> <span id="end"></span></span>
-<span id="loading" class="soft" role="status">Loading…</span></p>
+<span id="loading" class="soft" role="status">Loading…</span>
+<span id="unseen" class="soft" hidden>The scan's own colours; grey where it shows nothing.</span>
+<span id="uncoloured" class="soft" hidden>{uncoloured}</span></p>
 <p class="row" id="player"{player}><button type="button" id="play" aria-pressed="false">Play</button>
 <input type="range" id="frame" min="0" max="0" value="0" aria-label="Frame"><output id="time"></output></p></section>
 <section class="card view"{flat} aria-label="Pattern"><div class="row tools">

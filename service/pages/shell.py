@@ -9,6 +9,7 @@ from fastapi.responses import HTMLResponse
 
 from ..keys import Caller
 from .markup import Html, html, join
+from .static_files import find_edition, list_imports
 
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
@@ -40,6 +41,7 @@ def draw_shell(
     scripts: Sequence[str] = (),
     here: str = "",
     status: int = 200,
+    data: str = "",
 ) -> HTMLResponse:
     """Return a page.
 
@@ -50,7 +52,9 @@ def draw_shell(
         scripts: Modules that it loads, by their names in `static`.
         here: The address in `PLACES` that it belongs to.
         status: The answer's status.
+        data: Address of what the scripts read first; empty: nothing.
 
+    Modules, those that they import, and the data are named in the head, so that a browser asks for all of them at once.
     The referrer's policy lets a form tell its origin to this service, and nothing to any other.
     """
     links = [
@@ -60,12 +64,21 @@ def draw_shell(
     page = html(
         TEMPLATE,
         title=title,
+        edition=find_edition(),
         csrf=html('<meta name="csrf-token" content="{}">', visitor.csrf) if visitor else Html(),
-        scripts=join(html('<script type="module" src="/static/{}"></script>', name) for name in scripts),
+        scripts=_draw_scripts(scripts, data),
         navigation=html(NAVIGATION, links=join(links), csrf=visitor.csrf) if visitor else Html(),
         content=content,
     )
     return HTMLResponse(page, status, {"content-security-policy": POLICY, "referrer-policy": "same-origin"})
+
+
+def _draw_scripts(scripts: Sequence[str], data: str) -> Html:
+    wanted = [html('<link rel="preload" as="fetch" crossorigin="anonymous" href="{}">', data)] if data else []
+    imported = dict.fromkeys(module for name in scripts for module in list_imports(name))
+    wanted += [html('<link rel="modulepreload" href="/static/{}/{}">', find_edition(), name) for name in imported]
+    module = '<script type="module" src="/static/{}/{}"></script>'
+    return join([*wanted, *(html(module, find_edition(), name) for name in scripts)])
 
 
 TEMPLATE = """<!doctype html>
@@ -76,8 +89,8 @@ TEMPLATE = """<!doctype html>
 <meta name="color-scheme" content="light dark">
 <title>{title} – garmentq</title>
 {csrf}
-<link rel="icon" href="/static/icon.svg" type="image/svg+xml">
-<link rel="stylesheet" href="/static/style.css">
+<link rel="icon" href="/static/{edition}/icon.svg" type="image/svg+xml">
+<link rel="stylesheet" href="/static/{edition}/style.css">
 {scripts}
 </head>
 <body>

@@ -1,12 +1,18 @@
-"""`/static/NAME`: style, scripts and pictures of the pages, out of this package and nowhere else."""
+"""`/static/NAME`: style, scripts and pictures of the pages, out of this package and nowhere else.
+
+Pages name them by `/static/EDITION/NAME`: the edition changes with any of the files, so a browser that has one need not
+ask for it again; scripts import each other by relative names, which keep the edition.
+"""
 
 from __future__ import annotations
 
 import gzip
 import hashlib
+import posixpath
+import re
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from fastapi import APIRouter, Request, Response
 
@@ -25,6 +31,9 @@ TYPES = {
 
 VENDORED = "vendor/"
 """Files with their version in their name, which never change."""
+
+IMPORT = re.compile(r"^import [^'\";]*?from '(\.[^']+)'", re.MULTILINE)
+"""An import of a module at its script's beginning."""
 
 SMALL = 1024
 """A file below this is not worth packing [bytes]: it fits into one packet."""
@@ -53,6 +62,32 @@ def load_files() -> dict[str, StaticFile]:
     return {path.relative_to(FOLDER).as_posix(): _load(path) for path in FOLDER.rglob("*") if path.suffix in TYPES}
 
 
+@cache
+def find_edition() -> str:
+    """Return what stands before the names of all files on a page; another one wherever a file is another one."""
+    told = "".join(f"{name}{file.etag}" for name, file in sorted(load_files().items()))
+    return f"files-{hashlib.sha256(told.encode()).hexdigest()[:16]}"
+
+
+@cache
+def list_imports(script: str) -> tuple[str, ...]:
+    """Return the names of all modules that a script imports, itself or through others: a page asks for them at once."""
+    found: dict[str, None] = {}
+    left = [script]
+    while left:
+        name = left.pop()
+        file = load_files().get(name)
+        if file is None or name.startswith(VENDORED):
+            continue
+        folder = PurePosixPath(name).parent
+        for given in IMPORT.findall(file.content.decode()):
+            module = posixpath.normpath((folder / given).as_posix())
+            if module not in found:
+                found[module] = None
+                left.append(module)
+    return tuple(found)
+
+
 def _load(path: Path) -> StaticFile:
     content = path.read_bytes()
     packed = gzip.compress(content, 9, mtime=0) if len(content) > SMALL else b""
@@ -61,11 +96,15 @@ def _load(path: Path) -> StaticFile:
 
 @router.get("/static/{name:path}")
 def send_file(name: str, request: Request) -> Response:
-    """Return a file, packed where the browser takes that."""
+    """Return a file, packed where the browser takes that; under an earlier edition's name the present one."""
+    edition, mark, rest = name.partition("/")
+    if mark and edition.startswith("files-"):
+        name = rest
     file = load_files().get(name)
     if file is None:
         raise refuse(404, "request.no_such_page", "there is no such file.")
-    lasting = "public, max-age=31536000, immutable" if name.startswith(VENDORED) else "no-cache"
+    is_lasting = name.startswith(VENDORED) or edition == find_edition()
+    lasting = "public, max-age=31536000, immutable" if is_lasting else "no-cache"
     headers = {"etag": file.etag, "cache-control": lasting, "vary": "accept-encoding"}
     if file.etag in request.headers.get("if-none-match", ""):
         return Response(status_code=304, headers=headers)

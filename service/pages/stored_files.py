@@ -74,6 +74,15 @@ def _read_pictures(store: Store, sha256: str) -> tuple[Picture, ...]:
     return tuple(Picture(title, kind, base64.b64decode(data)) for title, kind, data in PICTURE.findall(text))
 
 
+def pack_files(store: Store, files: tuple[tuple[str, str], ...]) -> bytes:
+    """Return files of a result, each a name and a hash, as `pack_shown` packs them for a view."""
+    from .shown_meshes import WORN, pack_shown
+
+    content = {name: b"".join(store.read(sha256)) for name, sha256 in files}
+    worn = content.pop(WORN, None)
+    return pack_shown({name.removesuffix(".ply"): mesh for name, mesh in content.items()}, worn)
+
+
 @lru_cache(maxsize=512)
 def make_thumbnail(store: Store, sha256: str) -> bytes | None:
     """Return the small picture of a report as PNG, or None where it has none."""

@@ -97,6 +97,8 @@ def ask_everything(service: Client, finished: str, folder: Path) -> None:
     kinds = {"scans": "a.ply", "bodies": "b.ply", "labels": "labels.json", "patterns": "mine.json", "motions": "m.bvh"}
     for kind, name in kinds.items():
         service.forget_upload(kind, service.upload(kind, folder / name))
+    scan = service.upload("scans", folder / "a.ply")
+    assert service.inspect_scan(scan, quick=True, as_="garment", up="y")["needs"]["code"] == "body.missing"
     job = service.submit(Order(folder / "a.ply", folder / "b.ply")).job
     (folder / "points.npy").write_bytes(b"x")
     refused(service.mend_labels, finished, folder / "points.npy")

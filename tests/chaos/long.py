@@ -90,19 +90,19 @@ def restart_broker(settings) -> None:
     start_broker(settings)
 
 
-def lock_sqlite(settings) -> None:
+def lock_sqlite(settings, seconds: float) -> None:
     """Hold SQLite's write lock for a while from a process of its own."""
     code = (
         "import sqlite3, sys, time\nc = sqlite3.connect(sys.argv[1], timeout=60, isolation_level=None)\n"
-        f"c.execute('begin exclusive')\ntime.sleep({AWAY_SECONDS})\n"
+        f"c.execute('begin exclusive')\ntime.sleep({seconds})\n"
     )
     subprocess.run([sys.executable, "-c", code, str(settings.home / "garmentq.db")], check=True)
 
 
-def restart_database(settings, server: PostgresServer | None) -> None:
-    """Stop the server at once and start it again, or lock SQLite."""
+def restart_database(settings, server: PostgresServer | None, seconds: float) -> None:
+    """Stop the server at once and start it again, or lock SQLite for a while."""
     if server is None:
-        lock_sqlite(settings)
+        lock_sqlite(settings, seconds)
     else:
         server.stop()
         server.start()
@@ -133,11 +133,13 @@ class Pace:
         seconds: Least time between two kills [s].
         jobs: Jobs that end between two kills, at least.
         store_seconds: How long the store is away each time [s].
+        lock_seconds: How long SQLite is locked [s].
     """
 
     seconds: float = 2.0
     jobs: int = 0
     store_seconds: float = STORE_SECONDS
+    lock_seconds: float = AWAY_SECONDS
 
 
 def run(
@@ -153,7 +155,7 @@ def run(
         (0.1, lambda: take_store_away(settings, pace.store_seconds)),
         (0.2, lambda: restart_broker(settings)),
         (0.3, lambda: take_store_away(settings, pace.store_seconds)),
-        (0.4, lambda: restart_database(settings, server)),
+        (0.4, lambda: restart_database(settings, server, pace.lock_seconds)),
         (0.6, lambda: restart_broker(settings)),
         (0.7, lambda: take_store_away(settings, pace.store_seconds)),
     ]

@@ -255,6 +255,7 @@ def test_a_log_line_is_one_json_object():
     assert (found["job"], found["attempt"], found["stage"], found["message"]) == ("j1", 2, "drape", "job x\n{}")
 
 
+@pytest.mark.parametrize("database_kind", ["sqlite"], indirect=True)
 def test_status_csv_and_batch(cli, settings, database, queue_job, tmp_path):
     """Broken where the live table does not draw, or a cell that begins like a formula reaches a spreadsheet as one."""
     import csv
@@ -265,8 +266,8 @@ def test_status_csv_and_batch(cli, settings, database, queue_job, tmp_path):
     with database.write() as session:
         session.get(JobRow, job).name = "=cmd()\n1"
     show_life(database, "host:1", "cpu", 2, 30.0)
-    shown = cli.start("status", "--watch").stdout
+    shown = cli("status", "--watch").stdout
     assert "succeeded 1" in shown and "host:1" in shown
-    rows = list(csv.DictReader(io.StringIO(cli.start("query", "--csv").stdout)))
+    rows = list(csv.DictReader(io.StringIO(cli("query", "--csv").stdout)))
     assert [(row["job"], row["name"]) for row in rows] == [(job, "'=cmd()?1")]
     assert float(rows[0]["surface_rms_mm.t2s"]) == 5.0

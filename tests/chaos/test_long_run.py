@@ -23,7 +23,7 @@ def test_r9_blows_by_chance(settings, marks, nursery, database_kind, request):
     def start():
         return nursery.start(["--workers", "1"], environment, quick.home / "worker.log")
 
-    found = run(quick, start, jobs=20, workers=2, seed=1, pace=Pace(0.0, 4, 1.0), server=server)
-    assert (found["results"], found["duplicates"], found["lost"], found["blows left"]) == (20, 0, 0, 0)
+    found = run(quick, start, jobs=15, workers=2, seed=1, pace=Pace(0.0, 3, 1.0, 1.0), server=server)
+    assert (found["results"], found["duplicates"], found["lost"], found["blows left"]) == (15, 0, 0, 0)
     assert found["kills of parents"] + found["kills of children"] >= 3
     gc.collect()

@@ -18,7 +18,7 @@ STAGES = ("garments", "store")
 @pytest.mark.slow
 def test_a_person_killed_in_the_middle(settings, database, store, start_worker, marks, monkeypatch, tmp_path):
     """Breaks where a kill in the middle of the parent loses a garment's job, or makes one twice."""
-    monkeypatch.setenv("STANDIN_KILLS", "1")
+    monkeypatch.setenv("STANDIN_KILLS", "person")
     start_broker(settings)
     with start_worker(lease_seconds=600.0, max_attempts=20, **PERSONS):
         root = submit(database, store, Order(put_file(tmp_path, "anna.ply"), None)).job

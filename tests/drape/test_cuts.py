@@ -100,6 +100,13 @@ def test_a_cut_hangs(name: str) -> None:
 
 
 @pytest.mark.nightly
+@pytest.mark.parametrize("name", ["trousers+waistband=band", "shorts+legs=straight,waistband=band"])
+def test_a_fold_in_the_lap_leaves_the_body(name: str) -> None:
+    """Breaks where cloth stays in the crease between belly and thigh: outside it would cross, and was put back."""
+    hang(name, "female", ("seated",))
+
+
+@pytest.mark.nightly
 @pytest.mark.parametrize("gender", sorted(STATURES))
 @pytest.mark.parametrize("number", range(DRAWN))
 def test_a_drawn_cut_hangs_in_every_pose(number: int, gender: str) -> None:

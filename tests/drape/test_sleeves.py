@@ -1,10 +1,12 @@
 """Sleeves drafted for hanging arms are laid along the arms before a T-pose is dressed."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from garmentq.core.drape import DrapeSettings, drape_template
+from garmentq.core.body import builtin_body
+from garmentq.core.drape import DrapeSettings, drape_template, hangs_in_sleeves
 from garmentq.core.drape.dress import LIFT
 from garmentq.core.drape.sleeves import turn_sleeves
 from garmentq.core.pattern import Pattern, list_templates, load_template, mesh_pattern
@@ -50,3 +52,28 @@ def test_a_wide_drooping_sleeve_is_put_over_the_arm() -> None:
     rotation, _ = turn_sleeves(garment, find_wearer().body, LIFT)
     turned = np.abs(rotation - [panel.rotation[:2, :2] for panel in garment.pattern.panels]).max(axis=(1, 2)) > 0.1
     assert [panel.label == "sleeve" for panel in garment.pattern.panels] == turned.tolist()
+
+
+def test_the_side_panel_of_a_bodice_is_no_sleeve() -> None:
+    """Breaks if any panel beyond a shoulder with an opening of its own is laid along the arm: here, its armhole."""
+    bodice = load_template("dress+shaping=princess,waist=seam")
+    out = {"left": np.array([0.12, 0.0, 0.0]), "right": np.array([-0.12, 0.0, 0.0])}
+    panels = tuple(
+        replace(panel, translation=panel.translation + out[panel.name.rpartition("_")[2]])
+        if "_side_" in panel.name and not panel.name.startswith("skirt")
+        else panel
+        for panel in bodice.panels
+    )
+    garment = mesh_pattern(replace(bodice, panels=panels), 350)
+    rotation, _ = turn_sleeves(garment, find_wearer().body, LIFT)
+    assert np.array_equal(rotation, [panel.rotation[:2, :2] for panel in garment.pattern.panels])
+
+
+@pytest.mark.parametrize(
+    ("pose", "ends", "hangs"),
+    [("arms-down", "cuff.left", True), ("arms-down", "armhole.left", False), ("A", "cuff.left", False)],
+)
+def test_sleeves_hang_on_arms_that_hang(pose: str, ends: str, hangs: bool) -> None:
+    """Broken where every T-shirt pays for cloth kept apart in its graded drape, or one with hanging arms does not."""
+    target = SimpleNamespace(contours=[SimpleNamespace(name=ends)])
+    assert hangs_in_sleeves(target, builtin_body(f"builtin:female,pose={pose}")) == hangs

@@ -236,7 +236,8 @@ def test_verdict_and_remarks_are_shown(html: str) -> None:
 def test_the_report_names_the_cuts_that_were_compared(tube_recovery) -> None:
     """Breaks where a reader cannot see what else the garment might be cut as, or a named cut shows an empty row."""
     recovery = tube_recovery()
-    compared = [{"template": "tshirt+neckline=v", "misfit": 0.1}, {"template": "tshirt", "misfit": 0.2}]
+    right = {"template": "tshirt+neckline=v", "misfit": 0.1, "girths": 0.08, "neckline": 0.06}
+    compared = [right, {"template": "tshirt", "misfit": 0.2}]
     shown = report_html(replace(recovery, manifest={**recovery.manifest, "candidates": compared}))
-    assert "tshirt+neckline=v 0.100, tshirt 0.200" in shown
+    assert "tshirt+neckline=v 0.100 (girths 0.080, neckline 0.060); tshirt 0.200" in shown
     assert "Cuts by misfit" not in report_html(recovery)

@@ -39,6 +39,19 @@ def test_a_bulge_goes_back_through_the_other_sheet(depth):
     assert moved[[0, 15, 240, 255, 256]].max() < 1e-4  # far from the bulge nothing moves
 
 
+@pytest.mark.parametrize("seed", [3, 14, 25, 39])
+def test_a_crumpled_corner_is_smoothed(seed):
+    """Broken where cloth that is crumpled by more than an edge, whose contour cannot contract, is left crossed."""
+    vertices, faces = lay_sheets(lambda x, y: 0.1 + 0.0 * x, 9)
+    crumpled = vertices.copy()
+    corner = [30, 31, 39, 40, 41, 49]
+    crumpled[corner] += np.random.default_rng(seed).normal(0.0, 2.0 * SPACING, (6, 3))
+    assert len(self_intersections(crumpled, faces)) > 5
+    smooth = untangle(crumpled, faces)
+    assert len(self_intersections(smooth, faces)) == 0
+    assert np.linalg.norm(smooth - vertices, axis=1)[81:].max() < 1e-3  # nothing happens to the other sheet
+
+
 def test_what_crosses_nowhere_comes_back_as_it_is():
     """Broken where sound meshes are smoothed, copied or moved by a digit."""
     vertices, faces = lay_sheets(lambda x, y: 0.003 + 0.0 * x)

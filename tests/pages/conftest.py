@@ -8,10 +8,11 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from urllib.parse import urlsplit
 
+import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "api"))
@@ -147,11 +148,14 @@ def shirt(site, tube_recovery) -> str:
 
 @pytest.fixture(scope="session")
 def whole_tube(tube_recovery) -> Callable[[], Recovery]:
-    """Give the maker of a recovery with all four meshes, each told from the others by its size."""
+    """Return the maker of a recovery with all four meshes, told apart by size, of a scan that is red above blue."""
     found = tube_recovery()
     nodes = found.garment.nodes
     four = Meshes(found.meshes.graded, found.meshes.detail, nodes * 1.02, nodes * 1.03)
-    return lambda: tube_recovery(meshes=four)
+    height = nodes[:, 1] - nodes[:, 1].min()
+    above = (height > 0.5 * height.max())[:, None]
+    scan = replace(found.scan, colours=np.where(above, [0.8, 0.2, 0.2], [0.2, 0.2, 0.8]))
+    return lambda: tube_recovery(meshes=four, scan=scan)
 
 
 @pytest.fixture(scope="session")
@@ -187,9 +191,10 @@ def faults() -> list[str]:
 
 
 @contextmanager
-def open_context(chromium, site, faults: list[str]) -> Iterator:
-    """Open a browser window of its own for the block, signed in as the local user; fails where `faults` are left."""
-    opened = chromium.new_context(base_url=site.url, viewport={"width": 1280, "height": 900})
+def open_context(chromium, site, faults: list[str], token: str = "", **options) -> Iterator:
+    """Open a browser window of its own for the block, signed in with a key or as the local user; `options` are those
+    of the browser's `new_context`. Fails where `faults` are left."""
+    opened = chromium.new_context(base_url=site.url, **{"viewport": {"width": 1280, "height": 900}} | options)
     opened.set_default_timeout(WAIT_MS)
     host = urlsplit(site.url).netloc
 
@@ -203,7 +208,7 @@ def open_context(chromium, site, faults: list[str]) -> Iterator:
 
     opened.on("page", watch)
     opened.on("request", look)
-    answer = opened.request.post("/signin", form={"token": site.token})
+    answer = opened.request.post("/signin", form={"token": token or site.token})
     assert answer.ok
     opened.faults = faults
     yield opened
@@ -213,8 +218,28 @@ def open_context(chromium, site, faults: list[str]) -> Iterator:
 
 @pytest.fixture(scope="module")
 def open_window(chromium, site) -> Callable:
-    """Give `open_context` for fixtures whose window several tests share."""
-    return lambda: open_context(chromium, site, [])
+    """Return `open_context` for windows that several tests share, of another key or size, or of another home."""
+    return lambda at=site, **options: open_context(chromium, at, [], **options)
+
+
+@pytest.fixture(scope="session")
+def find_barriers() -> Callable:
+    """Return a function that lists what axe-core finds serious on a page, in light and in dark."""
+    reason = "pip install axe-playwright-python"
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason=reason).Axe()
+
+    def find(page) -> list[tuple[str, str, str, str]]:
+        found = []
+        for scheme in ("light", "dark"):
+            page.emulate_media(color_scheme=scheme)
+            page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+            for one in axe.run(page).response["violations"]:
+                if one["impact"] in ("serious", "critical"):
+                    found.append((scheme, one["id"], one["impact"], one["nodes"][0]["html"]))
+        page.emulate_media(color_scheme="light")
+        return found
+
+    return find
 
 
 @pytest.fixture

@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+from editor_page import Editor, lengths, moved
 from garmentq.core.pattern import find_symmetry, read_pattern, seam_mismatch
 from garmentq.core.pattern.templates import load_template
 
@@ -45,108 +46,6 @@ def editor(opened):
     return Editor(opened)
 
 
-class Editor:
-    """Drive the page as a person does, and read what it holds."""
-
-    def __init__(self, page):
-        self.page = page
-
-    def file(self) -> dict:
-        """Return the pattern as it would be written now."""
-        return self.module("pattern_model", "patternFile(session.present)")
-
-    def text(self) -> str:
-        """Return the text that a download would have."""
-        return self.module("pattern_model", "writePattern(session.present)")
-
-    def module(self, name: str, what: str):
-        """Return what a function of a module gives for the session."""
-        call = f"const {{ session }} = document.querySelector('#editor'); return module.{what}"
-        return self.page.evaluate(f"async () => {{ const module = await import('/static/edit/{name}.js'); {call}; }}")
-
-    def pattern(self):
-        """Return the present pattern as core reads it."""
-        return read_pattern(self.file())
-
-    def settle(self) -> None:
-        """Wait until what was asked for is drawn."""
-        frames = "requestAnimationFrame(() => requestAnimationFrame(done))"
-        self.page.evaluate(f"() => {{ scrollTo(0, 0); return new Promise((done) => {frames}); }}")
-
-    def place(self, panel: str, point: int) -> tuple[float, float]:
-        """Return where a control point is on the screen [px]."""
-        self.settle()
-        return tuple(
-            self.page.evaluate(
-                """([panel, point]) => {
-                    const dot = document.querySelector(`[data-panel="${panel}"] [data-point="${point}"]`);
-                    const at = new DOMPoint(...dot.getAttribute('d').match(/-?[0-9.]+/g).slice(0, 2).map(Number));
-                    const seen = at.matrixTransform(dot.getScreenCTM());
-                    return [seen.x, seen.y];
-                }""",
-                [panel, point],
-            )
-        )
-
-    def scale(self) -> float:
-        """Return how many mm a pixel of the board is."""
-        return 1.0 / self.page.evaluate("document.querySelector('#board').getScreenCTM().a")
-
-    def drag(self, start, by, keys: str = "") -> None:
-        """Drag from a place by pixels."""
-        mouse = self.page.mouse
-        if keys:
-            self.page.keyboard.down(keys)
-        mouse.move(*start)
-        mouse.down()
-        mouse.move(start[0] + by[0] / 2, start[1] + by[1] / 2)
-        mouse.move(start[0] + by[0], start[1] + by[1])
-        mouse.up()
-        if keys:
-            self.page.keyboard.up(keys)
-
-    def press(self, *keys: str) -> None:
-        """Press keys on the board."""
-        self.page.locator("#board").focus()
-        for key in keys:
-            self.page.keyboard.press(key)
-
-    def choose(self, panel: str, *points: int) -> None:
-        """Click control points, all but the first with Shift."""
-        for number, point in enumerate(points):
-            x, y = self.place(panel, point)
-            with_shift = number > 0
-            if with_shift:
-                self.page.keyboard.down("Shift")
-            self.page.mouse.click(x, y)
-            if with_shift:
-                self.page.keyboard.up("Shift")
-
-    def selection(self) -> list[dict]:
-        """Return what is selected."""
-        return self.page.evaluate("document.querySelector('#editor').session.selection")
-
-    def command(self, name: str) -> None:
-        """Click a button of the tool bar."""
-        self.page.click(f'[data-command="{name}"]')
-
-
-def moved(before, after) -> dict[tuple[str, int], np.ndarray]:
-    """Return the control points that are elsewhere, and by how much [m]."""
-    return {
-        (panel.name, k): new - old
-        for panel in before.panels
-        for k, (old, new) in enumerate(zip(panel.points, after.panel(panel.name).points, strict=True))
-        if np.abs(new - old).max() > 1e-9
-    }
-
-
-def lengths(pattern) -> np.ndarray:
-    from garmentq.core.pattern.curves import edge_length
-
-    return np.array([sum(edge_length(panel, k) for k in range(len(panel.edges))) for panel in pattern.panels])
-
-
 def test_a_template_is_opened_changed_and_saved(editor, site):
     """E1. Broken by a template that does not open, or is saved as what core does not read or as what it was before."""
     page = editor.page.context.new_page()
@@ -155,12 +54,16 @@ def test_a_template_is_opened_changed_and_saved(editor, site):
     page.locator("#board").focus()
     page.keyboard.press("n")
     page.keyboard.press("Shift+ArrowDown")
+    with page.expect_download() as downloaded:
+        page.click("#download")
     page.fill("#template-name", "longer")
     page.click("#save-template")
     page.wait_for_selector("#saved a[href='/templates/longer/edit']")
     saved = read_pattern(page.request.get("/v1/templates/longer").body())
     first = saved.panels[0].name
     assert saved.panel(first).points[0, 1] == pytest.approx(load_template("skirt").panel(first).points[0, 1] - 10 * MM)
+    file = read_pattern(downloaded.value.path().read_bytes())
+    assert moved(saved, file) == {} and downloaded.value.suggested_filename == "skirt.json"
     page.close()
 
 
@@ -217,8 +120,14 @@ def test_a_point_moves_by_exactly_what_is_asked_and_others_follow(editor):
     assert seam_mismatch(editor.pattern()) < 1e-6
     editor.page.uncheck("[data-option=symmetric]")
     editor.page.uncheck("[data-option=sewn]")
-    editor.press("ArrowUp")
-    assert "10.0" in editor.page.inner_text("#seams-summary") or seam_mismatch(editor.pattern()) > 1 * MM
+    x, y = editor.place("front", 2)
+    editor.page.mouse.move(x, y)
+    editor.page.mouse.down()
+    editor.page.mouse.move(x + 20, y - 20)
+    editor.page.locator("#seams-summary.bad").wait_for()  # while the point is still held
+    worst = max(map(float, editor.page.eval_on_selector_all("#seams tr", "rows => rows.map(r => r.dataset.mismatch)")))
+    editor.page.mouse.up()
+    assert seam_mismatch(editor.pattern()) == pytest.approx(worst, abs=1e-9) and worst > 1 * MM
     assert editor.page.locator("#seams tr.apart").count() > 0
 
 
@@ -362,6 +271,64 @@ def test_snapping_ruler_allowance_and_difference(editor):
     page.mouse.up()
     width = np.ptp(editor.pattern().panel("front").points[[0, 8], 0]) / MM
     assert told == pytest.approx(width, abs=2 * editor.scale())
+
+
+@pytest.mark.nightly
+def test_axe_finds_nothing_serious(editor, find_barriers):
+    """Broken where a command has no name, or a text too little contrast; with every layer, and something selected."""
+    for name in ("possible", "between", "within", "difference"):
+        editor.page.check(f"[data-option={name}]")
+    editor.press("n")
+    editor.page.locator("summary", has_text="Shortcuts").click()
+    assert find_barriers(editor.page) == []
+
+
+@pytest.mark.nightly
+def test_fingers_drag_pan_and_zoom_on_a_telephone(open_window, shirt):
+    """Broken where a finger scrolls the page instead, moves a point elsewhere, or two fingers do not zoom; or where
+    the page is wider than 390 px."""
+    screen = {"width": 390, "height": 844}
+    with open_window(viewport=screen, has_touch=True, is_mobile=True, device_scale_factor=2) as context:
+        page = context.new_page()
+        page.goto(f"/results/{shirt}/edit")
+        page.locator("#said", has_text="Ready.").wait_for()
+        assert page.evaluate("document.documentElement.scrollWidth") <= screen["width"]
+        page.uncheck("[data-option=align]")
+        editor, touch = Editor(page), context.new_cdp_session(page)
+        page.locator("#board").scroll_into_view_if_needed()
+
+        def put(kind: str, *fingers: tuple[float, float]) -> None:
+            points = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(fingers)]
+            touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+        before, scale, (x, y) = editor.pattern(), editor.scale(), editor.place("front", 2)
+        top = page.evaluate("scrollY")
+        put("touchStart", (x, y))
+        for step in (4, 8, 12):
+            put("touchMove", (x + step, y - step / 2))
+        put("touchEnd")
+        editor.settle()
+        ways = moved(before, editor.pattern())
+        assert ways["front", 2] == pytest.approx(np.array([12, 6]) * scale * MM, abs=0.5 * scale * MM)
+        assert seam_mismatch(editor.pattern()) < 1e-6 and page.evaluate("scrollY") == top
+        box = page.locator("#board").bounding_box()
+        corner, start = np.array([box["x"] + 8, box["y"] + 8]), editor.place("front", 2)
+        put("touchStart", tuple(corner))
+        put("touchMove", tuple(corner + [20, 30]))
+        put("touchMove", tuple(corner + [40, 60]))
+        put("touchEnd")
+        assert np.subtract(editor.place("front", 2), start) == pytest.approx([40, 60], abs=1.0)
+        middle = np.array([box["x"] + box["width"] / 2, box["y"] + box["height"] / 2])
+        apart = [(middle - [half, 0], middle + [half, 0]) for half in (30.0, 45.0, 60.0)]
+        put("touchStart", tuple(apart[0][0]), tuple(apart[0][1]))
+        for fingers in apart[1:]:
+            put("touchMove", *map(tuple, fingers))
+        put("touchEnd")
+        editor.settle()
+        assert editor.scale() == pytest.approx(scale / 2, rel=0.02)
+        page.locator('[data-command="undo"]').tap()
+        editor.settle()
+        assert moved(before, editor.pattern()) == {}
 
 
 def test_keys_alone_do_all_and_undo_gives_the_identical_file(editor):

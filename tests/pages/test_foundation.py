@@ -11,7 +11,7 @@ import pytest
 from garmentq.service.keys import LOCAL, create_key, revoke_key
 from garmentq.service.pages.markup import Html, html, join
 from garmentq.service.pages.shell import POLICY
-from garmentq.service.pages.static_files import FOLDER, load_files
+from garmentq.service.pages.static_files import FOLDER, find_edition, list_imports, load_files
 from garmentq.service.sessions import begin_session
 
 VENDOR = FOLDER / "vendor"
@@ -55,10 +55,21 @@ def test_static_files_are_those_of_the_folder(visitor):
         assert again.status_code == 304 and not again.content
     packed = visitor.get("/static/vendor/three-0.187.0.js", headers={"accept-encoding": "gzip"})
     assert packed.headers["content-encoding"] == "gzip" and int(packed.headers["content-length"]) <= 300_000
+    for edition, lasting in ((find_edition(), "immutable"), ("files-0123456789abcdef", "no-cache")):
+        answer = visitor.get(f"/static/{edition}/jobs.js")
+        assert lasting in answer.headers["cache-control"] and answer.content == load_files()["jobs.js"].content
     plain = visitor.get("/static/style.css", headers={"accept-encoding": "identity"})
     assert "content-encoding" not in plain.headers
-    for wrong in ("nosuch.js", "../shell.py", "..%2fshell.py", "vendor/three-0.187.0.json", "", "vendor"):
+    for wrong in ("nosuch.js", "../shell.py", "..%2fshell.py", "vendor/three-0.187.0.json", "", "vendor",
+                  f"{find_edition()}/../shell.py", f"{find_edition()}/"):  # fmt: skip
         assert visitor.get(f"/static/{wrong}").status_code == 404
+
+
+def test_a_page_names_all_modules_that_it_will_need():
+    """Broken where an import is overlooked, so that a browser learns of a module only from another one."""
+    named = set(list_imports("result.js"))
+    assert {"viewer.js", "shown.js", "pattern_view.js", "npz.js", "inflate.js"} < named and named <= set(load_files())
+    assert any(name.startswith("vendor/three") for name in named)
 
 
 def test_pages_lead_to_signing_in_and_back(visitor, settings):

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import base64
 import re
 
 import httpx
 import pytest
 from api_work import make_ply
+from garmentq.service import inspection
 from garmentq.service.jobs import claim, fail, find_job
 from garmentq.service.keys import create_key, own
 from garmentq.service.pages import jobs_page
@@ -28,23 +30,50 @@ def held(site):
     return take
 
 
-def test_a_dropped_scan_becomes_a_job(page, site, tmp_path):
-    """Broken where the form, the upload or an option does not reach the job."""
-    scan = tmp_path / "skirt.ply"
-    scan.write_bytes(make_ply())
+DROP = """([name, letters]) => {
+    const transfer = new DataTransfer(), content = Uint8Array.from(atob(letters), (letter) => letter.charCodeAt(0));
+    transfer.items.add(new File([content], name));
+    const drop = document.querySelector('#drop');
+    const send = (kind) => drop.dispatchEvent(
+        new DragEvent(kind, { dataTransfer: transfer, bubbles: true, cancelable: true }));
+    send('dragenter');
+    const isTaken = !send('dragover') && drop.classList.contains('over');
+    send('drop');
+    return isTaken && !drop.classList.contains('over');
+}"""
+"""Drops a file, as a hand does that drags it from a folder; true where the place took it and was lit meanwhile."""
+
+
+def read_rows(page) -> dict[str, str]:
+    """Return what the page says was understood of a scan."""
+    page.locator("#understood tr").first.wait_for()
+    return dict(text.split("\t") for text in page.locator("#understood tr").all_inner_texts())
+
+
+def test_a_dropped_scan_becomes_a_job(page, site, faults):
+    """Broken where a dropped file, what is understood of it, the form, or an option does not reach page or job."""
     page.goto("/")
-    page.set_input_files("#scan", scan)
-    assert "skirt.ply" in page.locator("#told").inner_text()
+    assert page.evaluate(DROP, ["skirt.ply", base64.b64encode(make_ply()).decode()])
+    page.locator("#looking", has_text="scan.up_ambiguous").wait_for()
     page.get_by_text("Options").click()
+    page.get_by_label("Up axis").select_option("y")
+    page.locator("#looking", has_text="body.missing").wait_for()
+    told = read_rows(page)
+    assert "422" in faults.pop()  # the browser itself reports the refusal on its console
+    assert told["Taken for"] == "a garment" and told["Size"].startswith("1.00 × 1.00 × 1.00 m, y of the file is up")
+    assert told["Surface"] == "4 points, 4 faces" and told["With it"] == "no colours, no labels"
+    assert "skirt.ply" in page.locator("#told").inner_text() and not page.locator("#sent").is_visible()
     page.get_by_label("Name", exact=True).first.fill("Anna's skirt")
     page.get_by_label("Tags").fill("spring, fitting")
-    page.get_by_label("Body", exact=True).fill("builtin:female,height=1.70")
     page.get_by_label("Method").select_option("deform")
+    page.set_input_files("[name=body_file]", {"name": "anna.ply", "mimeType": "", "buffer": make_ply(0.5)})
+    page.get_by_text("are looked at by the job").wait_for()
     page.get_by_role("button", name="Queue the job").click()
     page.wait_for_url("**/jobs/*")
     row = find_job(site.services.database, page.url.rsplit("/", 1)[1])
     assert (row.name, row.state) == ("Anna's skirt", State.QUEUED)
-    assert row.request["body"] == "builtin:female,height=1.70" and row.request["settings"]["method"] == "deform"
+    assert row.request["body"]["name"] == "anna.ply"
+    assert (row.request["settings"]["method"], row.request["settings"]["up"]) == ("deform", "y")
     assert page.locator(".tag").all_inner_texts() == ["fitting", "spring"]
     page.get_by_role("button", name="Cancel").click()
     page.get_by_role("button", name="Try again").wait_for()
@@ -52,6 +81,42 @@ def test_a_dropped_scan_becomes_a_job(page, site, tmp_path):
     page.get_by_role("button", name="Try again").press("Enter")
     page.get_by_role("button", name="Cancel").wait_for()
     assert find_job(site.services.database, row.id).state == State.QUEUED
+
+
+def test_a_scan_is_chosen_and_queued_by_touch(open_window, site, monkeypatch, tmp_path):
+    """Broken where a hand on a telephone cannot choose a scan, see that its wearer was found, and queue it."""
+    monkeypatch.setattr(inspection, "INSPECTOR", "garmentq_inspector:inspect_order")
+    scan = tmp_path / "anna.ply"
+    scan.write_bytes(make_ply(0.125))
+    touched = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
+    with open_window(**touched) as opened:
+        page = opened.new_page()
+        page.goto("/")
+        with page.expect_file_chooser() as chooser:
+            page.get_by_text("Drop a scan here, or choose a file").tap()
+        chooser.value.set_files(scan)
+        page.locator("#understood[data-sure='1']").wait_for()
+        told = read_rows(page)
+        assert told["Taken for"] == "a whole person" and told["Wearer"] == "1.66 m tall"
+        assert (told["Mended"], told["Doubtful"]) == ("Dropped 7 points as flyers.", "The hem lies inside the body.")
+        assert page.evaluate("document.documentElement.scrollWidth") <= 390
+        page.get_by_text("Options").tap()
+        page.get_by_label("Tags").fill("touched")
+        page.get_by_role("button", name="Queue the job").tap()
+        page.wait_for_url("**/jobs/*")
+        row = find_job(site.services.database, page.url.rsplit("/", 1)[1])
+        assert (row.kind, row.name, row.state) == ("person", "anna", State.QUEUED)
+
+
+def test_a_scan_that_cannot_be_read_says_so_before_it_is_queued(page, faults):
+    """Broken where a bad file is queued first, or is refused without its code and what to do."""
+    page.goto("/")
+    page.evaluate(DROP, ["bad.ply", base64.b64encode(make_ply()[:-20]).decode()])
+    alert = page.locator("#looking [role=alert]")
+    alert.wait_for()
+    assert "scan.truncated" in alert.inner_text() and page.locator("#understood tr").count() == 0
+    assert page.get_by_role("button", name="Queue the job").is_enabled()
+    assert "422" in faults.pop()
 
 
 def test_a_refused_order_says_why(page, faults, tmp_path):

@@ -198,6 +198,12 @@ def test_it_runs_again_as_a_new_job(labels, site, person, shells):
 
 
 @pytest.mark.nightly
+def test_axe_finds_nothing_serious(labels, find_barriers):
+    """Broken where a tool has no name, or a text too little contrast."""
+    assert find_barriers(labels) == []
+
+
+@pytest.mark.nightly
 def test_a_cloud_is_painted_too(page, site, tmp_path):
     """Broken where a scan without faces cannot be picked, filled, or its rings not found."""
     shells = dress_in_shells(0)

@@ -199,6 +199,12 @@ def test_m5_colours_show_the_pairs(matcher):
 
 
 @pytest.mark.nightly
+def test_axe_finds_nothing_serious(matcher, find_barriers):
+    """Broken where a piece has no name, or a text too little contrast."""
+    assert find_barriers(matcher) == []
+
+
+@pytest.mark.nightly
 def test_two_jobs_are_compared(page, site):
     """Broken where a job's pattern is not found, or is not offered."""
     open_match(page, site.result, site.result)

@@ -2,32 +2,41 @@
 
 from __future__ import annotations
 
+import io
 import json
 import zlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from garmentq.core.export.meshes import write_ply
 from garmentq.core.export.point_caches import write_pc2
+from garmentq.core.ply import read_ply
 from garmentq.core.wear import load_worn
 from garmentq.service.jobs import claim
 from garmentq.service.kinds.recover import Recover
+from garmentq.service.kinds.recover_request import PERSON
+from garmentq.service.models import JobInputRow
+from garmentq.service.pages.stored_files import find_file, read_bytes
 from garmentq.service.results import store_result
+from person_jobs import keep_person
+from PIL import Image
+from shells import dress_in_shells
 
 
-@pytest.fixture
-def shown(page, site):
-    """Open the page of the tube, and wait until all of it is there."""
-    page.goto(f"/results/{site.result}")
-    page.locator("#result[data-ready]").wait_for()
-    return page
+@pytest.fixture(scope="module")
+def shown(open_window, site):
+    """Open the page of the tube for the tests of this file, and wait until all of it is there."""
+    with open_window() as opened:
+        page = opened.new_page()
+        page.goto(f"/results/{site.result}")
+        page.locator("#result[data-ready]").wait_for()
+        yield page
 
 
 @pytest.fixture(scope="module")
 def worn(site, tmp_path_factory):
     """Read what the page reads, by the program's own reader."""
-    from garmentq.service.pages.stored_files import find_file, read_bytes
-
     folder = tmp_path_factory.mktemp("worn")
     (folder / "worn.npz").write_bytes(read_bytes(site.services, find_file(site.services, site.result, "worn.npz")))
     return load_worn(folder)
@@ -40,25 +49,31 @@ def middle_of(page, selector: str, share: float = 0.5) -> tuple[float, float]:
     return tuple(page.locator(selector).evaluate(script, share))
 
 
-def test_readers_agree_with_python(shown, site, worn):
+def test_readers_agree_with_python(shown, site, worn, whole_tube):
     """Broken where the page reads other arrays than were written, or computes other lengths and stretches."""
     script = """async (job) => {
       const take = (name) => import(`/static/${name}.js`);
-      const [api, garments, ply] = await Promise.all(['api', 'garment', 'ply'].map(take));
-      const load = (name) => api.getBytes(`/v1/jobs/${job}/artifacts/${name}`);
-      const garment = await garments.readGarment(await load('worn.npz'));
-      const mesh = ply.readPly(await load('simulation.ply'));
+      const [api, garments, packed] = await Promise.all(['api', 'garment', 'shown'].map(take));
+      const { garment, meshes } = packed.readShown(await api.getBytes(`/results/${job}/view.bin`));
+      const scan = packed.readShown(await api.getBytes(`/results/${job}/scan.bin`)).meshes.get('scan');
+      const mesh = meshes.get('simulation');
       const nodes = mesh.positions, strain = [...garments.computeStrain(garment, nodes)];
       const measure = (edge) => garments.measureEdge(garment, edge, 0, edge.uv.length - 1, nodes);
       const seams = garment.seams.map((pair) => pair.map((edge) => [edge.panel, edge.index]));
-      return { uv: [...garment.uv], faces: [...garment.faces], seams, nodes: [...nodes], strain,
-        distance: mesh.values.distance.length, lengths: garment.panels[0].edges.map(measure) };
+      return { uv: [...garment.uv], faces: [...mesh.faces], seams, nodes: [...nodes], strain, names: [...meshes.keys()],
+        colours: [...meshes.get('detail').colours], scanned: [...scan.colours],
+        distance: [...mesh.values.distance], lengths: garment.panels[0].edges.map(measure) };
     }"""
     found, garment = shown.evaluate(script, site.result), worn.garment
-    assert np.array_equal(np.reshape(found["uv"], (-1, 2)), garment.uv)
+    assert found["names"] == ["detail", "simulation", "redrape", "graded", "body"]
+    assert np.allclose(np.reshape(found["uv"], (-1, 2)), garment.uv, atol=1e-7)
     assert np.array_equal(np.reshape(found["faces"], (-1, 3)), garment.faces)
     assert np.allclose(np.reshape(found["nodes"], (-1, 3)), garment.nodes, atol=1e-7)  # worn.npz holds the simulation
-    assert found["distance"] == len(garment.nodes)
+    stored = read_ply(read_bytes(site.services, find_file(site.services, site.result, "simulation.ply")))
+    assert np.allclose(found["distance"], stored.values["distance"], atol=1e-7)
+    stored = read_ply(read_bytes(site.services, find_file(site.services, site.result, "detail.ply")))
+    assert np.array_equal(np.reshape(found["colours"], (-1, 3)), stored.colours)
+    assert np.array_equal(np.reshape(found["scanned"], (-1, 3)), np.round(255 * whole_tube().scan.colours))
     assert found["seams"] == [[[s.a.panel, s.a.edge], [s.b.panel, s.b.edge]] for s in garment.pattern.seams]
     for edge, told in enumerate(found["lengths"]):
         own = next(uv for ref, uv in garment.edge_uv.items() if (ref.panel, ref.edge) == ("front", edge))
@@ -115,7 +130,7 @@ def test_edges_are_measured_and_seams_lit(shown):
 def test_meshes_and_colours_are_chosen(shown):
     """Broken where a mesh cannot be shown, or a colouring that the result has is not offered or has no end."""
     assert shown.locator("#style option").all_inner_texts() == [
-        "Cloth", "Fold normals", "Distance from the scan", "Stretch",
+        "Cloth", "Texture", "Fold normals", "Distance from the scan", "Stretch",
     ]  # fmt: skip
     pictures = set()
 
@@ -130,16 +145,59 @@ def test_meshes_and_colours_are_chosen(shown):
         look()
         shown.get_by_role("checkbox", name=name).uncheck()
         shown.get_by_label("Detail").check()
-    for style in ("normals", "distance", "strain"):
+    for style in ("texture", "normals", "distance", "strain"):
         shown.select_option("#style", style)
         look()
-        assert shown.locator("#colours").is_visible() == (style != "normals")
+        assert shown.locator("#colours").is_visible() == (style in ("distance", "strain"))
+        assert shown.locator("#unseen").is_visible() == (style == "texture")
+    assert not shown.locator("#uncoloured").is_visible()
     shown.get_by_label("Wireframe").check()
     look()
     shown.locator("#space canvas").focus()
     shown.keyboard.press("ArrowLeft")
     look()
-    assert len(pictures) == 9  # each choice shows something else
+    assert len(pictures) == 10  # each choice shows something else
+
+
+def count_blue(page) -> int:
+    """Return how many pixels of the 3D view are as blue as the person's clothes."""
+    page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    shown = Image.open(io.BytesIO(page.locator("#space canvas").screenshot())).convert("RGB")
+    red, green, blue = np.moveaxis(np.asarray(shown, int), 2, 0)
+    return int(((blue > 90) & (red < 30) & (green < 30)).sum())
+
+
+def test_a_garment_shows_its_person_by_touch(open_window, site, whole_tube, tmp_path_factory):
+    """Broken where a person's scan is not offered, is grey, or is out of reach of a finger; or where a result whose
+    scan has no colours keeps silent about it."""
+    person = keep_person(site.services, tmp_path_factory.mktemp("person") / "anna", dress_in_shells(1))
+    tube = whole_tube()
+    bare = replace(tube, scan=replace(tube.scan, colours=None), meshes=replace(tube.meshes))  # written anew
+    job = site.keep("her skirt", bare)
+    with site.services.database.write() as session:
+        session.add(JobInputRow(job=job, name=PERSON, input=person))
+    with open_window(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True) as opened:
+        page = opened.new_page()
+        page.goto(f"/results/{job}")
+        page.locator("#result[data-ready]").wait_for()
+        assert page.locator("#uncoloured").inner_text() == "No texture: the scan has no colours."
+        assert "Texture" not in page.locator("#style option").all_inner_texts()
+        assert page.evaluate("document.documentElement.scrollWidth") <= 390
+        assert count_blue(page) == 0
+        page.get_by_label("The person's scan").tap()
+        page.locator("#loading", has_text="Loading").wait_for(state="detached")
+        seen = count_blue(page)
+        assert seen > 500
+        page.locator("#space canvas").scroll_into_view_if_needed()
+        box = page.locator("#space canvas").bounding_box()
+        y, finger = box["y"] + box["height"] / 2, opened.new_cdp_session(page)
+        for kind, x in (("touchStart", 0.3), ("touchMove", 0.5), ("touchMove", 0.7), ("touchEnd", None)):
+            points = [] if x is None else [{"x": box["x"] + x * box["width"], "y": y}]
+            finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+        assert count_blue(page) != seen  # the view has turned
+        page.goto(f"/results/{person}")
+        page.locator("#result[data-ready]").wait_for()
+        assert page.get_by_label("Scan", exact=True).is_checked() and count_blue(page) > 500
 
 
 def test_small_pieces_are_unpacked_as_zlib_packed_them(page):

@@ -216,6 +216,8 @@ def test_touching_legs_are_two():
     first, second = split_legs(pinched)
     assert abs(len(first) - len(second)) < 8
     assert np.sign(pinched[first, 0].mean()) != np.sign(pinched[second, 0].mean())
+    folded = 3.0 * oval * np.stack([np.ones(400), np.ones(400), 0.22 + np.abs(np.cos(t))], axis=1)
+    assert split_legs(folded) is None  # 16 cm between two folds of a hem of 4 m: short beside it, but no touch
 
 
 def test_a_ragged_hem_is_one():

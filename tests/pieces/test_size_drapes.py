@@ -12,9 +12,8 @@ from garmentq.core.export import sizes as written_sizes
 from garmentq.core.formats import ExportOptions, Production, write_production
 from garmentq.core.formats.grading import grade_sizes
 from garmentq.core.formats.size_drapes import drape_size
-from garmentq.core.pattern import load_draped_template
 from garmentq.core.simulate import get_fabric
-from garmentq.core.wear import Worn, is_sound
+from garmentq.core.wear import Worn, is_sound, wear_template
 from PIL import Image
 
 TEMPLATES = ("tshirt", "trousers", "skirt", "dress")
@@ -22,13 +21,10 @@ TEMPLATES = ("tshirt", "trousers", "skirt", "dress")
 
 def wear(name: str) -> Worn:
     """Return a shipped drape as a garment that is worn."""
-    garment = load_draped_template(name)
-    if garment is None:
+    worn = wear_template(name, get_fabric("single_jersey"))
+    if worn is None:
         pytest.skip("no drape is shipped for this machine's triangulation")
-    waist = garment.contour("waist")
-    curve = None if waist is None else garment.nodes[waist.vertices]
-    body = builtin_body("builtin:female,height=1.70")
-    return Worn(garment, get_fabric("single_jersey"), body, curve, None, name, name)
+    return worn
 
 
 @pytest.mark.parametrize("growth", [0.0, pytest.param(-0.08, marks=pytest.mark.nightly), 0.12])

@@ -1,12 +1,14 @@
 """What `inspect_file` tells about a file, with and without a body."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import trimesh
 from garmentq.core.errors import BadInput
-from garmentq.core.segment import inspect_file
+from garmentq.core.segment import find_remarks, inspect_file
+from garmentq.core.segment.misfit import explain_misfit
 
 
 def test_file_alone_and_on_a_body(tmp_path, wearers, skin):
@@ -39,3 +41,17 @@ def test_closed_shell_is_refused_with_a_body_only(tmp_path, wearers):
     with pytest.raises(BadInput) as caught:
         inspect_file(path, body)
     assert caught.value.code == "segment.no_contour"
+
+
+def test_a_body_that_is_not_its_own(tmp_path, wearers, skin):
+    """Broken where a garment that passes through a body, or hangs beside it, is read without a remark."""
+    body = wearers["T"]
+    vertices, _ = skin(body, "tshirt")
+    assert explain_misfit(vertices, body.vertices, body.faces) == ""
+    wider = body.vertices * [1.3, 1.0, 1.3]
+    assert "inside the body" in explain_misfit(vertices, wider, body.faces)
+    assert "inside the body" in explain_misfit(vertices, wider, body.faces[:, ::-1]), "a body that is inside out"
+    assert "hangs beside it" in explain_misfit(vertices + [0.0, 0.0, 1.0], body.vertices, body.faces)
+    assert explain_misfit(vertices, body.vertices * [0.9, 1.0, 0.9], body.faces) == "", "cut loose, or a slimmer body"
+    given = replace(body, vertices=wider, source="mesh:wide")
+    assert find_remarks(vertices, given) and not find_remarks(vertices, replace(given, source="smpl:fitted"))

@@ -59,6 +59,9 @@ def test_commands_and_variables_exist(name):
     if words[0] == "db":
         command, words = command.commands[words[1]], words[1:]
     command.make_context(words[0], list(words[1:]))  # raises where an option is none
+    if service.get("healthcheck", {}).get("test", [])[:2] == ["CMD", "garmentq"]:
+        name, *options = service["healthcheck"]["test"][2:]
+        group.get_command(None, name).make_context(name, options)
     variables = {key.removesuffix("_FILE") if key.startswith("GARMENTQ_") else key for key in service["environment"]}
     assert variables <= NAMES | KNOWN
     assert {"GARMENTQ_DATABASE_URL", "GARMENTQ_BROKER_URL", "GARMENTQ_STORE"} <= variables
@@ -70,6 +73,7 @@ def test_each_service_is_bounded_and_watched(name):
     service = SERVICES[name]
     assert re.search(r":\d+\.\d+|:\d+-", service["image"]), "a pinned version"
     assert {"mem_limit", "cpus", "pids_limit", "restart"} <= set(service)
+    assert {"max-size", "max-file"} <= set(service["logging"]["options"]), "a log must not fill the disk"
     assert "healthcheck" in service or service["command"] == ["db", "upgrade"]
     assert "privileged" not in service and "network_mode" not in service
 

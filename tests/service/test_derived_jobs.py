@@ -76,7 +76,11 @@ def quick(monkeypatch):
             measure_pieces(worn.pattern).pieces,
         )  # fmt: skip
 
+    def dress_over(worn, under, body, fabric, clock):
+        return replace(dress(worn, body, fabric, clock), under=replace(under, body=body))
+
     monkeypatch.setattr("garmentq.core.wear.dress_body", dress)
+    monkeypatch.setattr("garmentq.core.wear.dress_over", dress_over)
     monkeypatch.setattr("garmentq.core.wear.make_to_measure", dress)
 
 
@@ -112,6 +116,27 @@ def test_result_is_worn_by_another(kind, backend, result, quick, settings, datab
     paths = {path.name for path in export_files(database, store, done.job, tmp_path / "out")}
     assert {"dressed.ply", "body.ply", "worn.npz", "picture.png", "report.html", "pattern.json"} <= paths
     np.testing.assert_allclose(load_worn(tmp_path / "out").body.vertices, builtin_body(f"{SPEC},pose=A").vertices)
+
+
+def test_result_is_worn_over_another(backend, result, quick, settings, database, store, tmp_path):
+    """Broken where the garment below is lost on the way, or worn over nothing is the same job as worn over it."""
+    alone = backend.submit_derived(DerivedOrder("dress", result, {"body": SPEC}))
+    work_off(settings, database)
+    order = DerivedOrder("dress", result, {"body": SPEC}, over=alone.job[:8])
+    done = backend.submit_derived(order)
+    assert done.is_new and not backend.submit_derived(order).is_new
+    work_off(settings, database)
+    report = backend.find_job(done.job)
+    assert (report.state, report.inputs) == ("succeeded", {"result": result, "under": alone.job})
+    paths = {path.name for path in export_files(database, store, done.job, tmp_path / "out")}
+    assert {"dressed.ply", "under.ply", "under.obj", "under.glb", "worn.npz"} <= paths
+    for wrong, code in (
+        (replace(order, kind="refit"), "job.request_bad"),
+        (replace(order, over="0" * 12), "job.unknown"),
+    ):
+        with pytest.raises(GarmentqError) as caught:
+            backend.submit_derived(wrong)
+        assert caught.value.code == code
 
 
 def test_imported_fabric_goes_into_the_job(backend, result, quick, settings, database, tmp_path):

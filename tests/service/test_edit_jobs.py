@@ -93,6 +93,7 @@ def write(document: dict, path: Path) -> Path:
     return path
 
 
+@pytest.mark.parametrize("backend", [pytest.param("local", marks=pytest.mark.nightly), "remote"], indirect=True)
 def test_an_edit_is_a_version(backend, result, quick, settings, database, store, worn, tmp_path):
     """Broken where an edit changes its input, loses its predecessor, is not compared with the recovered pattern, or an
     undo to the start gives another file."""
@@ -167,6 +168,7 @@ def test_what_is_no_pattern_is_refused(backend, result, tmp_path):
     assert caught.value.code == "job.request_bad"
 
 
+@pytest.mark.nightly
 def test_two_edit_one_result_at_once(result, quick, settings, database, store, worn, tmp_path):
     """Broken where one of two edits of a result is lost or changes the other, or a key sees or edits another's."""
     keys = [create_key(database, name, ("read", "submit"), 10) for name in ("anna", "bert", "eve")]

@@ -1,6 +1,6 @@
 """Two quick kinds of jobs: a root that makes three pieces, the last of which waits for the others and reads them.
 
-Where STANDIN_KILLS is set, each job kills its process once at each of its stages, the last of them within the
+Each job that STANDIN_KILLS names kills its process once at each of its stages, the last of them within the
 transaction that stores its result. A piece is refused while there is a file `fail-NAME` beside the marks.
 """
 
@@ -35,13 +35,13 @@ class PieceRequest:
 
 
 def die_once(name: str, stage: str) -> None:
-    """Kill this process the first time that a job is at a stage, where that is asked for."""
+    """Kill this process the first time that a job is at a stage, where that is asked for of the job."""
     path = Path(os.environ["STANDIN_MARKS"])
     line = f"{name} {stage}"
     known = path.read_text().splitlines() if path.exists() else []
     with path.open("a", encoding="ascii") as stream:
         stream.write(f"{line}\n")
-    if os.environ.get("STANDIN_KILLS") and line not in known:
+    if name in os.environ.get("STANDIN_KILLS", "").split() and line not in known:
         os.kill(os.getpid(), signal.SIGKILL)
 
 

@@ -1,8 +1,8 @@
 """A quick stand-in for taking a person apart; what it finds is in the scan's name, as `garmentq_standin` has it.
 
 `dress...` wears a one-piece, `unsure...` is refused with everything written, `bare...` is refused at once; everybody
-else wears top and trousers. Where STANDIN_KILLS is set, the process is killed once before it writes anything, and once
-within the transaction that stores the result.
+else wears top and trousers. Where STANDIN_KILLS names `person`, the process is killed once before it writes anything,
+and once within the transaction that stores the result.
 """
 
 from __future__ import annotations

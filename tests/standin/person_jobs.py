@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
+from zlib import crc32
 
 import numpy as np
 import trimesh
-from garmentq.core.export.person import write_segmented
+from garmentq.core.export.person import write_seen, write_segmented
+from garmentq.core.person import Part
 from garmentq.core.person.labels import write_labels
 from garmentq.service.jobs import claim
 from garmentq.service.kinds.person import Person
@@ -17,6 +20,9 @@ from garmentq.service.services import Services
 from garmentq.service.submission import Order, submit
 from shells import Shells, separate_by_truth
 
+BLUE, PINK = (0.0, 0.0, 1.0), (1.0, 0.6, 0.6)
+"""Colours of the clothes and of the skin in the scan."""
+
 EXTRA = 2
 """Points of the file that are no part of the person: they come first, and are dropped."""
 
@@ -25,11 +31,10 @@ def keep_person(services: Services, folder: Path, shells: Shells, key: str = "",
     """Submit a person's scan and store what it was taken apart into as a worker would; give the job's id."""
     raw, separation = separate_by_truth(shells, EXTRA)
     if is_cloud:
-        from dataclasses import replace
-
         raw = replace(raw, faces=np.zeros((0, 3), np.int64))
     folder.mkdir(parents=True)
-    points = np.concatenate([np.full((EXTRA, 3), 5.0), shells.points])
+    far = 5.0 + crc32(str(folder).encode()) / 2**32  # no two of these scans are the same file, so none shares a job
+    points = np.concatenate([np.full((EXTRA, 3), far), shells.points])
     scan = folder / "shells.ply"
     trimesh.Trimesh(points, shells.faces + EXTRA, process=False).export(scan)
     order = Order(scan, None, given_as="person", name=folder.name, tags=("spring",), key=key, realm=key, quota=100)
@@ -38,6 +43,8 @@ def keep_person(services: Services, folder: Path, shells: Shells, key: str = "",
     out.mkdir()
     write_labels(separation.label, separation.confidence, out / "labels.npz", raw.place)
     write_segmented(raw, shells.label, separation.confidence[raw.origin], out / "segmented.ply")
+    worn = np.isin(shells.label, (Part.UPPER, Part.LOWER))[:, None]
+    write_seen(replace(raw, colours=np.where(worn, BLUE, PINK)), out / "scan.ply")
     (out / "person.json").write_text(json.dumps({"garments": []}))
     found = PersonFound(shells.body, {"garments": [], "outfits": [], "parts": {}})
     store_result(services.database, services.store, claim(services.database, job, "test", 600.0), Person(), found, out)

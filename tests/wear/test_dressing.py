@@ -6,25 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from garmentq.core.body import builtin_body
 from garmentq.core.clock import Clock
 from garmentq.core.drape import WearerGeometry, redrape
 from garmentq.core.mesh import self_intersections
-from garmentq.core.pattern import load_draped_template
 from garmentq.core.segment import Target
 from garmentq.core.simulate import Drape, Outcome, get_fabric
-from garmentq.core.wear import Worn, dress_body
+from garmentq.core.wear import Worn, dress_body, wear_template
 from garmentq.core.wear.parting import part_layers
-
-SPEC = "builtin:female,height=1.70"
 
 
 @pytest.fixture(scope="module")
 def worn() -> Worn:
     """Return a skirt as it hangs on the body that it was drafted for."""
-    garment, body = load_draped_template("skirt"), builtin_body(SPEC)
-    curve = garment.nodes[garment.contour("waist").vertices]
-    return Worn(garment, get_fabric("cotton_poplin"), body, curve, None, "skirt", "skirt")
+    return wear_template("skirt", get_fabric("cotton_poplin"))
 
 
 def at_rest(nodes: np.ndarray) -> Drape:

@@ -79,13 +79,13 @@ def broker(tmp_path):
 def test_a_broker_behind_tls(broker, tmp_path):
     """Broken where a `rediss://` address is not understood, or a certificate that nobody trusts is accepted."""
     address = f"rediss://:pssst@127.0.0.1:{broker}/0"
-    for query in ("", "?ssl_cert_reqs=required"):
-        stranger = make_settings(tmp_path, broker_url=address + query)
-        assert not is_broker_up(stranger)
-        app = make_app(stranger)
-        with pytest.raises(Exception, match="CERTIFICATE_VERIFY_FAILED"):
-            publish(app, "0" * 12, "cpu")
-        app.close()
+    assert not is_broker_up(make_settings(tmp_path, broker_url=f"{address}?ssl_cert_reqs=required"))
+    stranger = make_settings(tmp_path, broker_url=address)
+    assert not is_broker_up(stranger)
+    app = make_app(stranger)
+    with pytest.raises(Exception, match="CERTIFICATE_VERIFY_FAILED"):  # Celery alone takes any where none is asked for
+        publish(app, "0" * 12, "cpu")
+    app.close()
     address = (
         address.removesuffix("0") + "1"
     )  # Celery pools connections by host and number, whatever their certificates

@@ -38,7 +38,7 @@ def write_person(path):
 @pytest.mark.parametrize(
     "garments",
     [
-        pytest.param({"--keep": {"2": "shorts"}, "--cloth": {"1": ""}}, id="shorts"),
+        pytest.param({"--keep": {"2": "shorts"}, "--cloth": {"1": ""}}, id="shorts", marks=pytest.mark.nightly),
         pytest.param({"--keep": {"1": "tshirt", "2": "shorts"}}, id="both", marks=pytest.mark.nightly),
     ],
 )

@@ -1,7 +1,8 @@
 """Set a garment up as sewn cloth in Blender: `blender --python THIS_FILE`, or run it in the text editor.
 
 The panels are one mesh that is cut along the seams; loose edges join both sides of each seam, which Blender's cloth
-takes for sewing threads. The flat panels are the rest shape, a shape key; START says where the cloth begins.
+takes for sewing threads. The flat panels are the rest shape; START says where the cloth begins: worn, the mesh is so
+in the first frame alone, and flat from the second on, whose lengths a dynamic mesh takes for those at rest.
 Mass is the fabric's. Blender's stiffnesses have no units that a fabric could be measured in: they stay as they are.
 """
 
@@ -51,11 +52,14 @@ def set_up():
     key = flat.shape_key_add(name="worn", from_mix=False)
     for point, place in zip(key.data, places, strict=True):
         point.co = place
-    key.value = 1.0 if START == "worn" else 0.0
+    if START == "worn":
+        for frame, value in ((1, 1.0), (2, 0.0)):
+            key.value = value
+            key.keyframe_insert("value", frame=frame)
     cloth = flat.modifiers.new("Cloth", "CLOTH")
     cloth.settings.use_sewing_springs = True
     cloth.settings.mass = MASS
-    cloth.settings.rest_shape_key = flat.data.shape_keys.key_blocks["flat"]
+    cloth.settings.use_dynamic_mesh = True
     cloth.settings.quality = 12
     cloth.collision_settings.distance_min = 0.002
     return flat

@@ -17,6 +17,10 @@ from .partners import find_panel
 SAMPLES = 64
 """Parts of a curve between which a crossing is looked for."""
 
+ON_LINE = 1e-9
+"""Distance from the line [m] that counts as none: a corner on it lies to either side by rounding, another one on
+another processor."""
+
 HALVINGS = 50
 """Halvings of a part until the crossing is known to rounding."""
 
@@ -61,7 +65,8 @@ def _find_crossings(panel: Panel, line: np.ndarray) -> tuple[list[tuple[int, flo
     normal = np.array([-along[1], along[0]]) / size
 
     def side(points: np.ndarray) -> np.ndarray:
-        return np.asarray((points - line[0]) @ normal)
+        found = np.asarray((points - line[0]) @ normal)
+        return np.where(np.abs(found) < ON_LINE, 0.0, found)
 
     def is_between(point: np.ndarray) -> bool:
         return -1e-6 <= float((point - line[0]) @ along) / size <= size + 1e-6

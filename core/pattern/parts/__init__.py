@@ -23,10 +23,12 @@ from .cut import (
 from .draft import draft_cut, half_neck
 from .library import CUTS
 from .necklines import Throat, corner_turn, neckline_points
+from .sleeves import SLEEVES
 
 __all__ = [
     "CUTS",
     "PARTS",
+    "SLEEVES",
     "Bodice",
     "Collar",
     "Cuff",

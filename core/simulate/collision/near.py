@@ -65,12 +65,12 @@ class Near:
         kept = measure_pairs(nodes, self.pairs)[0] < self.pairs.sizes[:, 1] + slack
         return PairElements(*(part[kept] for part in self.pairs))
 
-    def free_share(self, nodes: np.ndarray, step: np.ndarray) -> float:
+    def free_share(self, nodes: np.ndarray, step: np.ndarray, least: float = 0.0) -> float:
         """Return the largest share, 0 to 1, of a step [m] from nodes [m], both [node_count, 3], without a touch.
 
-        The pairs are to be complete along the step.
+        The pairs are to be complete along the step. None comes nearer than the share `least` of its reach.
         """
-        return float(free_share(nodes, step, self.pairs)) if len(self.pairs.kinds) else 1.0
+        return float(free_share(nodes, step, self.pairs, least)) if len(self.pairs.kinds) else 1.0
 
     def covers(self, nodes: np.ndarray) -> bool:
         """Return whether nodes [m], shape [node_count, 3], lie near one point of the way, where pairs are complete."""

@@ -1,6 +1,7 @@
 // The list of jobs: live states, and the form that queues a scan.
 import { postJson, uploadFile } from './api.js';
 import { find, showError } from './dom.js';
+import { Inspection } from './inspection.js';
 import { showTimes, tellSize } from './times.js';
 
 /** How often the states of open jobs are asked for, all in one request [ms]. */
@@ -34,14 +35,12 @@ async function followList() {
   }
 }
 
-/** @param {FormData} form @returns {Promise<object>} what `/v1/jobs` is asked, its files uploaded */
-async function readOrder(form) {
-  const sent = find('#sent');
-  sent.hidden = false;
-  const upload = async (kind, file) => (await uploadFile(kind, file, (part) => { sent.value = part; })).sha256;
+/** @param {FormData} form @param {string} scan its hash @returns {Promise<object>} what `/v1/jobs` is asked, its other files uploaded */
+async function readOrder(form, scan) {
+  const upload = async (kind, file) => (await uploadFile(kind, file)).sha256;
   const text = (name) => String(form.get(name) ?? '').trim();
   const file = (name) => (form.get(name)?.size ? form.get(name) : null);
-  const wanted = { scan: await upload('scans', file('scan')) };
+  const wanted = { scan };
   if (file('body_file')) wanted.body = await upload('bodies', file('body_file'));
   else if (text('body')) wanted.body = text('body');
   if (file('labels')) wanted.labels = await upload('labels', file('labels'));
@@ -49,21 +48,52 @@ async function readOrder(form) {
   const tags = text('tags').split(',').map((tag) => tag.trim()).filter(Boolean);
   if (tags.length) wanted.tags = tags;
   const settings = {};
-  for (const name of ['fabric', 'method']) if (text(name)) settings[name] = text(name);
+  for (const name of ['fabric', 'method', 'units', 'up']) if (text(name)) settings[name] = text(name);
   if (Object.keys(settings).length) wanted.settings = settings;
   return wanted;
 }
 
-/** Let a scan be dropped or chosen, and queue it. */
+/** Options that change what is understood of a scan. */
+const SAID = ['as', 'body', 'units', 'up'];
+
+/** Let a scan be dropped or chosen: it is uploaded and looked at at once, and queued when that is asked for. */
 function startForm() {
   const form = document.querySelector('#submit');
   if (!form) return;
-  const drop = find('#drop'), input = find('#scan'), told = find('#told'), problem = find('#problem');
-  const tell = () => {
-    const file = input.files[0];
-    if (file) told.textContent = `${file.name}, ${tellSize(file.size)}`;
+  const drop = find('#drop'), input = find('#scan'), told = find('#told'), problem = find('#problem'), sent = find('#sent');
+  const inspection = new Inspection(find('#understood'));
+  /** @type {Promise<string>|null} the hash of the scan that is chosen, once it is uploaded */ let scan = null;
+
+  const look = (sha256) => {
+    const given = new FormData(form), said = SAID.map((name) => [name, String(given.get(name)).trim()]).filter(([, text]) => text);
+    return inspection.ask(sha256, Object.fromEntries(said), !given.get('body_file').size && !given.get('labels').size);
   };
-  input.addEventListener('change', tell);
+  const send = async (file) => {
+    sent.hidden = false;
+    try {
+      return (await uploadFile('scans', file, (part) => { sent.value = part; })).sha256;
+    } finally {
+      sent.hidden = true;
+    }
+  };
+  const take = () => {
+    const file = input.files[0];
+    inspection.clear();
+    problem.replaceChildren();
+    scan = null;
+    if (!file) return;
+    told.textContent = `${file.name}, ${tellSize(file.size)}`;
+    const sending = scan = send(file);
+    sending.then((sha256) => sending === scan && look(sha256), (error) => {
+      if (sending !== scan) return;
+      scan = null;
+      showError(problem, error);
+    });
+  };
+  input.addEventListener('change', take);
+  for (const name of [...SAID, 'body_file', 'labels']) {
+    form.elements[name].addEventListener('change', async () => { if (scan) look(await scan); });
+  }
   for (const kind of ['dragenter', 'dragover']) {
     drop.addEventListener(kind, (event) => { event.preventDefault(); drop.classList.add('over'); });
   }
@@ -73,7 +103,7 @@ function startForm() {
     drop.classList.remove('over');
     if (event.dataTransfer.files.length) {
       input.files = event.dataTransfer.files;
-      tell();
+      take();
     }
   });
   form.addEventListener('submit', async (event) => {
@@ -82,12 +112,12 @@ function startForm() {
     button.disabled = true;
     problem.replaceChildren();
     try {
-      const { job } = await postJson('/v1/jobs', await readOrder(new FormData(form)));
+      scan ??= send(input.files[0]);
+      const { job } = await postJson('/v1/jobs', await readOrder(new FormData(form), await scan));
       location.assign(`/jobs/${job}`);
     } catch (error) {
       showError(problem, error);
       button.disabled = false;
-      find('#sent').hidden = true;
     }
   });
 }

@@ -1,4 +1,4 @@
-// The binary PLY that our writers write: double properties of each vertex, triangles.
+// The binary PLY that our writers write: double properties of each vertex, perhaps colours, triangles.
 
 /** @typedef {{positions: Float32Array, faces: Uint32Array, values: Record<string, Float32Array>}} Mesh */
 
@@ -8,18 +8,18 @@ export function readPly(content) {
   const end = head.indexOf('end_header\n') + 'end_header\n'.length;
   const vertices = Number(/element vertex (\d+)/.exec(head)?.[1]);
   const count = Number(/element face (\d+)/.exec(head)?.[1]);
-  const names = [...head.slice(0, head.indexOf('element face')).matchAll(/property double (\w+)/g)].map((match) => match[1]);
+  const own = head.slice(0, head.indexOf('element face'));
+  const names = [...own.matchAll(/property double (\w+)/g)].map((match) => match[1]);
+  const row = 8 * names.length + [...own.matchAll(/property uchar/g)].length;
   if (!head.startsWith('ply\nformat binary_little_endian') || names.length < 3) throw new Error('not a PLY of ours');
-  const numbers = new Float64Array(content.slice(end, end + 8 * names.length * vertices));
-  const positions = new Float32Array(3 * vertices), values = {};
+  const view = new DataView(content), positions = new Float32Array(3 * vertices), values = {};
   for (const name of names.slice(3)) values[name] = new Float32Array(vertices);
-  for (let vertex = 0; vertex < vertices; vertex += 1) {
-    const at = names.length * vertex;
-    for (let axis = 0; axis < 3; axis += 1) positions[3 * vertex + axis] = numbers[at + axis];
-    for (let extra = 3; extra < names.length; extra += 1) values[names[extra]][vertex] = numbers[at + extra];
+  for (let vertex = 0, at = end; vertex < vertices; vertex += 1, at += row) {
+    for (let axis = 0; axis < 3; axis += 1) positions[3 * vertex + axis] = view.getFloat64(at + 8 * axis, true);
+    for (let extra = 3; extra < names.length; extra += 1) values[names[extra]][vertex] = view.getFloat64(at + 8 * extra, true);
   }
-  const view = new DataView(content), faces = new Uint32Array(3 * count);
-  for (let face = 0, at = end + numbers.byteLength; face < count; face += 1, at += 13) {
+  const faces = new Uint32Array(3 * count);
+  for (let face = 0, at = end + row * vertices; face < count; face += 1, at += 13) {
     for (let corner = 0; corner < 3; corner += 1) faces[3 * face + corner] = view.getUint32(at + 1 + 4 * corner, true);
   }
   return { positions, faces, values };

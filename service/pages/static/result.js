@@ -1,13 +1,14 @@
 // A result: its meshes in 3D beside its pattern, each pointing into the other.
 import { followJob, getBytes, getJson, postJson } from './api.js';
 import { find, make, showError } from './dom.js';
-import { computeStrain, flatten, lift, locate, measureEdge, readGarment, spreadToNodes } from './garment.js';
+import { computeStrain, flatten, lift, locate, measureEdge, spreadToNodes } from './garment.js';
 import { PatternView } from './pattern_view.js';
-import { readFrames, readPly } from './ply.js';
-import { Viewer, colourOf } from './viewer.js';
+import { readFrames } from './ply.js';
+import { readShown } from './shown.js';
+import { Viewer, colourOf, linearOf, paint } from './viewer.js';
 
-const COLOURS = { detail: 0x6694bd, simulation: 0x7aa894, redrape: 0xb89e75, graded: 0x9a8fc0, dressed: 0x6694bd, garment: 0x6694bd, body: 0xe6d9cc, scan: 0x9ea8b3 };
-const BARE = new Set(['body', 'scan']);
+const COLOURS = { detail: 0x6694bd, simulation: 0x7aa894, redrape: 0xb89e75, graded: 0x9a8fc0, dressed: 0x6694bd, garment: 0x6694bd, body: 0xe6d9cc, scan: 0x9ea8b3, person: 0x9ea8b3 };
+const BARE = new Set(['body', 'scan', 'person']);
 
 /** Ends of the colours where the values themselves do not tell: the report's least range [m], 10 % of stretch, 3 kPa. */
 const LEAST = { distance: 0.005, strain: 0.1, pressure: 3000 };
@@ -17,8 +18,7 @@ const place = find('#result');
 const job = place.getAttribute('data-job');
 const files = new Set(place.getAttribute('data-files').split(' '));
 const boxes = [...document.querySelectorAll('input[data-mesh]')];
-const meshes = new Map();
-const waiting = new Map();
+/** @type {Map<string, import('./shown.js').ShownMesh>} */ const meshes = new Map();
 /** @type {Viewer|null} */ let viewer = null;
 /** @type {PatternView|null} */ let pattern = null;
 /** @type {import('./garment.js').Garment|null} */ let garment = null;
@@ -27,22 +27,21 @@ const waiting = new Map();
 /** @param {string} name @returns {Promise<ArrayBuffer>} */
 const load = (name) => getBytes(`/v1/jobs/${job}/artifacts/${name}`);
 
+/** Where each scan lies, which is asked for when it is to be shown. */
+const SCANS = { scan: `/results/${job}/scan.bin`, person: `/results/${place.getAttribute('data-person')}/scan.bin` };
+
 /** @returns {string|null} the cloth that is pointed at and measured: the first that is shown */
 function shownCloth() {
   return boxes.find((box) => box.checked && !BARE.has(box.dataset.mesh) && meshes.has(box.dataset.mesh))?.dataset.mesh ?? null;
 }
 
-/** Load a mesh once, and show it. @param {string} name @returns {Promise<void>} */
-function loadMesh(name) {
-  if (!waiting.has(name)) {
-    waiting.set(name, load(`${name}.ply`).then((content) => {
-      const mesh = readPly(content);
-      meshes.set(name, mesh);
-      const isVisible = boxes.some((box) => box.dataset.mesh === name && box.checked);
-      viewer.add(name, mesh.positions, mesh.faces, { colour: COLOURS[name], isVisible, isCloth: !BARE.has(name) });
-    }));
-  }
-  return waiting.get(name);
+/** Give a mesh to the view when it is first shown. @param {string} name @returns {Promise<void>} */
+async function showMesh(name) {
+  if (!meshes.has(name) && SCANS[name]) meshes.set(name, readShown(await getBytes(SCANS[name])).meshes.get('scan'));
+  const mesh = meshes.get(name);
+  if (!mesh || viewer.meshes.has(name)) return;
+  const isCloth = !BARE.has(name);
+  viewer.add(name, mesh.positions, mesh.faces, { colour: COLOURS[name], isCloth, colours: isCloth ? null : mesh.colours });
 }
 
 /** Show the stored pictures where there is no WebGL. */
@@ -69,15 +68,26 @@ function valuesOf(style, name) {
   return garment ? spreadToNodes(garment, computeStrain(garment, mesh.positions), mesh.positions.length / 3) : null;
 }
 
+/** @returns {Uint8Array|null} the colours that the scan shows at the garment's vertices: those of the detail mesh, which lies on it */
+const texture = () => meshes.get('detail')?.colours ?? null;
+
+/** @param {string} style @returns {boolean} whether the result has what colours its cloth so */
+function isColouredBy(style) {
+  if (style === 'texture') return Boolean(texture());
+  return !(style in LEAST) || [...meshes.keys()].some((name) => !BARE.has(name) && (style === 'strain' && garment ? true : valuesOf(style, name)));
+}
+
 /** Colour the cloth as chosen, with what the colours mean. */
 function colourCloth() {
   const style = find('#style').value, shown = shownCloth();
   const values = style in LEAST && shown ? valuesOf(style, shown) : null;
   let end = LEAST[style] ?? 1;
   if (values) end = Math.max(end, Float32Array.from(values).sort()[Math.floor(0.99 * (values.length - 1))]);
-  viewer.colour(style, (name) => valuesOf(style, name), end);
+  const colours = style === 'texture' ? linearOf(texture()) : null;
+  viewer.colour(style, (name) => colours ?? (valuesOf(style, name) && paint(valuesOf(style, name), end)));
   find('#colours').hidden = !values;
   if (values) find('#end').textContent = UNITS[style](end);
+  find('#unseen').hidden = style !== 'texture';
 }
 
 /** Draw the bar of colours once. */
@@ -89,20 +99,27 @@ function drawBar() {
   }
 }
 
-/** Leave out the colours that this result has no numbers for. */
+/** Leave out the colours that this result has nothing for, and say why there is no texture. */
 function trimStyles() {
-  for (const option of [...find('#style').options]) {
-    if (option.value in LEAST && ![...meshes.keys()].some((name) => !BARE.has(name) && valuesOf(option.value, name))) option.remove();
-  }
+  for (const option of [...find('#style').options]) if (!isColouredBy(option.value)) option.remove();
+  find('#uncoloured').hidden = Boolean(texture()) || find('#style').closest('label').hidden;
 }
 
 /** Listen to what is above the 3D view. */
 function startTools() {
   for (const box of boxes) {
     box.addEventListener('change', async () => {
-      await loadMesh(box.dataset.mesh);
-      viewer.show(box.dataset.mesh, box.checked);
-      colourCloth();
+      const name = box.dataset.mesh, told = find('#loading');
+      told.textContent = meshes.has(name) ? '' : 'Loading…';
+      try {
+        await showMesh(name);
+        told.textContent = '';
+      } catch (error) {
+        showError(told, error);
+        return;
+      }
+      viewer.show(name, box.checked);
+      if (!BARE.has(name)) colourCloth();
       tellMeasured();
     });
   }
@@ -216,6 +233,7 @@ function startMeasuring() {
 /** Play an animation from its point caches. */
 async function startPlayer() {
   const frames = readFrames(await load('garment.pc2'));
+  await Promise.all(['garment', 'body'].map(showMesh));
   const bodies = files.has('body.pc2') ? readFrames(await load('body.pc2')) : null;
   const { fps } = await getJson(`/v1/jobs/${job}/artifacts/frames.json`);
   const slider = find('#frame'), button = find('#play'), time = find('#time');
@@ -223,7 +241,7 @@ async function startPlayer() {
   const show = () => {
     const frame = Number(slider.value);
     viewer.move('garment', frames[frame]);
-    if (bodies) viewer.move('body', bodies[frame]);
+    if (bodies && meshes.has('body')) viewer.move('body', bodies[frame]);
     time.textContent = `${(frame / fps).toFixed(2)} s`;
   };
   let isPlaying = false, begun = 0;
@@ -266,26 +284,30 @@ function startExports() {
   }
 }
 
-/** Load what is shown at first, then the rest of the meshes; the scan only when it is asked for. */
+/** Let the browser draw what is there. */
+const drawn = () => new Promise((done) => { requestAnimationFrame(() => setTimeout(done)); });
+
+/** Show what is checked, then the pattern; other meshes when they are asked for. */
 async function start() {
   startExports();
-  const names = boxes.map((box) => box.dataset.mesh);
-  const isSolid = names.length > 0 && startViewer();
-  if (!names.length) showPictures();
-  const flat = files.has('worn.npz') ? load('worn.npz').then(readGarment) : null;
+  const asked = place.hasAttribute('data-packed') ? getBytes(`/results/${job}/view.bin`) : null;
+  const isSolid = boxes.length > 0 && startViewer();
+  if (!boxes.length) showPictures();
+  const shown = asked && readShown(await asked);
+  shown?.meshes.forEach((mesh, name) => meshes.set(name, mesh));
+  garment = shown?.garment ?? null;
   if (isSolid) {
-    await Promise.all(boxes.filter((box) => box.checked).map((box) => loadMesh(box.dataset.mesh)));
+    await Promise.all(boxes.filter((box) => box.checked).map((box) => showMesh(box.dataset.mesh)));
     viewer.frame();
+    place.dataset.shown = '1';
+    await drawn();
   }
-  const others = isSolid ? Promise.all(names.filter((name) => name !== 'scan').map(loadMesh)) : null;
-  if (flat) {
-    garment = await flat;
+  if (garment) {
     pattern = new PatternView(find('#flat'), garment);
     startPointing();
     startMeasuring();
   }
   if (isSolid) {
-    await others;
     drawBar();
     trimStyles();
     startTools();

@@ -1,12 +1,15 @@
 // Meshes in 3D, drawn when something changed and not otherwise. Metres, y up.
 import {
   BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, HemisphereLight, Line, LineBasicMaterial, Mesh, MeshBasicMaterial,
-  MeshLambertMaterial, MeshNormalMaterial, OrbitControls, PerspectiveCamera, Raycaster, Scene, Sphere, SphereGeometry, SRGBColorSpace, Vector2, Vector3,
+  MeshLambertMaterial, MeshNormalMaterial, OrbitControls, PerspectiveCamera, Points, PointsMaterial, Raycaster, Scene, Sphere, SphereGeometry, SRGBColorSpace, Vector2, Vector3,
   WebGLRenderer,
 } from './vendor/three-0.187.0.js';
 
 /** Radius of the mark that stands where the pointer is in the other view [m]: seen on a whole person, smaller than a button. */
 const MARK = 0.008;
+
+/** Size of a cloud's points [m]. */
+const POINT = 0.007;
 
 /** Colours of a value from 0 to 1, light to dark: those of the report's error map. */
 const STOPS = [[0, [0.9, 0.92, 0.9]], [0.25, [0.98, 0.86, 0.55]], [0.5, [0.95, 0.6, 0.26]], [0.75, [0.8, 0.25, 0.2]], [1, [0.42, 0.05, 0.24]]];
@@ -19,13 +22,34 @@ export function colourOf(share) {
   return from.map((value, n) => value + ((to[n] - value) * (at - low)) / (high - low));
 }
 
+/** Names of what draws by software. */
+const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
+
+/**
+ * Open a canvas for WebGL. Where that is done by software edges are not smoothed, which would take a quarter of a page's whole time.
+ * @returns {{canvas: HTMLCanvasElement, context: WebGL2RenderingContext, isFast: boolean}} @throws {Error} where there is none
+ */
+function openContext() {
+  const open = (antialias) => {
+    const canvas = document.createElement('canvas');
+    return { canvas, context: canvas.getContext('webgl2', { alpha: true, antialias, powerPreference: 'low-power' }) };
+  };
+  const plain = open(false);
+  if (!plain.context) throw new Error('the browser has no WebGL');
+  const told = plain.context.getExtension('WEBGL_debug_renderer_info')?.UNMASKED_RENDERER_WEBGL ?? plain.context.RENDERER;
+  if (SOFTWARE.test(plain.context.getParameter(told))) return { ...plain, isFast: false };
+  plain.context.getExtension('WEBGL_lose_context')?.loseContext();
+  return { ...open(true), isFast: true };
+}
+
 /** A view of some meshes: orbit by mouse, touch or the arrow keys. */
 export class Viewer {
   /** @param {HTMLElement} place @throws {Error} where the browser has no WebGL */
   constructor(place) {
     this.place = place;
-    this.renderer = new WebGLRenderer({ antialias: true, alpha: true, powerPreference: 'low-power' });
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    const { isFast, ...opened } = openContext();
+    this.renderer = new WebGLRenderer({ ...opened, alpha: true });
+    this.renderer.setPixelRatio(isFast ? Math.min(window.devicePixelRatio, 2) : 1);
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(35, 1, 0.01, 50);
     this.scene.add(new HemisphereLight(0xffffff, 0x8a8f99, 1.9));
@@ -75,21 +99,26 @@ export class Viewer {
   }
 
   /**
-   * Show a mesh.
+   * Show a mesh, or a cloud where it has no faces.
    * @param {string} name @param {Float32Array} positions @param {ArrayLike<number>} faces
-   * @param {{colour?: number, isVisible?: boolean, isCloth?: boolean}} [look]
+   * @param {{colour?: number, isVisible?: boolean, isCloth?: boolean, colours?: Uint8Array|null}} [look] `colours` are RGB of each vertex
    */
-  add(name, positions, faces, { colour = 0x6694bd, isVisible = true, isCloth = false } = {}) {
+  add(name, positions, faces, { colour = 0x6694bd, isVisible = true, isCloth = false, colours = null } = {}) {
     const geometry = new BufferGeometry();
     geometry.setAttribute('position', new BufferAttribute(positions, 3));
-    geometry.setIndex(new BufferAttribute(Uint32Array.from(faces), 1));
-    geometry.computeVertexNormals();
-    const mesh = new Mesh(geometry, new MeshLambertMaterial({ color: new Color(colour), side: DoubleSide }));
+    if (colours) geometry.setAttribute('color', new BufferAttribute(linearOf(colours), 3));
+    const look = { color: new Color(colours ? 0xffffff : colour), vertexColors: Boolean(colours) };
+    let mesh;
+    if (faces.length) {
+      geometry.setIndex(new BufferAttribute(faces.BYTES_PER_ELEMENT > 1 ? faces : Uint16Array.from(faces), 1));
+      geometry.computeVertexNormals();
+      mesh = new Mesh(geometry, new MeshLambertMaterial({ ...look, side: DoubleSide, wireframe: this.wireframe }));
+    } else mesh = new Points(geometry, new PointsMaterial({ ...look, size: POINT }));
     mesh.visible = isVisible;
     mesh.userData = { colour, isCloth };
     this.meshes.set(name, mesh);
     this.scene.add(mesh);
-    this.draw();
+    if (isVisible) this.draw();
   }
 
   /** @param {string} name @param {Float32Array} positions another state of a mesh, such as a frame of an animation */
@@ -111,23 +140,23 @@ export class Viewer {
   /** @param {boolean} isOn */
   setWireframe(isOn) {
     this.wireframe = isOn;
-    for (const { material } of this.meshes.values()) material.wireframe = isOn;
+    for (const { material } of this.meshes.values()) if ('wireframe' in material) material.wireframe = isOn;
     this.draw();
   }
 
   /**
-   * Colour the garment's meshes: `cloth`, `normals`, or by a number of each vertex.
-   * @param {string} style @param {(name: string) => Float32Array|null} values of a mesh @param {number} end the value of the last colour
+   * Colour the garment's meshes: `cloth`, `normals`, or by a colour of each vertex.
+   * @param {string} style @param {(name: string) => Float32Array|null} colours linear RGB of a mesh's vertices; null: as cloth
    */
-  colour(style, values, end) {
+  colour(style, colours) {
     for (const [name, mesh] of this.meshes) {
       if (!mesh.userData.isCloth) continue;
       mesh.material.dispose();
-      const shown = style === 'cloth' || style === 'normals' ? null : values(name);
+      const shown = style === 'cloth' || style === 'normals' ? null : colours(name);
       if (style === 'normals') mesh.material = new MeshNormalMaterial({ side: DoubleSide });
       else mesh.material = new MeshLambertMaterial({ color: new Color(shown ? 0xffffff : mesh.userData.colour), side: DoubleSide, vertexColors: Boolean(shown) });
       mesh.material.wireframe = this.wireframe;
-      if (shown) mesh.geometry.setAttribute('color', new BufferAttribute(paint(shown, end), 3));
+      if (shown) mesh.geometry.setAttribute('color', new BufferAttribute(shown, 3));
     }
     this.draw();
   }
@@ -217,11 +246,17 @@ export class Viewer {
 }
 
 /** @param {Float32Array} values @param {number} end @returns {Float32Array} linear red, green, blue of each vertex */
-function paint(values, end) {
+export function paint(values, end) {
   const colours = new Float32Array(3 * values.length), colour = new Color();
   const table = Array.from({ length: 257 }, (_, n) => colour.setRGB(...colourOf(n / 256), SRGBColorSpace).toArray());
   values.forEach((value, n) => colours.set(table[Math.round(256 * Math.min(Math.max(value / end, 0), 1))], 3 * n));
   return colours;
+}
+
+/** @param {Uint8Array} colours RGB bytes, sRGB @returns {Float32Array} the same, linear in 0..1 */
+export function linearOf(colours) {
+  const colour = new Color(), table = Float32Array.from({ length: 256 }, (_, n) => colour.setRGB(n / 255, 0, 0, SRGBColorSpace).r);
+  return Float32Array.from(colours, (value) => table[value]);
 }
 
 /** @param {Vector3} point @param {Vector3[]} corners @returns {number[]} barycentric weights */

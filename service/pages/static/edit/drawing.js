@@ -4,6 +4,7 @@ import { draw } from '../dom.js';
 import { between, isStraight, pathCommand, placeOnChord, unitPoint } from './edge_geometry.js';
 import { chordOf, getPanel, handlePoints } from './pattern_model.js';
 import { possiblePoints } from './point_operations.js';
+import { path, showParts } from './parts.js';
 import { kindOf } from './session.js';
 import { findMirrors, imagePoints } from './symmetry.js';
 
@@ -15,7 +16,7 @@ const NOTCH = 6;
 const mm = ([x, y]) => [1e3 * x, -1e3 * y];
 const pair = ([x, y]) => `${x.toFixed(3)} ${y.toFixed(3)}`;
 /** A dot that keeps its size at any zoom: a line without length and with a round or square end. */
-const dot = (name, at, data) => draw('path', { class: `dot ${name}`, d: `M ${pair(mm(at))} h 0.001`, ...data });
+const dot = (name, at, data) => path(`dot ${name}`, `M ${pair(mm(at))} h 0.001`, data);
 
 export class Drawing {
   /** @param {SVGSVGElement} svg @param {import("./session.js").Session} session */
@@ -43,7 +44,7 @@ export class Drawing {
       const place = session.placeOf(panel.name);
       let group = this.groups.get(panel.name);
       if (!group) {
-        group = { element: draw('g', { class: 'panel', 'data-panel': panel.name }) };
+        group = { element: draw('g', { class: 'panel', 'data-panel': panel.name }), parts: [] };
         this.groups.set(panel.name, group);
         this.layer.append(group.element);
       }
@@ -54,9 +55,12 @@ export class Drawing {
           `translate(${(1e3 * place.x).toFixed(4)} ${(-1e3 * place.y).toFixed(4)}) rotate(${turn.toFixed(6)})`,
         );
       }
-      if (group.panel !== panel || group.look !== look)
-        group.element.replaceChildren(...this.drawPanel(panel, selected, shared.get(panel.name)));
-      Object.assign(group, { panel, look, place });
+      let { parts } = group;
+      if (group.panel !== panel || group.look !== look) {
+        parts = this.drawPanel(panel, selected, shared.get(panel.name));
+        showParts(group.element, group.parts, parts);
+      }
+      Object.assign(group, { panel, look, place, parts });
     }
   }
 
@@ -88,20 +92,14 @@ export class Drawing {
     const outline = this.outline(panel);
     const parts = [];
     if (options.allowance > 0)
-      parts.push(draw('path', { class: 'allowance', d: outline, 'stroke-width': 2 * options.allowance }));
+      parts.push(path('allowance', outline, { 'stroke-width': 2 * options.allowance }));
     const whole = selected.some((item) => kindOf(item) === 'panel');
     const colour = look.mirror ? ` pair-${look.mirror.colour}` : '';
-    parts.push(
-      draw('path', {
-        class: `cloth${whole ? ' selected' : ''}${colour}`,
-        d: outline,
-        'data-mirror': look.mirror?.other,
-      }),
-    );
+    parts.push(path(`cloth${whole ? ' selected' : ''}${colour}`, outline, { 'data-mirror': look.mirror?.other }));
     if (look.images) parts.push(axisOf(session.present, panel));
     if (options.difference) {
       const before = getPanel(session.original, panel.name);
-      if (before) parts.push(draw('path', { class: 'before', d: this.outline(before) }));
+      if (before) parts.push(path('before', this.outline(before)));
     }
     panel.edges.forEach((edge, at) => parts.push(this.drawEdge(panel, at, selected, look)));
     panel.notches.forEach(([edge, at]) => parts.push(drawNotch(panel, edge, at)));
@@ -131,11 +129,8 @@ export class Drawing {
     const chosen = selected.some((item) => kindOf(item) === 'edge' && item.edge === at);
     const fault = look.faults.some((one) => one.edge === at && one.point === undefined) ? ' fault' : '';
     const drawn = drawnEdge(panel, at);
-    return draw('path', {
-      class: `edge${chosen ? ' selected' : ''}${fault}`,
-      d: `M ${pair(drawn[0])} ${pathCommand(panel.edges[at], drawn)}`,
-      'data-edge': at,
-    });
+    const d = `M ${pair(drawn[0])} ${pathCommand(panel.edges[at], drawn)}`;
+    return path(`edge${chosen ? ' selected' : ''}${fault}`, d, { 'data-edge': at });
   }
 
   /** Draw where control points could be added, one path for each edge. */
@@ -144,7 +139,7 @@ export class Drawing {
     for (const { edge, place } of possiblePoints(pattern)) {
       ways.set(edge, `${ways.get(edge) ?? ''} M ${pair(mm(place))} h 0.001`);
     }
-    return [...ways].map(([edge, d]) => draw('path', { class: 'dot possible', d, 'data-edge': edge }));
+    return [...ways].map(([edge, d]) => path('dot possible', d, { 'data-edge': edge }));
   }
 
   /** Draw the handles of curves at selected points and of selected edges. */
@@ -158,7 +153,7 @@ export class Drawing {
         const chosen = selected.some((item) => item.edge === at && item.handle === handle) ? ' selected' : '';
         const from = edge.kind === 'cubic' ? ends[handle] : between(...ends, 0.5);
         return [
-          draw('path', { class: 'arm', d: `M ${pair(mm(from))} L ${pair(mm(place))}` }),
+          path('arm', `M ${pair(mm(from))} L ${pair(mm(place))}`),
           dot(`handle${chosen}`, place, { 'data-edge': at, 'data-handle': handle }),
         ];
       });
@@ -177,29 +172,30 @@ function drawnEdge(panel, at) {
 }
 
 function drawNotch(panel, edge, at) {
-  const place = (share) => mm(placeOnChord([unitPoint(panel.edges[edge], share)], ...chordOf(panel, edge))[0]);
-  const here = place(at),
-    way = isStraight(panel.edges[edge])
-      ? [place(0), place(1)]
-      : [place(Math.max(at - 0.01, 0)), place(Math.min(at + 0.01, 1))];
-  const along = [way[1][0] - way[0][0], way[1][1] - way[0][1]],
+  const [here, from, to] = placeOnChord(unitNotch(panel.edges[edge], at), ...chordOf(panel, edge)).map(mm);
+  const along = [to[0] - from[0], to[1] - from[1]],
     size = Math.hypot(...along) || 1;
-  return draw('path', {
-    class: 'notch',
-    d: `M ${pair(here)} l ${pair([(NOTCH * along[1]) / size, (-NOTCH * along[0]) / size])}`,
-  });
+  return path('notch', `M ${pair(here)} l ${pair([(NOTCH * along[1]) / size, (-NOTCH * along[0]) / size])}`);
+}
+
+const notches = new WeakMap();
+
+/** Return where a notch is, and two points that it stands across, in the edge's chord; kept with the edge. */
+function unitNotch(edge, at) {
+  if (notches.get(edge)?.at !== at) {
+    const across = isStraight(edge) ? [0, 1] : [Math.max(at - 0.01, 0), Math.min(at + 0.01, 1)];
+    notches.set(edge, { at, points: [at, ...across].map((share) => unitPoint(edge, share)) });
+  }
+  return notches.get(edge).points;
 }
 
 /** Write a panel's name in its middle, a word on each line, so that neighbours' names do not meet. */
 function nameOf(panel) {
   const middle = [0, 1].map((k) => panel.points.reduce((sum, point) => sum + point[k], 0) / panel.points.length);
   const [x, y] = mm(middle).map((value) => value.toFixed(1));
-  const words = panel.name.split('_').map((word, line) => {
-    const part = draw('tspan', { x, dy: line ? '1.15em' : 0 });
-    part.textContent = word;
-    return part;
-  });
-  return draw('text', { class: 'name', x, y }, ...words);
+  const words = panel.name.split('_');
+  const parts = words.map((text, line) => ({ tag: 'tspan', attributes: { x, dy: line ? '1.15em' : 0 }, text }));
+  return { tag: 'text', attributes: { class: 'name', x, y }, parts };
 }
 
 /** Draw the axis on which a panel is its own mirror image. */
@@ -213,7 +209,7 @@ function axisOf(pattern, panel) {
   const ends = [Math.min(...along) - 0.03, Math.max(...along) + 0.03].map((t) =>
     mm([middle[0] + t * way[0], middle[1] + t * way[1]]),
   );
-  return draw('path', { class: 'axis', d: `M ${pair(ends[0])} L ${pair(ends[1])}` });
+  return path('axis', `M ${pair(ends[0])} L ${pair(ends[1])}`);
 }
 
 /** Return the images of a selected point, to be told in words. */

@@ -213,8 +213,12 @@ export function nearestOnEdge(edge, start, end, place) {
     placeOnChord([straight || edge.kind === 'arc' ? unitPoint(edge, t) : bezier(control, t)], start, end)[0];
   const miss = (t) => norm(subtract(at(t), place));
   const count = 48;
-  let best = 0;
-  for (let k = 1; k <= count; k += 1) if (miss(k / count) < miss(best / count)) best = k;
+  let best = 0,
+    least = Infinity;
+  for (let k = 0; k <= count; k += 1) {
+    const far = miss(k / count);
+    if (far < least) [best, least] = [k, far];
+  }
   let low = Math.max(best - 1, 0) / count,
     high = Math.min(best + 1, count) / count;
   for (let step = 0; step < 60; step += 1) {

@@ -21,9 +21,8 @@ export class SeamTable {
 
   render() {
     const { pattern } = this.session;
-    const names = pattern.seams.map((seam) => `${edgeName(seam.a)} – ${edgeName(seam.b)}`).join('\n');
-    if (names !== this.seams) this.rebuild(pattern);
-    this.seams = names;
+    if (pattern.seams !== this.seams) this.rebuild(pattern);
+    this.seams = pattern.seams;
     let worst = 0;
     for (const { index, a, b, ratio, mismatch } of seamLengths(pattern)) {
       const { cells, row } = this.rows[index],

@@ -1,0 +1,127 @@
+"""Draft garments with GarmentCode's own programs (MIT), from seeds: the patterns that `foreign_drapes.py` drapes.
+
+It runs in an environment of its own, which has what GarmentCode asks for and nothing of ours; GARMENTCODE is a checkout
+of github.com/maria-korosteleva/GarmentCode:
+
+    PYTHONPATH=GARMENTCODE python benchmarks/foreign_draft.py GARMENTCODE OUT
+
+Each garment is a folder with `specification.json` as GarmentCode writes it and `design.json`: category, seed, and the
+parts in our words. The body is the SMPL average woman with her arms stretched out.
+"""
+
+import argparse
+import json
+import random
+from pathlib import Path
+
+import yaml
+from assets.bodies.body_params import BodyParameters
+from assets.garment_programs.meta_garment import MetaGarment
+
+ORDER = {
+    "tshirt": 4, "long_sleeve_tshirt": 3, "tank": 3, "dress": 4, "skirt": 4, "trousers": 3, "shorts": 2, "jumpsuit": 1,
+}  # fmt: skip
+"""Garments by category."""
+
+SEED = 2026
+"""Of the first garment; each has the next one."""
+
+EASE = 1.15
+"""By which girths are drafted wider than the body's, whose file has them up to 6 % too narrow: 8 % to move in."""
+
+GIRTHS = (
+    "bust", "underbust", "waist", "hips", "back_width", "waist_back_width", "hip_back_width", "leg_circ", "wrist",
+)  # fmt: skip
+
+NECKS = {"crew": "CircleNeckHalf", "v": "VNeckHalf", "square": "SquareNeckHalf"}
+SKIRTS = {"straight": "PencilSkirt", "a_line": "Skirt2", "circle": "SkirtCircle", "gored": "SkirtManyPanels"}
+
+
+def draw_top(design: dict, chance: random.Random, sleeve: str) -> dict[str, str]:
+    """Draw the upper part of a garment and return its parts."""
+    neck = chance.choice(sorted(NECKS))
+    design["meta"]["upper"]["v"] = chance.choice(("Shirt", "FittedShirt"))
+    shirt, collar, arm = design["shirt"], design["collar"], design["sleeve"]
+    shirt["length"]["v"] = chance.uniform(1.1, 1.5)
+    shirt["width"]["v"] = chance.uniform(1.05, 1.25)
+    shirt["flare"]["v"] = chance.uniform(0.95, 1.15)
+    collar["f_collar"]["v"] = NECKS[neck]
+    collar["width"]["v"] = chance.uniform(0.1, 0.5)
+    collar["fc_depth"]["v"] = chance.uniform(0.5, 1.0) if neck == "v" else chance.uniform(0.35, 0.7)
+    arm["sleeveless"]["v"] = sleeve == "none"
+    arm["length"]["v"] = chance.uniform(0.85, 1.0) if sleeve == "long" else chance.uniform(0.25, 0.4)
+    arm["end_width"]["v"] = chance.uniform(0.5, 0.8) if sleeve == "long" else chance.uniform(0.8, 1.1)
+    arm["connecting_width"]["v"] = chance.uniform(0.2, 0.6)
+    return {"neckline": neck, "sleeve": sleeve, "darts": str(design["meta"]["upper"]["v"] == "FittedShirt").lower()}
+
+
+def draw_skirt(design: dict, chance: random.Random) -> dict[str, str]:
+    """Draw a skirt and return its part."""
+    kind = chance.choice(sorted(SKIRTS))
+    design["meta"]["bottom"]["v"] = SKIRTS[kind]
+    design["skirt"]["length"]["v"] = chance.uniform(0.2, 0.45)
+    design["skirt"]["ruffle"]["v"] = 1.0
+    design["skirt"]["flare"]["v"] = chance.randint(4, 14)
+    design["flare-skirt"]["length"]["v"] = chance.uniform(0.2, 0.45)
+    design["flare-skirt"]["suns"]["v"] = chance.choice((0.5, 1.0))
+    design["flare-skirt"]["skirt-many-panels"]["n_panels"]["v"] = chance.choice((4, 6, 8))
+    design["pencil-skirt"]["length"]["v"] = chance.uniform(0.3, 0.5)
+    design["pencil-skirt"]["flare"]["v"] = chance.uniform(0.9, 1.2)
+    return {"skirt": kind}
+
+
+def draw_legs(design: dict, chance: random.Random, *, short: bool) -> dict[str, str]:
+    """Draw legs and return their part."""
+    legs = design["pants"]
+    design["meta"]["bottom"]["v"] = "Pants"
+    legs["length"]["v"] = chance.uniform(0.25, 0.4) if short else chance.uniform(0.8, 0.9)
+    legs["width"]["v"] = chance.uniform(1.0, 1.3)
+    legs["flare"]["v"] = chance.uniform(0.6, 1.2)
+    return {"legs": "flared" if legs["flare"]["v"] > 1.0 else "tapered"}
+
+
+def draw(category: str, seed: int, design: dict) -> dict[str, str]:
+    """Fill a design in for a category from a seed, and return the parts in our words."""
+    chance = random.Random(seed)
+    if category in ("tshirt", "long_sleeve_tshirt", "tank"):
+        sleeve = {"tshirt": "short", "long_sleeve_tshirt": "long", "tank": "none"}[category]
+        return draw_top(design, chance, sleeve)
+    if category in ("dress", "jumpsuit"):
+        parts = draw_top(design, chance, chance.choice(("none", "short")))
+        design["meta"]["upper"]["v"] = "FittedShirt"
+        design["shirt"]["length"]["v"] = 1.0
+        design["shirt"]["flare"]["v"] = 1.0
+        rest = draw_skirt(design, chance) if category == "dress" else draw_legs(design, chance, short=False)
+        return {**parts, **rest, "darts": "true"}
+    design["meta"]["wb"]["v"] = chance.choice(("StraightWB", "FittedWB"))
+    return draw_skirt(design, chance) if category == "skirt" else draw_legs(design, chance, short=category == "shorts")
+
+
+def main() -> None:
+    """Draft all."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("garmentcode", type=Path)
+    parser.add_argument("out", type=Path)
+    given = parser.parse_args()
+    assets, seed = given.garmentcode / "assets", SEED
+    for category, count in ORDER.items():
+        for _ in range(count):
+            body = BodyParameters(str(assets / "bodies" / "f_smpl_average_A40.yaml"))
+            body["arm_pose_angle"] = 0
+            for girth in GIRTHS:
+                body[girth] = EASE * body[girth]
+            design = yaml.safe_load((assets / "design_params" / "default.yaml").read_text())["design"]
+            parts = draw(category, seed, design)
+            name = f"{category}_{seed}"
+            folder = given.out / name
+            folder.mkdir(parents=True, exist_ok=True)
+            spec = MetaGarment(name, body, design).assembly().spec
+            (folder / "specification.json").write_text(json.dumps(spec, default=lambda value: value.tolist()))
+            told = {"category": category, "seed": seed, "parts": parts}
+            (folder / "design.json").write_text(json.dumps(told, indent=1))
+            print(name, len(spec["pattern"]["panels"]), "panels", parts, flush=True)
+            seed += 1
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,190 @@
+"""Make target packs of what `foreign_draft.py` drafted: draped by Blender's cloth, nothing of `core.simulate`.
+
+    python benchmarks/foreign_drapes.py DRAFTS BODY.ply OUT --blender PYTHON [--only NAME]
+
+PYTHON is one that has the module `bpy` (development only). A body is dressed in the panels by position-based dynamics,
+since Blender's threads lose a shirt's shoulders on the way; from there on Blender's cloth finds where they hang, sewn
+by its threads, from the flat panels as rest shape. OUT is a folder of packs without base patterns, in the form that
+`garmentq bench OUT --library --json` reads.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import trimesh
+from garmentq.core.body import register_body
+from garmentq.core.drape import WearerGeometry, drape_template, remesh
+from garmentq.core.export.blender import sewing_threads
+from garmentq.core.export.sewn_mesh import SewnMesh
+from garmentq.core.mesh import face_areas, self_intersections
+from garmentq.core.pattern import Garment, Pattern, edge_points, load_pattern, place_points
+from garmentq.core.segment import name_contours
+from garmentq.core.simulate import get_fabric
+
+VERTICES = 4000
+"""Of a drape: that of the other packs."""
+
+MOST_CROSSING = 0.02
+"""Share of faces that may cross others: more is crumpled cloth, which is told and left out. Other packs have 0.5 %."""
+
+SIMULATE = """
+import sys
+import bpy
+import numpy as np
+
+FRAMES, EASED = 100, 40
+given = np.load(sys.argv[1])
+bpy.ops.wm.read_factory_settings(use_empty=True)
+scene = bpy.context.scene
+
+
+def add(name, vertices, faces, edges=()):
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(vertices.tolist(), [tuple(edge) for edge in edges], faces.tolist())
+    mesh.update()
+    made = bpy.data.objects.new(name, mesh)
+    scene.collection.objects.link(made)
+    return made
+
+
+body = add("body", given["body"], given["body_faces"])
+body.modifiers.new("Collision", "COLLISION")
+body.collision.thickness_outer = 0.002
+body.collision.cloth_friction = 5.0
+cloth = add("cloth", given["flat"], given["faces"], given["threads"])
+cloth.shape_key_add(name="flat", from_mix=False)
+worn = cloth.shape_key_add(name="worn", from_mix=False)
+worn.data.foreach_set("co", given["nodes"].ravel())
+for frame, value in ((1, 1.0), (EASED, 0.0)):  # of a dynamic mesh the lengths at rest are those that it has now
+    worn.value = value
+    worn.keyframe_insert("value", frame=frame)
+held = cloth.vertex_groups.new(name="held")
+held.add(given["held"].tolist(), 1.0, "REPLACE")
+modifier = cloth.modifiers.new("Cloth", "CLOTH")
+settings, touching = modifier.settings, modifier.collision_settings
+settings.use_sewing_springs = True
+settings.use_dynamic_mesh = True
+settings.vertex_group_mass = "held"
+settings.mass = 0.3
+settings.tension_stiffness = settings.compression_stiffness = 160.0
+settings.shear_stiffness = 80.0
+settings.bending_stiffness = 0.5
+settings.air_damping = 1.0
+settings.quality = 10
+touching.distance_min = 0.003
+touching.collision_quality = 3
+scene.frame_end = modifier.point_cache.frame_end = FRAMES
+moved = []
+for frame in range(1, FRAMES + 1):
+    scene.frame_set(frame)
+    if frame in (FRAMES - 10, FRAMES):
+        mesh = cloth.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+        moved.append([tuple(vertex.co) for vertex in mesh.vertices])
+np.save(sys.argv[2], np.array(moved))
+"""
+
+
+def to_blender(points: np.ndarray) -> np.ndarray:
+    """Turn y up into z up."""
+    return points[:, [0, 2, 1]] * [1.0, -1.0, 1.0]
+
+
+def from_blender(points: np.ndarray) -> np.ndarray:
+    """Turn z up into y up."""
+    return points[:, [0, 2, 1]] * [1.0, 1.0, -1.0]
+
+
+def simulate(garment: Garment, held: np.ndarray, body: trimesh.Trimesh, python: str) -> np.ndarray:
+    """Return the cut panels' vertices ten frames before the end and at the end, shape [2, uv_count, 3]."""
+    mesh = SewnMesh("drape", garment, garment.nodes, get_fabric("cotton_poplin"))
+    flat = np.zeros((len(garment.uv), 3))
+    for index, panel in enumerate(garment.pattern.panels):
+        own = garment.panel_of_uv == index
+        flat[own] = place_points(panel, garment.uv[own])
+    with tempfile.TemporaryDirectory() as folder:
+        given, found, script = (Path(folder) / name for name in ("given.npz", "found.npy", "simulate.py"))
+        script.write_text(SIMULATE)
+        np.savez(
+            given, body=to_blender(body.vertices), body_faces=body.faces, flat=to_blender(flat),
+            nodes=to_blender(garment.nodes[garment.uv_node]), faces=garment.uv_faces, threads=sewing_threads(mesh),
+            held=np.flatnonzero(np.isin(garment.uv_node, held)),
+        )  # fmt: skip
+        subprocess.run([python, str(script), str(given), str(found)], check=True, stdout=subprocess.DEVNULL)
+        return np.array([from_blender(points) for points in np.load(found)])
+
+
+def weld(garment: Garment, cut: np.ndarray) -> np.ndarray:
+    """Return the nodes at the mean of the panels' vertices that were sewn to them."""
+    nodes = np.zeros((len(garment.nodes), 3))
+    np.add.at(nodes, garment.uv_node, cut)
+    return nodes / np.bincount(garment.uv_node, minlength=len(nodes))[:, None]
+
+
+def describe(pattern: Pattern) -> dict[str, object]:
+    """Return the outlines of a pattern as packs have them."""
+    outlines = {}
+    for panel in pattern.panels:
+        points = [edge_points(panel, n, 20)[:-1] for n in range(len(panel.edges))]
+        outlines[panel.name] = {"outline": np.concatenate(points).round(6).tolist()}
+    return {"unit": "m", "panels": outlines}
+
+
+def make_pack(drafts: Path, wearer: WearerGeometry, out: Path, python: str) -> dict[str, object]:
+    """Drape one draft, write its pack, and return what is told of it."""
+    design = json.loads((drafts / "design.json").read_text())
+    pattern = load_pattern(drafts / "specification.json")
+    body = trimesh.Trimesh(wearer.body.vertices, wearer.body.faces, process=False)
+    garment = remesh(drape_template(pattern, wearer), VERTICES)
+    contours, _ = name_contours(garment.nodes, garment.faces, wearer.body)
+    waists = [contour.vertices for contour in contours if contour.name == "waist"]
+    held = np.concatenate([np.zeros(0, np.int64), *waists])
+    before, after = simulate(garment, held, body, python)
+    nodes = weld(garment, after)
+    moved = np.linalg.norm(after - before, axis=1)
+    gaps = np.linalg.norm(after - nodes[garment.uv_node], axis=1)
+    flat = face_areas(np.pad(garment.uv, ((0, 0), (0, 1))), garment.uv_faces).sum()
+    crossing = len(self_intersections(nodes, garment.faces))
+    told = {
+        "name": drafts.name, "pose": "T", "simulator": "Blender cloth (bpy)", "fabric": None, "units": "m, y up",
+        "source": {"kind": "GarmentCode program", "licence": "MIT"}, "licence": "MIT", "panels": len(pattern.panels),
+        **design, "is_target": crossing <= MOST_CROSSING * len(garment.faces),
+        "area_drape_over_pattern": round(float(face_areas(nodes, garment.faces).sum() / flat), 3),
+        "gap_p99_mm": round(1000.0 * float(np.quantile(gaps, 0.99)), 2),
+        "motion_p95_mm_last_10_frames": round(1000.0 * float(np.quantile(moved, 0.95)), 2),
+        "self_intersecting_faces": crossing,
+    }  # fmt: skip
+    if not told["is_target"]:
+        return told
+    folder = out / drafts.name
+    folder.mkdir(parents=True, exist_ok=True)
+    trimesh.Trimesh(nodes, garment.faces, process=False).export(folder / "garment.ply")
+    body.export(folder / "body.ply")
+    (folder / "pattern.json").write_text(json.dumps(describe(pattern)))
+    (folder / "meta.json").write_text(json.dumps(told, indent=1))
+    return told
+
+
+def main() -> None:
+    """Drape all."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("drafts", type=Path)
+    parser.add_argument("body", type=Path)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--blender", required=True)
+    parser.add_argument("--only")
+    given = parser.parse_args()
+    mesh = trimesh.load(given.body, process=False)
+    wearer = WearerGeometry(register_body(np.asarray(mesh.vertices), np.asarray(mesh.faces), name="body"))
+    for folder in sorted(path.parent for path in given.drafts.glob("*/design.json")):
+        if given.only is None or folder.name == given.only:
+            print(json.dumps(make_pack(folder, wearer, given.out, given.blender)), flush=True)
+
+
+if __name__ == "__main__":
+    main()

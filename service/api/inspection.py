@@ -1,0 +1,69 @@
+"""`/v1/scans/{sha256}/inspection`: what is understood of an uploaded scan, before a job is asked for."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Depends, Query
+
+from ..inspection import inspect_scan
+from ..submission import clean_name
+from ..uploads import find_upload
+from .access import RoomsOf, Submitter
+from .answers import Inspection
+from .problems import show_answer
+from .schemas import Sha256
+
+router = APIRouter(tags=["files"])
+
+EXAMPLE = {
+    "as": "person",
+    "is_sure": True,
+    "scan": {
+        "name": "anna", "units": "m", "up": "y", "is_cloud": False, "vertex_count": 30587, "face_count": 59882,
+        "file_count": 30589, "extent_m": [1.201, 1.668, 0.3149], "has_colours": True, "has_labels": False,
+        "notes": ["Dropped 7 points as flyers."],
+    },
+    "body": {"source": "scan:anna", "height_m": 1.663, "skin_rms_mm": 2.95},
+    "category": None,
+    "contours_m": None,
+    "remarks": [],
+    "needs": None,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Looked:
+    """Describe of a scan what an order would say."""
+
+    given_as: Annotated[Literal["person", "garment"] | None, Query(alias="as")] = None
+    body: Annotated[str | None, Query(max_length=200, examples=["builtin:female,height=1.70"])] = None
+    units: Literal["m", "cm", "mm", "inch", "foot"] | None = None
+    up: Literal["y", "z", "-y", "-z", "x", "-x"] | None = None
+    is_quick: Annotated[bool, Query(alias="quick")] = False
+
+
+@router.get(
+    "/scans/{sha256}/inspection", summary="Tell what is understood of an uploaded scan.",
+    responses=show_answer(EXAMPLE, model=Inspection),
+)  # fmt: skip
+def inspect(sha256: Sha256, rooms: RoomsOf, caller: Submitter, asked: Annotated[Looked, Depends()]) -> Any:
+    """Read a scan as a job's first stage does; nothing is queued or kept.
+
+    With `quick` the file alone is read (2 s of CPU time), and `is_sure` may be false: a person is then told by its
+    height. Otherwise the wearer is looked for too (7 s). `needs` has the code of what is missing for a job. At most two
+    scans are looked at at a time; `service.inspections_full` then says to come back.
+    """
+    row = find_upload(rooms.database, caller.key, sha256, "scans")
+    options = {"given_as": asked.given_as, "body": asked.body, "units": asked.units, "up": asked.up}
+    with rooms.meter.inspecting(), tempfile.TemporaryDirectory(dir=_prepare(rooms.incoming)) as folder:
+        path = rooms.store.copy(row.sha256, Path(folder) / clean_name(row.name))
+        return inspect_scan(path, options | {"is_quick": asked.is_quick})
+
+
+def _prepare(folder: Path) -> Path:
+    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    return folder
