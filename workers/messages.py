@@ -1,6 +1,6 @@
 """Only a job's id is believed of a message: what holds none is told in the log and dropped, and the worker lives on.
 
-Celery ends a worker whose reading of a message fails, and obeys what a message says of times and replies.
+A message that cannot be acknowledged, because the broker is away, does not keep others from being read. Celery ends a worker whose reading of a message fails, and obeys what a message says of times and replies.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from queue import Empty
 from typing import Any
 
 from celery import Celery, bootsteps
+from kombu.transport import virtual
 from redis import RedisError
 
 from .app import TASK
@@ -40,6 +41,17 @@ class MessageGuard(bootsteps.StartStopStep):
 
             def __init__(self, payload: Any, channel: Any = None, **rest: Any) -> None:
                 super().__init__(make_wake_up(app, payload), channel=channel, **rest)
+
+            def ack(self, multiple: bool = False) -> None:
+                """Acknowledge; where the broker is away the message is forgotten all the same.
+
+                Celery only logs that. The message would take its place for ever, and no other would be read.
+                """
+                try:
+                    super().ack(multiple)
+                except (OSError, RedisError):
+                    virtual.QoS.ack(self.channel.qos, self.delivery_tag)
+                    raise
 
         channel.Message = WakeUp
         channel.handlers["BRPOP"] = _guard(channel.handlers["BRPOP"])

@@ -19,9 +19,7 @@ def test_a_known_change_gives_its_number_and_equal_panels_give_nothing(tmp_path:
     skirt = load_template("skirt")
     front, back = skirt.panels
     larger = replace(skirt, panels=(replace(front, name="fore", points=1.1 * front.points), back))
-    seams = tuple(
-        replace(seam, **{side: _renamed(getattr(seam, side)) for side in ("a", "b")}) for seam in skirt.seams
-    )
+    seams = tuple(replace(seam, **{side: _renamed(getattr(seam, side)) for side in ("a", "b")}) for seam in skirt.seams)
     (tmp_path / "larger.json").write_text(json.dumps(write_pattern(replace(larger, seams=seams))))
     (tmp_path / "pairs.csv").write_text("fore,front\n")
     asked = [str(tmp_path / "larger.json"), "skirt", "--pairs", str(tmp_path / "pairs.csv"), "--csv"]

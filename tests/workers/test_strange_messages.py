@@ -1,14 +1,17 @@
-"""What else lies in the broker's list than wake-ups, with a real Valkey and a real worker."""
+"""What else lies in the broker's list than wake-ups, and a broker that goes away at a bad moment, with a real Valkey."""
 
 from __future__ import annotations
 
 import base64
 import json
+import logging
+from types import SimpleNamespace
 
 import redis
 from garmentq.workers.app import CHANNELS, TASK, make_app, publish
-from garmentq.workers.broker import run_folder, start_broker
+from garmentq.workers.broker import run_folder, start_broker, stop_broker
 from garmentq.workers.embedded import ensure_services, is_worker_up, stop_services
+from garmentq.workers.messages import MessageGuard
 from garmentq_home import make_environment, wait_ended, wait_for
 
 CHANNEL = CHANNELS["cpu"]
@@ -63,3 +66,21 @@ def test_what_is_no_wake_up_is_dropped(settings, database, queue_job, monkeypatc
     told = (settings.home / "worker.log").read_text()
     assert told.count("is no wake-up and was dropped") == len(strange)
     assert not any(word in told for word in ("Unrecoverable", "Connection to broker lost", "Traceback"))
+
+
+def test_a_message_that_cannot_be_acknowledged_leaves_its_place(settings):
+    """Broken where a broker that goes away between a message and its acknowledgement leaves a worker that reads none."""
+    start_broker(settings)
+    app, taken = make_app(settings), []
+    with app.connection_for_read() as connection:
+        consumer = app.amqp.TaskConsumer(connection, on_message=taken.append)
+        MessageGuard(None).start(SimpleNamespace(task_consumer=consumer, app=app))
+        consumer.qos(prefetch_count=1)
+        with consumer:
+            publish(app, "job")
+            connection.drain_events(timeout=10)
+            stop_broker(settings)
+            assert not consumer.channel.qos.can_consume()
+            taken[0].ack_log_error(logging.getLogger(__name__), connection.connection_errors)
+            assert consumer.channel.qos.can_consume()
+    app.close()
