@@ -1,6 +1,7 @@
 """Only a job's id is believed of a message: what holds none is told in the log and dropped, and the worker lives on.
 
-A message that cannot be acknowledged, because the broker is away, does not keep others from being read. Celery ends a worker whose reading of a message fails, and obeys what a message says of times and replies.
+A message that cannot be acknowledged, because the broker is away, does not keep others from being read. Celery ends a
+worker whose reading of a message fails, and obeys what a message says of times and replies.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What else lies in the broker's list than wake-ups, and a broker that goes away at a bad moment, with a real Valkey."""
+"""What else than wake-ups lies in the broker's list, and a broker that goes away meanwhile, with a real Valkey."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def test_what_is_no_wake_up_is_dropped(settings, database, queue_job, monkeypatc
 
 
 def test_a_message_that_cannot_be_acknowledged_leaves_its_place(settings):
-    """Broken where a broker that goes away between a message and its acknowledgement leaves a worker that reads none."""
+    """Broken where a worker reads nothing more once the broker went away before an acknowledgement."""
     start_broker(settings)
     app, taken = make_app(settings), []
     with app.connection_for_read() as connection:
