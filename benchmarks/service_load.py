@@ -1,12 +1,14 @@
-"""Load on the HTTP API: uploads at once and the server's memory, submitting into a long table, querying many results.
+"""Load on the service: uploads at once and the server's memory, submitting into a long table, querying many results,
+and how long a small scan waits until it is checked.
 
-python benchmarks/service_load.py                                     # all three, about a minute
-python benchmarks/service_load.py submit --database postgresql        # one of uploads, submit, query
+python benchmarks/service_load.py                                     # all four, about a minute and a half
+python benchmarks/service_load.py submit --database postgresql        # one of uploads, submit, query, checked
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 import socket
 import subprocess
 import sys
@@ -19,17 +21,22 @@ from pathlib import Path
 
 import httpx
 import numpy as np
+import trimesh
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "standin"))
 
 from garmentq.service.database import Database, open_database
+from garmentq.service.families import cancel
+from garmentq.service.jobs import find_job, read_events
 from garmentq.service.keys import create_key
 from garmentq.service.local_token import read_local_token
 from garmentq.service.models import JobRow, MaterialRow, MetricRow, OwnerRow, PatternRow, ScanRow
 from garmentq.service.query import find_jobs, parse_conditions
 from garmentq.service.settings import ServiceSettings
+from garmentq.service.states import ENDED
 from garmentq.service.store import Store
 from garmentq.service.submission import Order, submit
+from garmentq.workers.embedded import ensure_services, stop_services
 from garmentq_home import make_environment
 from postgres_server import PostgresServer
 from sqlalchemy import insert, text
@@ -213,9 +220,43 @@ def measure_query(settings: ServiceSettings, count: int = 100_000) -> None:
     database.dispose()
 
 
+def measure_checked(settings: ServiceSettings, count: int = 12) -> None:
+    """Submit a scan of 1600 triangles to an idle worker, one at a time, and wait until the first stage has ended.
+
+    Counted from the job's `queued` and from its `started`; the files are read by the shipped checker in a process
+    of its own. The recovery that would follow is cancelled.
+    """
+    shape = trimesh.creation.cylinder(0.3, 0.6, sections=200).subdivide()
+    tube = shape.submesh([np.abs(shape.face_normals[:, 2]) < 0.5], append=True)
+    database, store = open_database(settings), Store(settings.store_path)
+    os.environ.update(make_environment(settings))
+    ensure_services(settings, workers=1)
+    seconds: dict[str, list[float]] = {"queued": [], "started": []}
+    try:
+        for index in range(count + 2):
+            path = settings.home / f"{index}.ply"
+            trimesh.Trimesh(tube.vertices + 1e-3 * index, tube.faces).export(path)
+            job = submit(database, store, Order(path, "builtin:female,height=1.70")).job
+            while find_job(database, job).checked is None:
+                time.sleep(0.005)
+            end = time.time()
+            cancel(database, job)
+            while find_job(database, job).state not in ENDED:
+                time.sleep(0.05)
+            for event in read_events(database, job):
+                if event.kind in seconds and index >= 2:  # the first ones import and compile
+                    seconds[event.kind].append(end - event.at)
+    finally:
+        stop_services(settings)
+        database.dispose()
+    for kind, values in seconds.items():
+        print(f"{len(tube.faces)} triangles, {kind} to checked: median {np.median(values):.2f} s, "
+              f"at most {max(values):.2f} s of {len(values)}")  # fmt: skip
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parts = {"uploads": measure_uploads, "submit": measure_submit, "query": measure_query}
+    parts = {"uploads": measure_uploads, "submit": measure_submit, "query": measure_query, "checked": measure_checked}
     parser.add_argument("parts", nargs="*", metavar="PART", default=[*parts], help=f"some of {', '.join(parts)}")
     parser.add_argument("--database", choices=["sqlite", "postgresql"], default="sqlite")
     given = parser.parse_args()
