@@ -11,6 +11,7 @@ import numpy as np
 
 from ..body import Body, builtin_body
 from ..checkpoints import pack, unpack
+from ..drape import waist_loop
 from ..drape.shipped import WEARER
 from ..errors import BadInput
 from ..pattern import EdgeRef, Garment, Pattern, load_draped_template
@@ -102,18 +103,33 @@ def wear_template(name: str, fabric: Fabric) -> Worn | None:
 
 def worn_of(recovery: Recovery) -> Worn:
     """Return the recovered garment at rest: its simulation mesh, or where the method makes none the graded drape."""
-    meshes, target = recovery.meshes, recovery.target
-    nodes = meshes.graded if meshes.simulation is None else meshes.simulation
-    waist = target.contour("waist")
+    meshes = recovery.meshes
+    garment = recovery.garment.at(meshes.graded if meshes.simulation is None else meshes.simulation)
     return Worn(
-        garment=recovery.garment.at(nodes),
+        garment=garment,
         fabric=recovery.fabric,
         body=recovery.body,
-        waist=None if waist is None else target.vertices[waist.vertices],
+        waist=find_waist(garment, recovery.target),
         rotation=recovery.rotation,
         template=recovery.template,
-        category=recovery.pattern.category or target.category,
+        category=recovery.pattern.category or recovery.target.category,
     )
+
+
+def find_waist(garment: Garment, target: Target) -> np.ndarray | None:
+    """Return the curve that a recovered garment hangs from [m], shape [n, 3]; None where it hangs from the shoulders.
+
+    It is the scan's waist. Where another garment covers that the scan's border lies below it, often by a hand or more;
+    then it is the garment's own waist, where the recovery has completed it.
+
+    Args:
+        garment: The garment at rest on its wearer.
+        target: What of it was seen.
+    """
+    if target.waist is not None:
+        return np.asarray(target.vertices[target.waist.vertices])
+    loop = waist_loop(garment)
+    return None if loop is None else garment.nodes[loop]
 
 
 @dataclass(frozen=True)

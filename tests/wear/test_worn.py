@@ -12,6 +12,7 @@ from garmentq.core.pattern import load_draped_template
 from garmentq.core.simulate import SteadyRotation, get_fabric
 from garmentq.core.wear import WORN, ResultOld, Worn, load_worn, save_worn
 from garmentq.core.wear import worn as worn_file
+from garmentq.core.wear.worn import find_waist, hang_from
 
 
 @pytest.fixture(scope="module")
@@ -83,3 +84,16 @@ def test_hangs_from_its_waist(worn):
     waist = worn.target.contour("waist")
     np.testing.assert_array_equal(worn.target.vertices[waist.vertices], worn.waist)
     assert replace(worn, waist=None).target.contours == ()
+
+
+def test_a_covered_garment_hangs_from_its_own_waist(worn):
+    """Broken where trousers below a long top hang from where that ends, or a seen waist is not the scan's."""
+    garment, lower = worn.garment, worn.waist - [0.0, 0.3, 0.0]
+    seen = hang_from(lower, "skirt")
+    np.testing.assert_array_equal(find_waist(garment, seen), lower)
+    covered = replace(seen, contours=tuple(replace(contour, hidden=True) for contour in seen.contours))
+    for target in (covered, replace(seen, contours=())):
+        own = find_waist(garment, target)
+        assert own[:, 1].mean() == pytest.approx(worn.waist[:, 1].mean(), abs=1e-3)
+    shirt = load_draped_template("tshirt")
+    assert find_waist(shirt, hang_from(None, "tshirt")) is None
