@@ -14,6 +14,7 @@ from .colour import CONTRAST, to_lab
 from .features import LENGTH, Features
 from .limbs import Limb
 from .points import FittedPerson, PersonPoints
+from .prior import below_hair
 from .rings import Ring, contrasts, edge_evidence, find_ring, ridges, step_heights
 from .unrolled import UnrolledGrid, unroll
 
@@ -145,7 +146,9 @@ def find_rings(
     body = fit.body
     grids = {limb: unroll(features.place, body, limb) for limb in Limb}
     colours = None if points.colours is None else to_lab(points.colours) * CONTRAST
-    cells = {limb: _measure(grid, features, colours, _Told(known, tone)) for limb, grid in grids.items()}
+    # Where hair ends over the neck the surface steps down by 1 to 4 cm: beside it no neckline shows.
+    open_grids = grids | {Limb.NECK: grids[Limb.NECK].without(below_hair(points, features, body, tone))}
+    cells = {limb: _measure(grid, features, colours, _Told(known, tone)) for limb, grid in open_grids.items()}
     joints = dict(zip(JOINTS, body.rest_joints, strict=True))
     wrist = float(np.abs(joints["left_wrist"] - joints["left_shoulder"])[0])
     ankle = float((joints["left_hip"] - joints["left_ankle"])[1])

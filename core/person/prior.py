@@ -108,6 +108,29 @@ def long_hair(points: PersonPoints, features: Features, body: Body, hair: np.nda
     return out
 
 
+HAIR_WEB = 0.02
+"""Distance from hair that stands off [m] within which a scan's surface is neither skin nor cloth: reconstructed
+surfaces span gaps of 13 to 20 mm, and below the ends of hair they fall off more steeply than at any hem."""
+
+
+def below_hair(points: PersonPoints, features: Features, body: Body, tone: np.ndarray | None = None) -> np.ndarray:
+    """Find the samples of hair that stands off the body, and those that it covers or joins to it, bool, shape [n].
+
+    Args:
+        points: The samples.
+        features: Their description.
+        body: The fitted body.
+        tone: Evidence for skin by its colour, shape [n], or None.
+    """
+    hair = hair_probability(features, body, tone)
+    stands = (hair > 0.5) | (long_hair(points, features, body, hair) > 0.5)
+    stands &= features.column("offset_mean_20") * LENGTH > HAIR_OFFSET
+    if not stands.any():
+        return stands
+    away = cKDTree(points.positions[stands]).query(points.positions, distance_upper_bound=HAIR_WEB)[0]
+    return np.isfinite(away)
+
+
 SOLE = 0.0065
 """Height [m] of the feet's cover, below and around, beyond which they are shod: seven tenths of the samples of bare
 feet are fitted within 2 to 8 mm, of shod ones within 9 to 20 (simulated persons)."""

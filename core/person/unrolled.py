@@ -66,6 +66,14 @@ class UnrolledGrid:
         """Return whether each cell or one beside it has samples, shape [rows, ANGLES]: else nothing is known of it."""
         return np.asarray(_sum_around(_sum_around(self.seen)) + self.seen > 0)
 
+    def without(self, hidden: np.ndarray) -> UnrolledGrid:
+        """Return the grid of the same cells from which some samples, bool of shape [n], are left out."""
+        kept = ~hidden[self.chart.members]
+        chart = Chart(self.chart.limb, self.chart.members[kept], self.chart.station[kept], self.chart.angle[kept])
+        row, column = self.row[kept], self.column[kept]
+        seen = np.bincount(row * ANGLES + column, minlength=self.seen.size).reshape(self.seen.shape)
+        return UnrolledGrid(chart, self.first, row, column, seen)
+
     def at_samples(self, cells: np.ndarray, count: int, default: float) -> np.ndarray:
         """Return the cells' values, shape [rows, ANGLES], at all samples, shape [count]; elsewhere the default."""
         out = np.full(count, default)

@@ -6,18 +6,22 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from garmentq.core.body import Body, builtin_body
+from garmentq.core.body import JOINTS, Body, builtin_body
 from garmentq.core.person.evidence import find_rings
 from garmentq.core.person.features import describe_points
 from garmentq.core.person.limbs import Limb
 from garmentq.core.person.part import PARTS, Part
 from garmentq.core.person.points import sample_person
+from garmentq.core.person.prior import below_hair
 from garmentq.core.person.refine import refine_by_rings
 from garmentq.core.person.rings import APART, BEND_COST, SIDE, contrasts, edge_evidence, find_ring, step_heights
 from garmentq.core.person.rules import predict_by_rules
-from garmentq.core.person.unrolled import ANGLES, STATION_STEP
+from garmentq.core.person.unrolled import ANGLES, NECK_RADIUS, STATION_STEP
 from garmentq.core.scan.raw import RawScan
 from scipy.spatial import cKDTree
+
+NECKLINE_AT = 0.05
+"""Station of a neckline [m]."""
 
 
 @dataclass(frozen=True)
@@ -181,3 +185,29 @@ def test_two_colours_are_an_edge_and_stripes_are_none():
     assert contrasts(stripes)[15:-15].max() < 0.1 * found.max()
     blobs = np.random.default_rng(0).random((8, 8)).repeat(10, axis=0).repeat(ANGLES // 8, axis=1) > 0.5
     assert np.median(contrasts(np.where(blobs[:, :, None], red, cream))) < 0.4 * found.max()
+
+
+def test_the_end_of_hair_is_no_neckline():
+    """Broken where the step at the lower end of a bob hides the small one of the neckline below it."""
+    body = builtin_body("builtin:female,pose=A")
+    rest, neck = body.rest_vertices, body.rest_joints[JOINTS.index("neck")]
+    arm = body.weights[:, 16:24].sum(axis=1) > 0.5
+    # The neckline's station is its distance from the neck's axis beyond 6 cm, plus its depth below the neck's joint.
+    station = np.hypot(rest[:, 0], rest[:, 2] - neck[2]) - NECK_RADIUS + neck[1] - rest[:, 1]
+    cloth = ~arm & (station > NECKLINE_AT) & (rest[:, 1] > 0.8)
+    head = body.weights[:, [JOINTS.index("neck"), JOINTS.index("head")]].sum(axis=1) > 0.5
+    hair = head & (rest[:, 1] > neck[1] + 0.01) & (rest[:, 2] < neck[2] + 0.06)
+    height = np.select([hair, cloth], [0.035, 0.004], 0.0)
+    count = np.arange(len(rest))
+    raw = RawScan(body.raised(height).vertices, body.faces, None, False, None, None, count, count)
+    fit = Fit(body)
+    points = sample_person(raw, fit)
+    features = describe_points(points, fit)
+    covered = below_hair(points, features, body)
+    near = points_near(raw, points.positions)
+    assert covered[hair[near]].mean() > 0.9
+    assert covered[~head[near]].mean() < 0.05
+    rings = find_rings(points, features, fit)
+    grid = rings.grids[Limb.NECK]
+    off = np.abs(grid.stations[rings.neckline.rows] - NECKLINE_AT)
+    assert np.quantile(off, 0.8) < 0.012  # over the shoulders, where arms begin, the cloth has no end
