@@ -9,6 +9,8 @@ export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 export MKL_NUM_THREADS ?= 1
 export NUMBA_NUM_THREADS ?= 1
+# Without bytecode every process of the suite would compile all sources and rewrite all tests anew.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo test nightly fuzz lock sbom lint types bench persons train clean
 

@@ -18,6 +18,14 @@ from garmentq.core.simulate import Fabric
 RADIUS, HEIGHT = 0.15, 0.30
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Run the tests of the pages first, the others in their order.
+
+    Two processes begin with a half each; where the middle lay among the pages, both started browsers and sites.
+    """
+    items.sort(key=lambda item: item.path.parent.name != "pages")
+
+
 def make_tube_pattern(width: float = np.pi * RADIUS, height: float = HEIGHT, names=("front", "back")) -> Pattern:
     """Draw two rectangles that are sewn into a tube; edges: hem, right, waist, left."""
     points = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])

@@ -15,13 +15,21 @@ from garmentq.core.errors import Cancelled, GarmentqError
 from garmentq.core.export import write_recovery
 from garmentq.core.fit import METHODS, Fit, LockUnknown, methods
 from garmentq.core.meshes import Meshes
-from garmentq.core.pattern import load_pattern, load_template, mesh_pattern, panel_area, seam_mismatch
+from garmentq.core.pattern import (
+    load_draped_template,
+    load_pattern,
+    load_template,
+    mesh_pattern,
+    panel_area,
+    seam_mismatch,
+)
 from garmentq.core.pipeline import recover
 from garmentq.core.recovery import STAGES, Recovery, Request
 from garmentq.core.settings import RecoverySettings
-from wearers import find_wearer
+from wearers import WOMAN, find_wearer
 
-WEARER = "builtin:female,height=1.68,pose=A"
+WEARER = WOMAN
+"""In the T-pose: no drape takes a pose; `test_pipeline.py` recovers on a wearer in another one."""
 
 WIDER, LONGER = 1.05, 1.08
 """The scanned skirt against the stranger's pattern."""
@@ -79,7 +87,7 @@ def test_fit_and_new_drape_are_reported_beside_each_other(recovered: Recovery) -
     count = len(recovered.garment.nodes)
     assert [name for name, _ in recovered.meshes] == ["graded", "detail", "simulation", "redrape"]
     assert all(nodes.shape == (count, 3) for _, nodes in recovered.meshes)
-    for prefix, limit in (("", 1.4), ("sim.", 23.0), ("redrape.", 34.0)):  # twice what was measured
+    for prefix, limit in (("", 1.4), ("sim.", 23.0), ("redrape.", 34.0)):  # at most 2.1 times what was measured
         for way in ("s2t", "t2s"):
             value = recovered.metrics[f"{prefix}surface_rms_mm.{way}"]
             assert value is not None and 0.0 < value < limit
@@ -114,8 +122,7 @@ def test_a_fit_that_fails_leaves_the_graded_pattern(monkeypatch: pytest.MonkeyPa
 
 def test_a_lock_of_nothing_is_refused_before_the_drape(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Breaks if a misspelt panel is found out only after a minute's work."""
-    base = load_template("skirt")
-    worn = drape_template(base, find_wearer(WEARER), settings=DrapeSettings(template_vertices=300))
+    worn = load_draped_template("skirt")
     trimesh.Trimesh(worn.nodes, worn.faces, process=False).export(tmp_path / "scan.ply")
     monkeypatch.setattr(pipeline, "drape_to_scan", lambda *arguments: pytest.fail("draped"))
     with pytest.raises(LockUnknown, match="nowhere"):

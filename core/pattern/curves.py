@@ -6,8 +6,6 @@ c0 + along * x + across * R90 x with x = c1 - c0 (thesis eq. 3.1), so it follows
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 
 from .pattern import Edge, Panel
@@ -158,11 +156,10 @@ def _control(edge: Edge) -> np.ndarray:
 
 def _bezier(control: np.ndarray, parameter: np.ndarray) -> np.ndarray:
     """Evaluate a Bezier curve by de Casteljau, shape [n, 2]."""
-    points = [np.broadcast_to(point, (len(parameter), 2)) for point in control]
-    weight = parameter[:, None]
+    points, weight = control[:, None], parameter[:, None]
     while len(points) > 1:
-        points = [a + weight * (b - a) for a, b in pairwise(points)]
-    return np.array(points[0])
+        points = points[:-1] + weight * (points[1:] - points[:-1])
+    return np.array(np.broadcast_to(points[0], (len(parameter), 2)))
 
 
 def _cut_bezier(control: np.ndarray, parameter: float) -> tuple[np.ndarray, np.ndarray]:
