@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
-from scipy.optimize import minimize_scalar
 
 from ..mesh import HalfEdges, vertex_normals
 
@@ -54,6 +53,8 @@ def smooth_noise(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, f
     noise = rough / ROUGH_OF_NOISE
     if noise < NOISY or rough < ROUGH * length:
         return vertices, 0.0
+    from scipy.optimize import minimize_scalar  # most scans are not noisy, and each check of a file would import it
+
     square = (laplacian.T @ laplacian).tocsr()
     probes = np.random.default_rng(0).choice([-1.0, 1.0], size=(len(vertices), PROBES))
 
