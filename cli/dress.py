@@ -63,14 +63,22 @@ def split_wearer(wearer: WearerOptions) -> tuple[dict[str, Any], dict[str, Path]
 @click.argument("job")
 @wearer_options
 @click.option("--over", default="", metavar="JOB", help="Wear it over this job's garment; both drape together.")
+@click.option(
+    "--order", metavar="PART,PART", help="Of a person's job: the garments from the innermost out.  [default: found]"
+)
 @derived_options
 @click.pass_context
-def command(context: click.Context, job: str, wearer: WearerOptions, over: str, options: DerivedOptions) -> None:
-    """Dress another body in a stored result.
+def command(
+    context: click.Context, job: str, wearer: WearerOptions, over: str, order: str | None, options: DerivedOptions
+) -> None:
+    """Dress another body in a stored result, or in all garments of a person.
 
     The pattern stays as it is, and is draped on the other body in its own cloth or another one. Prints the id of the
     job; with --wait the result: whether the garment is at rest, outside the body, and wide enough. With --over it is
     worn over another result's garment, a shirt over trousers: both drape together, and nothing passes through.
+
+    Where JOB is a person's, the body is dressed in all garments that were recovered, each over the one before, the
+    top over the bottom unless it is tucked in; --order lower,upper overrules what was found.
 
     \b
     Example:
@@ -78,9 +86,11 @@ def command(context: click.Context, job: str, wearer: WearerOptions, over: str, 
       garmentq dress 3685ecfd4f81 --body body.ply --fabric denim --out dressed
       garmentq dress 3685ecfd4f81 --measures anna.csv --pose stride --wait --json
       garmentq dress 3685ecfd4f81 --over 9be1f0aa2c47 --wait
+      garmentq dress 7f2d08c1b5aa --body builtin:male,height=1.85 --pose A --out outfit
     """
     from ..service.derived import DerivedOrder
     from .derived import run_derived
 
     given, files = split_wearer(wearer)
+    given |= {} if order is None else {"order": order}
     context.exit(run_derived(DerivedOrder("dress", job, given, files, over=over), options))

@@ -18,9 +18,10 @@ from .materials import resolve_fabric
 from .models import ArtifactRow, OwnerRow
 from .results import RESULT
 from .states import QUEUES
-from .submission import JobRequest, JobUnknown, Submitted, add_job, check_labels, clean_name
+from .submission import PERSON_KIND, JobRequest, JobUnknown, Submitted, add_job, check_labels, clean_name
 
 if TYPE_CHECKING:
+    from .kinds import Kind
     from .services import Services
 
 
@@ -35,7 +36,7 @@ class DerivedOrder:
     """Ask for a job that works on a stored result.
 
     Attributes:
-        kind: Name of the kind, `dress`.
+        kind: Name of the kind, `dress`; of a person's job that dresses a body in all of its garments.
         result: Id of the job whose result it works on, or on this machine a beginning of it.
         over: Id of the job whose garment the result is worn over, or a beginning of it; empty: it is worn alone.
         options: Fields of the kind's request that are no files, as JSON values.
@@ -79,11 +80,11 @@ def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
         ResultOld: where it was stored by a version that kept no garment to be worn again.
         LabelBad: where name or tags cannot be used.
     """
-    kind = find_kind(services.settings, order.kind)
+    kind = _choose_kind(services, order)
     if len(kind.reads) != 1:
         raise RequestBad(f"a job '{order.kind}' works on no stored result; leave out the result, or name another kind.")
     if order.over and not kind.reads_too:
-        raise RequestBad(f"a job '{order.kind}' takes one garment alone; leave out the one under it, or dress a body.")
+        raise RequestBad(f"a job '{kind.name}' is worn over no other garment; leave that out, or dress in one garment.")
     ((folder, kinds),) = kind.reads.items()
     reads = [(folder, kinds, order.result)]
     reads += [(name, others, order.over) for name, others in kind.reads_too.items() if order.over]
@@ -102,17 +103,21 @@ def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
                 raise JobUnknown(f"there is no job '{named[:40]}'; `garmentq status` lists them all.")
             if one.kind not in allowed:
                 raise InputWrong(
-                    f"job {one.id} is a job '{one.kind}', and '{order.kind}' works on the result of "
+                    f"job {one.id} is a job '{one.kind}', and '{kind.name}' works on the result of "
                     f"{' or '.join(allowed)}; `garmentq status {one.id}` shows the jobs below it."
                 )
             _check_files(session, one.id, kind.choose_input(asked, name))
+        request = kind.adopt(session, request, row)
+        more = kind.find_inputs(session, request, row)
+        for name, one in more.items():
+            _check_files(session, one, kind.choose_input(asked, name))
         wanted = JobRequest(
-            order.kind,
-            kind.adopt(session, request, row),
+            kind.name,
+            request,
             row.scan,
             order.name or row.name,
             order.tags,
-            inputs={name: one.id for one, (name, _, _) in zip(rows, reads, strict=True)},
+            inputs={name: one.id for one, (name, _, _) in zip(rows, reads, strict=True)} | more,
             priority=order.priority,
             queue=order.queue,
             nonce=(order.nonce or uuid.uuid4().hex) if order.force else "",
@@ -121,6 +126,17 @@ def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
             realm=order.realm,
         )
         return add_job(session, wanted)
+
+
+def _choose_kind(services: Services, order: DerivedOrder) -> Kind:
+    """Return the kind that is asked for, or what takes its place where a person's job is named that the key may see."""
+    kind = find_kind(services.settings, order.kind)
+    if not kind.persons:
+        return kind
+    row = find_job(services.database, order.result)
+    with services.database.read() as session:
+        is_seen = not order.key or session.get(OwnerRow, (order.key, row.id)) is not None
+    return find_kind(services.settings, kind.persons) if row.kind == PERSON_KIND and is_seen else kind
 
 
 def _check_files(session: Session, job: str, names: tuple[str, ...]) -> None:

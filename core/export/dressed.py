@@ -24,24 +24,38 @@ def write_dressed(dressed: Dressed, folder: Path) -> list[Path]:
         body_joints.json, pattern.json, pattern.svg, metrics.json, manifest.json, worn.npz, picture.png, report.html;
         of a garment that is worn over another one, that one as under.obj, under.glb and under.ply.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     worn = dressed.worn
-    garment, loads = worn.garment, {"strain": dressed.strain, "pressure": dressed.pressure}
-    files = write_meshes(garment, garment.nodes, folder, "dressed", ("obj", "glb"))
-    files.append(write_ply(garment.nodes, garment.faces, folder / "dressed.ply", loads))
+    files = write_garment(dressed, folder)
     if dressed.under is not None:
         below = dressed.under.garment
         files += write_meshes(below, below.nodes, folder, "under", ("obj", "glb"))
         files.append(write_ply(below.nodes, below.faces, folder / "under.ply"))
     files.append(write_ply(worn.body.vertices, worn.body.faces, folder / "body.ply"))
     files.append(write_json(describe_joints(worn.body), folder / "body_joints.json"))
-    files.append(write_json(write_pattern(worn.pattern), folder / "pattern.json"))
-    write_svg(worn.pattern, folder / "pattern.svg")
-    files.append(folder / "pattern.svg")
     files.append(write_json(dressed.metrics, folder / "metrics.json"))
     files.append(write_json(dressed.manifest, folder / "manifest.json"))
-    files.append(save_worn(worn, folder))
     picture, report = folder / "picture.png", folder / "report.html"
     picture.write_bytes(draw_wearers(dressed))
     report.write_text(report_dressed(dressed, picture.read_bytes()), encoding="utf-8")
     return [*files, picture, report]
+
+
+def write_garment(dressed: Dressed, folder: Path) -> list[Path]:
+    """Write meshes and pattern of a garment on another body, and what a later job reads of it, into a folder.
+
+    Args:
+        dressed: What to write.
+        folder: Where to; made where it is not there.
+
+    Returns:
+        The files: dressed.obj, dressed.glb, dressed.ply (with `strain` and `pressure` [Pa] of each vertex),
+        pattern.json, pattern.svg and worn.npz.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    worn, garment = dressed.worn, dressed.worn.garment
+    loads = {"strain": dressed.strain, "pressure": dressed.pressure}
+    files = write_meshes(garment, garment.nodes, folder, "dressed", ("obj", "glb"))
+    files.append(write_ply(garment.nodes, garment.faces, folder / "dressed.ply", loads))
+    files.append(write_json(write_pattern(worn.pattern), folder / "pattern.json"))
+    write_svg(worn.pattern, folder / "pattern.svg")
+    return [*files, folder / "pattern.svg", save_worn(worn, folder)]

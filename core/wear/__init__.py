@@ -4,7 +4,8 @@ from .bodies import BodyFile, describe_body_file, find_wearer, read_body_file
 from .dressing import STAGES, Dressed, dress_body, is_sound, measure_worn
 from .ease import Ease, cut_cloth, measure_ease
 from .load import measure_pressure, measure_strain
-from .over import dress_over, rest_together
+from .outfit import DressedOutfit, dress_outfit
+from .over import dress_over, lay_each, rest_together
 from .refit import Refitted, make_to_measure, refit_pattern
 from .verdicts import judge_wear
 from .waist import carry_curve, match_models
@@ -15,6 +16,7 @@ __all__ = [
     "WORN",
     "BodyFile",
     "Dressed",
+    "DressedOutfit",
     "Ease",
     "Refitted",
     "ResultOld",
@@ -23,11 +25,13 @@ __all__ = [
     "cut_cloth",
     "describe_body_file",
     "dress_body",
+    "dress_outfit",
     "dress_over",
     "find_wearer",
     "hang_from",
     "is_sound",
     "judge_wear",
+    "lay_each",
     "load_worn",
     "make_to_measure",
     "match_models",

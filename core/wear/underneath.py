@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ..body import ExposedSurface
 from ..drape import WearerGeometry
 from ..mesh import HalfEdges, TriangleSurface, intersecting_pairs, vertex_normals
 from ..pattern import Garment
@@ -54,14 +55,15 @@ def raise_over(wearer: WearerGeometry, under: Garment) -> WearerGeometry:
     return wearer.raised(np.minimum(heights, HIGHEST + GAP))
 
 
-def measure_layers(under: Garment, over: Garment) -> dict[str, float | None]:
-    """Measure how one garment lies over another.
+def measure_layers(under: Garment, over: Garment, skin: ExposedSurface) -> dict[str, float | None]:
+    """Measure how one garment lies over another on the skin of their wearer.
 
     `layers.crossing_faces` counts the faces of both that pass through the other garment,
     `under.self_intersecting_faces` those of the one below that pass through itself; `layers.depth_mm` is how deep the
     one above lies under it.
     Depth is the greatest distance of a node or face centre of the one above from the one below where it sees that from
-    its back: it lies between cloth and skin there. Where its nearest point is on a rim of the cloth it lies beside it.
+    its back, and where the way out from the skin meets the one below within `HIGHEST`: it lies between cloth and skin
+    there. What lies beyond a waistband that stands off sees its back as well, but is not under it.
     """
     first, faces = len(under.faces), np.concatenate([under.faces, over.faces + len(under.nodes)])
     pairs = intersecting_pairs(np.concatenate([under.nodes, over.nodes]), faces)
@@ -71,9 +73,32 @@ def measure_layers(under: Garment, over: Garment) -> dict[str, float | None]:
     found = below.closest(points)
     normal = found.interpolate(vertex_normals(under.nodes, under.faces), under.faces)
     rim = found.interpolate(below.half_edges.border_vertices[:, None].astype(float), under.faces)[:, 0] > 1.0 - 1e-6
-    behind = (((points - found.foot) * normal).sum(axis=1) < 0.0) & ~rim
+    behind = np.flatnonzero((((points - found.foot) * normal).sum(axis=1) < 0.0) & ~rim)
+    behind = behind[is_covered(points[behind], skin, under)]
     return {
         "layers.crossing_faces": float(len(np.unique(pairs[below_of == 1]))),
         "under.self_intersecting_faces": float(len(np.unique(pairs[below_of == 2]))),
         "layers.depth_mm": 1e3 * float(found.distance[behind].max(initial=0.0)),
     }
+
+
+def is_covered(points: np.ndarray, skin: ExposedSurface, cloth: Garment) -> np.ndarray:
+    """Check for each point [m], shape [n, 3], whether the way out from the skin through it meets cloth behind it.
+
+    The way is a straight line of `HIGHEST` away from the nearest skin (Moeller and Trumbore 1997).
+    """
+    _, ways = skin.measure(points)
+    corner, *others = (cloth.nodes[cloth.faces[:, k]] for k in range(3))
+    sides = [other - corner for other in others]
+    covered = np.zeros(len(points), dtype=bool)
+    for n, (point, way) in enumerate(zip(points, ways, strict=True)):
+        across = np.cross(way, sides[1])
+        volume = (across * sides[0]).sum(axis=1)
+        volume = np.where(np.abs(volume) < 1e-18, np.inf, volume)  # parallel to the way
+        first = (across * (point - corner)).sum(axis=1) / volume
+        turned = np.cross(point - corner, sides[0])
+        second = (turned @ way) / volume
+        along = (turned * sides[1]).sum(axis=1) / volume
+        meets = (first >= 0.0) & (second >= 0.0) & (first + second <= 1.0) & (along > 0.0) & (along < HIGHEST)
+        covered[n] = meets.any()
+    return covered

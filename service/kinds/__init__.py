@@ -18,6 +18,7 @@ KINDS = {
     "recover": "garmentq.service.kinds.recover:Recover",
     "person": "garmentq.service.kinds.person:Person",
     "dress": "garmentq.service.kinds.dress:Dress",
+    "outfit": "garmentq.service.kinds.outfit:Outfit",
     "refit": "garmentq.service.kinds.dress:Refit",
     "edit": "garmentq.service.kinds.edit:Edit",
     "animate": "garmentq.service.kinds.animate:Animate",

@@ -40,6 +40,7 @@ class Dress(Kind):
     stages: ClassVar[tuple[str, ...]] = ("check", "body", "drape", "measure")
     reads = MappingProxyType({RESULT: GARMENTS})
     reads_too = MappingProxyType({UNDER: GARMENTS})
+    persons = "outfit"
 
     def checker(self, settings: ServiceSettings) -> str:
         """Return the reader of bodies."""
@@ -90,6 +91,7 @@ class Refit(Dress):
     name = "refit"
     stages: ClassVar[tuple[str, ...]] = ("check", "body", "refit", "drape", "measure")
     reads_too = MappingProxyType({})
+    persons = ""
 
     def wear(self, worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:
         """Return the garment made to measure on the body."""

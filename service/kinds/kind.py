@@ -101,6 +101,8 @@ class Kind(ABC):
         stages: Names of the stages in order, by which progress is reported; the first is always `check`.
         reads: Of a kind whose jobs are derived from stored results: the kinds of job that each input may be, by the
             input's name.
+        persons: Name of the kind that takes the place of this one where a person's job is named as the result; empty:
+            none does.
         reads_too: The same of an input that a job may do without; `DerivedOrder.over` names its job.
     """
 
@@ -109,6 +111,7 @@ class Kind(ABC):
     stages: ClassVar[tuple[str, ...]]
     reads: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
     reads_too: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
+    persons: ClassVar[str] = ""
 
     def checker(self, settings: ServiceSettings) -> str:
         """Return what reads the user's bytes and refuses what cannot be used: the first stage, in a limited process.
@@ -139,6 +142,16 @@ class Kind(ABC):
             row: That job.
         """
         return request
+
+    def find_inputs(self, session: Session, request: dict[str, Any], row: JobRow) -> dict[str, str]:
+        """Return further jobs whose results a derived job reads, by the input's name, when it is submitted.
+
+        Args:
+            session: Where the jobs are.
+            request: As `adopt` returned it.
+            row: The job that it was asked of.
+        """
+        return {}
 
     def turn(self, request: Any, work: Work, hooks: Hooks) -> Turned | None:
         """Return what the job is instead, where its files turn out to be what another kind works on; after the check.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from garmentq_family_home import family  # noqa: F401
+from garmentq_family_home import family, persons, queue_person  # noqa: F401
 from garmentq_home import (  # noqa: F401
     DATABASES,
     blank_database,

@@ -19,12 +19,11 @@ from garmentq.service.results import export_files, list_files, report_jobs
 from garmentq.service.services import Services
 from garmentq.service.settings import CHECKER
 from garmentq.service.states import State
-from garmentq.service.submission import JobRequest, Order, Submitted, add_job, submit
+from garmentq.service.submission import Order, Submitted, submit
 from garmentq.workers.recovery import unpack
-from garmentq_family_home import pieces, work_off
+from garmentq_family_home import PERSONS, pieces, work_off
 from garmentq_home import put_file
 
-PERSONS = {"separator": "garmentq_person:take_apart", "person_checker": "garmentq_checker:check"}
 FILE, OTHER = FileRef("a" * 64, "mine.json"), FileRef("b" * 64, "yours.json")
 
 
@@ -32,29 +31,6 @@ FILE, OTHER = FileRef("a" * 64, "mine.json"), FileRef("b" * 64, "yours.json")
 def database_kind(request):
     """Choose SQLite; what a person adds to the tables is killed on both databases in the chaos tests."""
     return request.param
-
-
-@pytest.fixture
-def queue_person(database, store, queue_job, tmp_path):
-    """Return a function that queues a person of a file's name."""
-    from garmentq.service.families import cancel
-
-    source = queue_job("source")
-    cancel(database, source)
-
-    def queue(name: str = "anna.ply", **given) -> str:
-        kept = store.put(put_file(tmp_path, name))
-        request = pack_request(PersonRequest(FileRef(kept.sha256, name), **given))
-        with database.write() as session:
-            return add_job(session, JobRequest("person", request, find_job(database, source).scan, "Anna")).job
-
-    return queue
-
-
-@pytest.fixture
-def persons(settings):
-    """Return settings under which persons are taken apart at once."""
-    return replace(settings, **PERSONS)
 
 
 def test_each_garment_is_a_job(queue_person, persons, settings, database, store, tmp_path):

@@ -7,11 +7,17 @@ from dataclasses import replace
 import pytest
 from garmentq.service.families import advance, cancel
 from garmentq.service.jobs import find_job
+from garmentq.service.kinds import FileRef, pack_request
+from garmentq.service.kinds.person_request import PersonRequest
 from garmentq.service.models import JobRow
 from garmentq.service.query import JobQuery, find_jobs
 from garmentq.service.submission import JobRequest, add_job
 from garmentq.workers.recovery import run_job
 from garmentq_family import KINDS, Root
+from garmentq_home import put_file
+
+PERSONS = {"separator": "garmentq_person:take_apart", "person_checker": "garmentq_checker:check"}
+"""Settings under which persons are taken apart at once."""
 
 
 @pytest.fixture
@@ -27,6 +33,27 @@ def family(settings, database, queue_job, monkeypatch, tmp_path):
 
     cancel(database, source.id)
     return chosen, queue
+
+
+@pytest.fixture
+def queue_person(database, store, queue_job, tmp_path):
+    """Return a function that queues a person of a file's name."""
+    source = queue_job("source")
+    cancel(database, source)
+
+    def queue(name: str = "anna.ply", **given) -> str:
+        kept = store.put(put_file(tmp_path, name))
+        request = pack_request(PersonRequest(FileRef(kept.sha256, name), **given))
+        with database.write() as session:
+            return add_job(session, JobRequest("person", request, find_job(database, source).scan, "Anna")).job
+
+    return queue
+
+
+@pytest.fixture
+def persons(settings):
+    """Return settings under which persons are taken apart at once."""
+    return replace(settings, **PERSONS)
 
 
 def work_off(settings, database) -> None:

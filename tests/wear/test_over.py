@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
 from garmentq.core.clock import Clock
 from garmentq.core.drape import WearerGeometry
+from garmentq.core.hooks import SILENT
 from garmentq.core.mesh import self_intersections, vertex_normals
 from garmentq.core.pattern import Garment, load_draped_template
-from garmentq.core.simulate import get_fabric
-from garmentq.core.wear import Worn, dress_over, judge_wear
-from garmentq.core.wear.underneath import measure_layers, raise_over
+from garmentq.core.simulate import Drape, Outcome, get_fabric
+from garmentq.core.wear import Worn, dress_outfit, dress_over, judge_wear, rest_together
+from garmentq.core.wear.underneath import is_covered, measure_layers, raise_over
 
 SPEC = "builtin:female,height=1.70"
 
@@ -31,13 +34,28 @@ def grow(garment: Garment, height: float) -> Garment:
 
 def test_depth_between_two_layers():
     """Broken where a layer that lies under another passes for one above it."""
-    below = load_draped_template("skirt")
-    assert set(measure_layers(below, grow(below, 3e-3)).values()) == {0.0}
-    under = measure_layers(below, grow(below, -3e-3))
+    below, skin = load_draped_template("skirt"), WearerGeometry(builtin_body(SPEC)).exposed
+    assert set(measure_layers(below, grow(below, 3e-3), skin).values()) == {0.0}
+    under = measure_layers(below, grow(below, -3e-3), skin)
     assert under["layers.crossing_faces"] == 0.0
     assert under["layers.depth_mm"] == pytest.approx(3.0, rel=0.1)
     through = below.at(below.nodes + [0.02, 0.0, 0.0])
-    assert measure_layers(below, through)["layers.crossing_faces"] > 20.0
+    assert measure_layers(below, through, skin)["layers.crossing_faces"] > 20.0
+
+
+def test_cloth_beyond_a_waistband_is_not_under_it():
+    """Broken where a shirt that comes down to a waistband which stands off like a brim counts as lying under that."""
+    garment, skin = load_draped_template("skirt"), WearerGeometry(builtin_body(SPEC)).exposed
+    waist = garment.contour("waist").vertices
+    centre, near = garment.nodes[waist].mean(axis=0), garment.nodes[:, 1] > garment.nodes[waist, 1].min() - 0.02
+    brim = garment.nodes.copy()
+    brim[near] += 0.5 * (brim[near] - centre) * [1.0, 0.0, 1.0]
+    point = garment.nodes[waist[:1]] * 1.0 + [0.0, 0.04, 0.0]
+    assert not is_covered(point, skin, garment.at(brim)).any()
+    hips = garment.nodes[garment.nodes[:, 1] < garment.nodes[waist, 1].min() - 0.05]
+    close = hips[skin.closest(hips).distance < 0.03]
+    inner = close - 2e-3 * skin.measure(close)[1]
+    assert len(close) > 50 and is_covered(inner, skin, garment).mean() > 0.9
 
 
 def test_verdict_on_layers():
@@ -62,6 +80,48 @@ def test_the_raised_wearer_encloses_what_he_wears():
     np.testing.assert_array_equal(raised.body.vertices[above], worn.body.vertices[above])
 
 
+def test_waists_are_held_where_they_lie(monkeypatch):
+    """Broken where waists that were cleared of the skin are pushed back into the layers over them, leg for leg."""
+    seen = []
+
+    def keep(scene, nodes, hooks):
+        seen.append((scene, nodes))
+        return Drape(nodes, 0.0, 1, 0.0, Outcome.CONVERGED, nodes)
+
+    monkeypatch.setattr("garmentq.core.wear.over.equilibrium", keep)
+    lower, upper = wear("skirt", "denim"), wear("tshirt", "cotton_poplin")
+    moved = replace(lower, waist=lower.waist + [0.0, 0.01, 0.0])
+    garments, _ = rest_together((moved, upper), WearerGeometry(lower.body), SILENT)
+    ((scene, nodes),) = seen
+    assert len(scene.pins.nodes) == len(lower.waist) and len(garments) == 2
+    np.testing.assert_array_equal(scene.pins.points, nodes[scene.pins.nodes])
+    order = [k * len(lower.garment.nodes) for k in (0, 1)]
+    np.testing.assert_array_equal(nodes[order[1] :], upper.garment.nodes)
+    assert scene.pins.nodes.max() < order[1]
+
+
+def test_an_outfit_is_judged_garment_by_garment(monkeypatch):
+    """Broken where a garment is judged by another's numbers, or what lies under another one passes unseen."""
+    skirt = wear("skirt", "denim")
+    inner = replace(skirt, garment=grow(skirt.garment, -1.5e-3))
+
+    def stay(garments, wearer, hooks):
+        nodes = np.concatenate([one.garment.nodes for one in garments])
+        return tuple(garments), Drape(nodes, 0.2, 4, 0.0, Outcome.ITERATIONS, nodes)
+
+    monkeypatch.setattr("garmentq.core.wear.outfit.lay_each", lambda garments, wearer, hooks: tuple(garments))
+    monkeypatch.setattr("garmentq.core.wear.outfit.rest_together", stay)
+    right = dress_outfit({"lower": inner, "upper": skirt}, skirt.body, Clock())
+    wrong = dress_outfit({"upper": skirt, "lower": inner}, skirt.body, Clock())
+    verdicts = [{gate.name: gate.verdict for gate in one.gates} for one in (right, wrong)]
+    assert [one["at_rest"] for one in verdicts] == ["fail", "fail"]
+    assert (verdicts[0]["upper.layers"], verdicts[1]["lower.layers"]) == ("pass", "fail")
+    assert "lower.layers" not in verdicts[0] and list(right.garments) == ["lower", "upper"]
+    assert wrong.metrics["layers.depth_mm"] == pytest.approx(1.5, rel=0.1)
+    assert right.metrics["vertices"] == 2.0 * len(skirt.garment.nodes) == 2.0 * right.metrics["upper.vertices"]
+    assert right.metrics["drape.residual"] == 0.2 and "upper.drape.residual" not in right.metrics
+
+
 @pytest.mark.nightly
 def test_a_shirt_over_trousers():
     """Broken where the shirt passes through the trousers, ends under them, or takes their cloth."""
@@ -74,3 +134,6 @@ def test_a_shirt_over_trousers():
     assert len(self_intersections(np.concatenate([below.nodes, above.nodes]), faces)) == 0
     hem = above.nodes[:, 1] < below.nodes[:, 1].max() - 0.05
     assert hem.sum() > 100
+    outfit = dress_outfit({"lower": trousers, "upper": shirt}, builtin_body(f"{SPEC},pose=A"), Clock())
+    assert [gate.name for gate in outfit.gates if gate.verdict == "fail"] == []
+    np.testing.assert_array_equal(outfit.garments["upper"].worn.garment.nodes, above.nodes)

@@ -1,0 +1,36 @@
+"""Which garment of a person lies over which, by what was found of their openings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from .part import Part
+
+OUTWARD = (Part.LOWER, Part.ONE_PIECE, Part.UPPER, Part.OUTER)
+"""The garments from the innermost to the outermost where nothing says otherwise."""
+
+
+def order_garments(person: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return a person's garments by their words, from the innermost to the outermost.
+
+    A top hangs over a bottom, unless the bottom covers the top's hem and its own waist is seen: then it is tucked in.
+    An outer layer lies over all.
+
+    Args:
+        person: What was found, as `describe_person` says it.
+    """
+    found = {str(garment["part"]): garment for garment in person["garments"]}
+    words = [part.word for part in OUTWARD if part.word in found]
+    upper, lower = Part.UPPER.word, Part.LOWER.word
+    if upper in found and lower in found and is_tucked(found[upper], found[lower]):
+        words.remove(upper)
+        words.insert(words.index(lower), upper)
+    return tuple(words)
+
+
+def is_tucked(upper: Mapping[str, Any], lower: Mapping[str, Any]) -> bool:
+    """Return whether a top's hem is hidden and the waist of the bottom is seen."""
+    hems = [contour["is_inferred"] for contour in upper["contours"] if contour["name"] == "hem"]
+    waists = [contour["is_inferred"] for contour in lower["contours"] if contour["name"] == "waist"]
+    return bool((all(hems) or not hems) and waists and not any(waists))

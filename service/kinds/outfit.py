@@ -1,0 +1,99 @@
+"""The kind `outfit`: all recovered garments of a person on one body, each over the one before."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from ..jobs import Claim
+from ..models import JobRow
+from ..states import State
+from .dress import BODY_CHECKER, GARMENT_FILES
+from .dress_request import BODY
+from .kind import Kind, Outcome, Work
+from .outfit_request import OutfitRequest
+from .recover_request import PERSON, TOLD
+from .request import RequestBad, read_request
+from .rows import add_metrics, describe_body, summarise
+
+if TYPE_CHECKING:
+    from ...core.hooks import Hooks
+    from ...core.wear import DressedOutfit
+    from ..settings import ServiceSettings
+
+
+class Outfit(Kind):
+    """Dress a body in all garments of a person; the person's job is one input, each garment's recovery another."""
+
+    name = "outfit"
+    request = OutfitRequest
+    stages: ClassVar[tuple[str, ...]] = ("check", "body", "drape", "measure")
+    reads = MappingProxyType({PERSON: ("person",)})
+
+    def checker(self, settings: ServiceSettings) -> str:
+        """Return the reader of bodies."""
+        return BODY_CHECKER
+
+    def adopt(self, session: Session, request: dict[str, Any], row: JobRow) -> dict[str, Any]:
+        """Return the request with the order of the garments, by what the person's result tells of their openings.
+
+        Raises:
+            RequestBad: where the order that is asked for names other garments than are worn.
+        """
+        from ...core.person.layering import order_garments
+
+        person = (row.result or {}).get("person")
+        if person is None:  # it has not ended, which the caller refuses
+            return request
+        found, words = order_garments(person), read_request(OutfitRequest, request).words
+        if words and sorted(words) != sorted(found):
+            raise RequestBad(f"'order' names each garment that is worn, innermost first: {','.join(found)}.")
+        return request | {"order": ",".join(words or found)}
+
+    def find_inputs(self, session: Session, request: dict[str, Any], row: JobRow) -> dict[str, str]:
+        """Return the recovery of each garment of the person by its word.
+
+        Raises:
+            RequestBad: where one was deleted.
+        """
+        below = session.scalars(select(JobRow).where(JobRow.parent == row.id, JobRow.kind == "recover"))
+        words = read_request(OutfitRequest, request).words
+        found = {str(one.request.get("part")): one.id for one in below}
+        for word in words:
+            if word not in found and row.state == State.SUCCEEDED:
+                raise RequestBad(f"the job of the person's {word} was deleted; dress in each garment that is left.")
+        return {word: found[word] for word in words if word in found}
+
+    def choose_input(self, request: OutfitRequest, name: str) -> tuple[str, ...]:
+        """Return what was found of the person, or a garment on its wearer; no mesh, picture or report."""
+        return (TOLD,) if name == PERSON else GARMENT_FILES
+
+    def run(self, request: OutfitRequest, work: Work, hooks: Hooks) -> DressedOutfit:
+        """Dress the body and write the files."""
+        from ...core.clock import Clock
+        from ...core.export.outfit import write_outfit
+        from ...core.record_file import read_record
+        from ...core.wear import BodyFile, dress_outfit, find_wearer, load_worn
+
+        outfit = {word: load_worn(work.inputs[word]) for word in request.words}
+        first, clock = next(iter(outfit.values())), Clock(hooks)
+        wanted = request.body if isinstance(request.body, str | None) else read_record(BodyFile, work.files / BODY)
+        with clock.stage("body", "finding the body's joints") as told:
+            body = find_wearer(wanted, first.body, request.pose, told)
+        dressed = dress_outfit(outfit, body, clock)
+        write_outfit(dressed, work.out)
+        return dressed
+
+    def store(self, session: Session, claim: Claim, result: DressedOutfit) -> Outcome:
+        """Add the rows of the body and of the numbers."""
+        session.add(describe_body(claim.job, result.body))
+        add_metrics(session, claim.job, result.metrics)
+        return Outcome(summarise(result))
+
+    def show(self, session: Session, row: JobRow) -> dict[str, Any]:
+        """Return the garments from the innermost to the outermost, and the body by name."""
+        words = read_request(OutfitRequest, row.request).words
+        return {"garments": list(words), "body": ((row.result or {}).get("manifest") or {}).get("body")}
