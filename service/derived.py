@@ -109,8 +109,8 @@ def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
             _check_files(session, one.id, kind.choose_input(asked, name))
         request = kind.adopt(session, request, row)
         more = kind.find_inputs(session, request, row)
-        for name, one in more.items():
-            _check_files(session, one, kind.choose_input(asked, name))
+        for name, job in more.items():
+            _check_files(session, job, kind.choose_input(asked, name))
         wanted = JobRequest(
             kind.name,
             request,

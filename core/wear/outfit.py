@@ -100,11 +100,10 @@ def _gather(judged: Mapping[str, Dressed], body: Body, drape: Drape, clock: Cloc
     """Return garments that were judged one by one as one result."""
     each = [one.metrics for one in judged.values()]
     metrics: Metrics = {name: each[0][name] for name in SHARED} | {"garments": float(len(judged))}
-    for names, join in ((WORST, max), (SUMMED, sum)):
-        for name in names:
-            values = [one[name] for one in each if one.get(name) is not None]
-            if values:
-                metrics[name] = float(join(values))  # type: ignore[operator]
+    for name in (*WORST, *SUMMED):
+        values = [value for one in each if (value := one.get(name)) is not None]
+        if values:
+            metrics[name] = max(values) if name in WORST else sum(values)
     gates = [gate for gate in next(iter(judged.values())).gates if gate.name == "at_rest"]
     for word, one in judged.items():
         metrics |= {f"{word}.{name}": value for name, value in one.metrics.items() if name not in SHARED}
