@@ -1,6 +1,6 @@
 """Make target packs of what `foreign_draft.py` drafted: draped by Blender's cloth, nothing of `core.simulate`.
 
-    python benchmarks/foreign_drapes.py DRAFTS BODY.ply OUT --blender PYTHON [--only NAME]
+    python benchmarks/foreign_drapes.py DRAFTS BODY.ply OUT --blender PYTHON [--only NAME]...
 
 PYTHON is one that has the module `bpy` (development only). A body is dressed in the panels by position-based dynamics,
 since Blender's threads lose a shirt's shoulders on the way; from there on Blender's cloth finds where they hang, sewn
@@ -107,16 +107,20 @@ def simulate(garment: Garment, held: np.ndarray, body: trimesh.Trimesh, python: 
     for index, panel in enumerate(garment.pattern.panels):
         own = garment.panel_of_uv == index
         flat[own] = place_points(panel, garment.uv[own])
+    worn, threads = garment.nodes[garment.uv_node], sewing_threads(mesh)
+    waist = np.flatnonzero(np.isin(garment.uv_node, held))
+    anchors = len(worn) + np.arange(len(waist))  # vertices that stay: what is pinned itself would follow the shape key
+    threads = np.concatenate([threads, np.stack([waist, anchors], axis=1)])
+    flat, worn = (np.concatenate([points, worn[waist]]) for points in (flat, worn))
     with tempfile.TemporaryDirectory() as folder:
         given, found, script = (Path(folder) / name for name in ("given.npz", "found.npy", "simulate.py"))
         script.write_text(SIMULATE)
         np.savez(
             given, body=to_blender(body.vertices), body_faces=body.faces, flat=to_blender(flat),
-            nodes=to_blender(garment.nodes[garment.uv_node]), faces=garment.uv_faces, threads=sewing_threads(mesh),
-            held=np.flatnonzero(np.isin(garment.uv_node, held)),
+            nodes=to_blender(worn), faces=garment.uv_faces, threads=threads, held=anchors,
         )  # fmt: skip
         subprocess.run([python, str(script), str(given), str(found)], check=True, stdout=subprocess.DEVNULL)
-        return np.array([from_blender(points) for points in np.load(found)])
+        return np.array([from_blender(points[: len(garment.uv)]) for points in np.load(found)])
 
 
 def weld(garment: Garment, cut: np.ndarray) -> np.ndarray:
@@ -177,12 +181,12 @@ def main() -> None:
     parser.add_argument("body", type=Path)
     parser.add_argument("out", type=Path)
     parser.add_argument("--blender", required=True)
-    parser.add_argument("--only")
+    parser.add_argument("--only", action="append", help="a draft's name; may be repeated")
     given = parser.parse_args()
     mesh = trimesh.load(given.body, process=False)
     wearer = WearerGeometry(register_body(np.asarray(mesh.vertices), np.asarray(mesh.faces), name="body"))
     for folder in sorted(path.parent for path in given.drafts.glob("*/design.json")):
-        if given.only is None or folder.name == given.only:
+        if given.only is None or folder.name in given.only:
             print(json.dumps(make_pack(folder, wearer, given.out, given.blender)), flush=True)
 
 
