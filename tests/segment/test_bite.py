@@ -65,6 +65,14 @@ def test_a_fold_that_rises_goes_around_air():
     assert bridge_bites(points, lambda: -outward(points)())[1] != ()
 
 
+@pytest.mark.parametrize(("tilt", "count"), [(3.0, 0), (30.0, 1)])
+def test_an_area_vector_across_the_normal_says_nothing(tilt, count):
+    """Broken where chance decides whether a fold is a bite, or where a bite has to be exactly in the surface."""
+    points, angle = torn(rim(), mouth=6), np.radians(tilt)
+    normals = np.sin(angle) * outward(points)() + np.cos(angle) * np.array([0.0, 1.0, 0.0])
+    assert len(bridge_bites(points, lambda: normals)[1]) == count
+
+
 def test_long_contours_are_searched_coarsely():
     """A contour of thousands of points must not need a table of all pairs, and still lose its tear."""
     points = torn(rim(6000), start=1000, mouth=150)
