@@ -17,7 +17,7 @@ from . import exits
 COMMANDS = {
     "run": "Recover a garment: submit it, work on it here, wait, and show the result.",
     "submit": "Queue one or more scans.",
-    "dress": "Dress another body in a stored result.",
+    "dress": "Dress another body in a stored result, or in all garments of a person.",
     "refit": "Make a stored result to another body's measures.",
     "edit": "Drape an edited pattern of a stored result.",
     "animate": "Move a stored result with its wearer.",

@@ -32,7 +32,7 @@ SUMMED = ("vertices", "faces", "self_intersecting_faces", "layers.crossing_faces
 
 @dataclass(frozen=True)
 class DressedOutfit:
-    """Hold all garments of a person at rest together on a body.
+    """Describe all garments of a person at rest together on a body.
 
     Attributes:
         garments: Each by its word (`upper`), from the innermost to the outermost.
