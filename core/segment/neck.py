@@ -13,6 +13,10 @@ STEADY = 0.02
 """Width over which a neck contour is smoothed before it is unrolled [m]: two teeth of a cut along triangles. It rounds
 a right angle by 2 mm."""
 
+LEAN = 0.2
+"""How far a strap's edge may lean in, by its height: a neckline is widest at the side neck point, but for a square one
+whose lower corners are as wide or wider. Round and pointed ones lean in by more than a half below that point."""
+
 SAMPLES = 96
 """Points of half a line: every 3 mm of a deep neckline."""
 
@@ -50,7 +54,8 @@ def unroll_neck(points: np.ndarray, body: Body) -> NeckLines | None:
     lateral = lateral / size
     off = loop @ lateral
     off = off - (off.max() + off.min()) / 2
-    left, right = int(off.argmax()), int(off.argmin())
+    up = LEAN * loop[:, 1]
+    left, right = int((up + off).argmax()), int((up - off).argmax())
     ahead = loop @ np.cross(lateral, (0.0, 1.0, 0.0))
     arcs = [_between(len(loop), left, right), _between(len(loop), right, left)[::-1]]
     lines = [_unroll(loop[arc], off[arc]) for arc in arcs]

@@ -16,13 +16,18 @@ from garmentq.core.segment import Contour, Target, unroll_neck
 BODY = builtin_body("builtin:female,height=1.70")
 
 
-def neck_target(front: Throat, back: Throat, *, noise: float = 0.0, turn: float = 0.0) -> Target:
-    """Return a target whose neck contour is two drafted necklines, laid on a chest that leans as cylinders do."""
+def neck_target(front: Throat, back: Throat, *, noise: float = 0.0, turn: float = 0.0, lean: float = 0.0) -> Target:
+    """Return a target whose neck contour is two drafted necklines, laid on a chest that leans as cylinders do.
+
+    The front's edges lean in by `lean` of their height, as straps do that are nearer to each other on the shoulders.
+    """
     halves = []
     for throat, sign in ((front, 1.0), (back, -1.0)):
         line = neckline_points(throat, 0.10, 40)
-        lean = np.radians(25.0)
-        halves.append(np.c_[line[:, 0], 1.40 + line[:, 1] * np.cos(lean), -sign * line[:, 1] * np.sin(lean)])
+        if sign > 0:
+            line[:, 0] *= 1.0 - lean * line[:, 1] / line[0, 0]
+        slope = np.radians(25.0)
+        halves.append(np.c_[line[:, 0], 1.40 + line[:, 1] * np.cos(slope), -sign * line[:, 1] * np.sin(slope)])
     ahead, behind = halves
     flip = np.array([-1.0, 1.0, 1.0])
     loop = np.concatenate([ahead[:-1], (ahead * flip)[:0:-1], (behind * flip)[:-1], behind[:0:-1]])
@@ -46,6 +51,15 @@ def test_each_neckline_is_told_from_the_others(kind):
     assert fits is not None
     assert fits.front[0].throat.kind is kind
     assert fits.front[0].misfit < 0.04
+    assert fits.back[0].throat.kind is Neckline.CREW
+
+
+def test_a_square_neckline_may_be_wider_below():
+    """Broken where side neck points are looked for at the lower corners, so that a square is a boat in front."""
+    square = Throat.at_front(Neckline.SQUARE)
+    fits = fit_necklines(neck_target(square, CREW_BACK, lean=0.1), BODY)
+    assert fits is not None and fits.front[0].throat.kind is Neckline.SQUARE
+    assert fits.front[0].throat.depth == pytest.approx(square.depth, abs=0.01)
     assert fits.back[0].throat.kind is Neckline.CREW
 
 
