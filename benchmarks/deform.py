@@ -64,7 +64,7 @@ def make_body() -> Body:
 
 
 def cpu_ms(call, repeats: int = 10) -> float:
-    """Give the CPU milliseconds of a call, mean of several after one to warm up."""
+    """Return the CPU milliseconds of a call, mean of several after one to warm up."""
     call()
     start = time.process_time()
     for _ in range(repeats):

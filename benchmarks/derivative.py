@@ -59,7 +59,7 @@ def drape(count: int) -> Laid:
 
 
 def worst_error(laid: Laid, nodes: np.ndarray, found: np.ndarray, up: np.ndarray) -> float:
-    """Give the largest relative error of a gradient against central differences of converged equilibria.
+    """Return the largest relative error of a gradient against central differences of converged equilibria.
 
     Steps of 1e-7 m and 1e-5 of the fabric: the error of the quotient falls with the square of the step down to there.
     """
@@ -74,7 +74,7 @@ def worst_error(laid: Laid, nodes: np.ndarray, found: np.ndarray, up: np.ndarray
 
 
 def slowest_sway(rest: AtRest) -> float:
-    """Give the longest period of small motions about an equilibrium [s]: K v = w^2 M v."""
+    """Return the longest period of small motions about an equilibrium [s]: K v = w^2 M v."""
     root = np.sqrt(np.repeat(rest.scene.masses, 3))
     turned = LinearOperator((len(root),) * 2, matvec=lambda v: root * rest.solver.solve(root * np.ravel(v)))
     longest = eigsh(turned, k=1, which="LM", v0=np.ones(len(root)), return_eigenvectors=False, tol=1e-6)

@@ -1,4 +1,4 @@
-"""Hold the simulator's derivatives against central differences, one figure for each kind of parameter.
+"""Describe the simulator's derivatives against central differences, one figure for each kind of parameter.
 
 Run with one thread: OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1 python benchmarks/derivative_kinds.py
 """
@@ -68,7 +68,7 @@ def drape(count: int) -> tuple[Laid, dict[str, slice]]:
 
 
 def differ(laid: Laid, start: np.ndarray, derivative: Derivative, ups: np.ndarray, step: float) -> np.ndarray:
-    """Give the central differences of every up . x by every parameter, shape [count, losses]; nan where not at rest."""
+    """Return the central differences of every up . x by every parameter, shape [count, losses]; nan if not at rest."""
     solver, parameters = make_solver(laid.scene.topology.pattern), laid.parameters
     found = np.full((parameters.count, len(ups)), np.nan)
     for n in range(parameters.count):

@@ -52,19 +52,19 @@ class Service:
             time.sleep(0.1)
 
     def is_alive(self) -> bool:
-        """Tell whether it answers."""
+        """Return whether it answers."""
         try:
             return self.client.get("/healthz").status_code == 200
         except httpx.TransportError:
             return False
 
     def cpu_seconds(self) -> float:
-        """Give the CPU time of the process and of the parsers that have ended [s]."""
+        """Return the CPU time of the process and of the parsers that have ended [s]."""
         fields = Path(f"/proc/{self.process.pid}/stat").read_text().rsplit(")", 1)[1].split()
         return sum(map(int, fields[11:15])) / TICK
 
     def peak_mb(self) -> float:
-        """Give the largest resident memory [MB]."""
+        """Return the largest resident memory [MB]."""
         status = Path(f"/proc/{self.process.pid}/status").read_text()
         return int(next(line for line in status.splitlines() if line.startswith("VmHWM")).split()[1]) / 1024
 
@@ -135,7 +135,7 @@ def list_requests(service: Service) -> dict[str, Callable[[], httpx.Response]]:
 
 
 def run_command(name: str, content: bytes, folder: Path) -> tuple[float, float, int, str]:
-    """Give CPU and wall time [s], exit status and code of `garmentq run` on a file."""
+    """Return CPU and wall time [s], exit status and code of `garmentq run` on a file."""
     path, body = folder / name, folder / "body.ply"
     path.write_bytes(content)
     body.write_bytes(make_ply(-0.5))

@@ -85,7 +85,7 @@ class Watcher:
             self.children_mb = max([self.children_mb, *(read_mb(pid) for pid in list_below(self.worker))])
 
     def tell(self) -> str:
-        """Give the figures since the last time."""
+        """Return the figures since the last time."""
         told = (
             f"/healthz asked {self.asked} times, failed {self.failed}, slowest {self.slowest:.2f} s; "
             f"API {read_mb(self.api):.0f} MB, largest process of the worker {self.children_mb:.0f} MB"
@@ -95,7 +95,7 @@ class Watcher:
 
 
 def read_mb(pid: int) -> float:
-    """Give the largest resident memory that a process had [MB]; 0 where it is gone."""
+    """Return the largest resident memory that a process had [MB]; 0 where it is gone."""
     with suppress(OSError, StopIteration):
         lines = Path(f"/proc/{pid}/status").read_text().splitlines()
         return int(next(line for line in lines if line.startswith("VmHWM")).split()[1]) / 1024
@@ -159,7 +159,7 @@ def answers(url: str) -> bool:
 
 
 def zip_of(write: Callable[[zipfile.ZipFile], None]) -> bytes:
-    """Give a .zip that a function fills."""
+    """Return a .zip that a function fills."""
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
         write(archive)
@@ -184,7 +184,7 @@ def many_entries(archive: zipfile.ZipFile) -> None:
 
 
 def tube(columns: int, rows: int) -> bytes:
-    """Give a binary PLY of an open tube."""
+    """Return a binary PLY of an open tube."""
     angle, y = np.meshgrid(np.linspace(0, 2 * np.pi, columns, endpoint=False), np.linspace(0.8, 1.1, rows))
     points = np.stack([0.2 * np.sin(angle), y, 0.2 * np.cos(angle)], axis=2).reshape(-1, 3).astype("<f4")
     here = np.arange(columns * rows).reshape(rows, columns)
@@ -198,7 +198,7 @@ def tube(columns: int, rows: int) -> bytes:
 
 
 def many_nodes(nodes: int, faces: int) -> bytes:
-    """Give a GLB in which many nodes show the same mesh."""
+    """Return a GLB in which many nodes show the same mesh."""
     points = np.random.default_rng(0).random((3 * faces, 3), dtype=np.float32).tobytes()
     document = {
         "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": list(range(nodes))}],

@@ -72,7 +72,7 @@ def serving(settings: ServiceSettings) -> Iterator[tuple[subprocess.Popen[bytes]
 
 @contextmanager
 def fresh_settings(kind: str) -> Iterator[ServiceSettings]:
-    """Give settings of an empty service, on a database of its own."""
+    """Return settings of an empty service, on a database of its own."""
     postgres = PostgresServer() if kind == "postgresql" else None
     try:
         with tempfile.TemporaryDirectory() as folder:
@@ -83,13 +83,13 @@ def fresh_settings(kind: str) -> Iterator[ServiceSettings]:
 
 
 def peak_mb(pid: int) -> float:
-    """Give the largest resident memory of a process [MB]."""
+    """Return the largest resident memory of a process [MB]."""
     status = Path(f"/proc/{pid}/status").read_text()
     return int(next(line for line in status.splitlines() if line.startswith("VmHWM")).split()[1]) / 1024
 
 
 def mesh(seed: int, size: int) -> bytes:
-    """Give a binary PLY of about a size [bytes]."""
+    """Return a binary PLY of about a size [bytes]."""
     count = size // 12
     head = f"ply\nformat binary_little_endian 1.0\nelement vertex {count}\n"
     head += "property float x\nproperty float y\nproperty float z\n"

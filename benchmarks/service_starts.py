@@ -35,7 +35,7 @@ PART = 10
 
 
 def read_delays(database: Database) -> np.ndarray:
-    """Give (time of start, delay) of every start but the first of each child [s], shape [n, 2], in order of time."""
+    """Return (time of start, delay) of every start but the first of each child [s], shape [n, 2], in order of time."""
     with database.read() as session:
         events = session.execute(
             select(EventRow.job, EventRow.kind, EventRow.at, EventRow.data)

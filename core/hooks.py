@@ -50,7 +50,7 @@ class Hooks:
         self.check()
 
     def quiet(self) -> Hooks:
-        """Give the same hooks without the progress: for a stage within a stage, whose fractions would jump."""
+        """Return the same hooks without the progress: for a stage within a stage, whose fractions would jump."""
         return replace(self, on_progress=_no_progress)
 
     def check(self) -> None:

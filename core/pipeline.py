@@ -249,7 +249,7 @@ def find_template(request: Request, target: Target, body: Body) -> Choice:
 
 
 def check_category(name: str) -> str:
-    """Give the category back if there is one of that name.
+    """Return the category back if there is one of that name.
 
     Raises:
         SettingsBad: where there is none.

@@ -50,12 +50,12 @@ class Request:
 
     @property
     def selection(self) -> Selection | None:
-        """Say which part of the scan is the garment; None where it is all of it."""
+        """Describe which part of the scan is the garment; None where it is all of it."""
         return make_selection(self.labels, self.settings)
 
 
 def make_selection(labels: Path | None, settings: RecoverySettings) -> Selection | None:
-    """Say which part of a scan is the garment by a label file and settings; None where neither says anything."""
+    """Describe which part of a scan is the garment by a label file and settings; None where neither says anything."""
     if labels is None and settings.keep is None and settings.keep_colour is None:
         return None
     return Selection(
@@ -70,7 +70,7 @@ def make_selection(labels: Path | None, settings: RecoverySettings) -> Selection
 
 @dataclass(frozen=True)
 class Recovery:
-    """Hold everything a recovery found.
+    """Describe everything a recovery found.
 
     Attributes:
         scan: The checked scan.

@@ -126,19 +126,19 @@ class RecoverySettings:
 
     @property
     def locks(self) -> tuple[str, ...]:
-        """Give the locks one by one."""
+        """Return the locks one by one."""
         return tuple(word.strip() for word in (self.lock or "").split(",") if word.strip())
 
     @property
     def kept_labels(self) -> tuple[str, ...]:
-        """Give the labels to keep, one by one."""
+        """Return the labels to keep, one by one."""
         return tuple(word.strip() for word in (self.keep or "").split(",") if word.strip())
 
     @property
     def cloth_labels(self) -> tuple[str, ...]:
-        """Give the labels of the other clothes, one by one."""
+        """Return the labels of the other clothes, one by one."""
         return tuple(word.strip() for word in (self.cloth or "").split(",") if word.strip())
 
     def as_dict(self) -> dict[str, Any]:
-        """Give the settings as plain JSON values."""
+        """Return the settings as plain JSON values."""
         return asdict(self)

@@ -111,7 +111,7 @@ def draft_tee() -> Pattern:
 
 
 def lower_arms(body: Body, drop: float) -> np.ndarray:
-    """Give the body's vertices [m] with its arms `drop` [rad] below the horizontal, shape [n, 3]."""
+    """Return the body's vertices [m] with its arms `drop` [rad] below the horizontal, shape [n, 3]."""
     world, posed = articulate(rotations_of(arm_pose(drop)), body.rest_joints, np.zeros(3))
     return skin(body.rest_vertices, body.rest_weights, transforms_of(world, posed, body.rest_joints))
 
@@ -156,7 +156,7 @@ def build_model(garment: Garment, body: Body) -> tuple[newton.Model, newton.Mesh
 
 
 def lay_flat(model: newton.Model, garment: Garment) -> None:
-    """Give the model the flat pattern as rest shape: the builder took the placed mesh's instead."""
+    """Return the model the flat pattern as rest shape: the builder took the placed mesh's instead."""
     edges = (garment.rest[:, 1:] - garment.rest[:, :1]).transpose(0, 2, 1)
     area = 0.5 * np.abs(np.linalg.det(edges))
     mass = np.bincount(garment.faces.ravel(), np.repeat(DENSITY * area / 3.0, 3), len(garment.nodes))
@@ -205,7 +205,7 @@ def simulate(model: newton.Model, mesh: newton.Mesh, body: Body, duration: float
 
 
 def scan_surface(garment: Garment, nodes: np.ndarray) -> trimesh.Trimesh:
-    """Give the surface another, finer mesh with a scanner's noise along its normals."""
+    """Return the surface another, finer mesh with a scanner's noise along its normals."""
     fine = mesh_pattern(garment.pattern, SCAN_VERTICES)
     mesh = trimesh.Trimesh(resample(garment, nodes, fine), fine.faces, process=False)
     noise = NOISE * np.random.default_rng(0).standard_normal((len(mesh.vertices), 1))

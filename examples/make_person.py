@@ -82,7 +82,7 @@ def read(path: Path) -> Mesh:
 
 
 def fuse(meshes: list[Mesh]) -> Mesh:
-    """Give what a scanner sees of some meshes, as one surface with holes where it saw nothing."""
+    """Return what a scanner sees of some meshes, as one surface with holes where it saw nothing."""
     scene = open3d.t.geometry.RaycastingScene()
     for vertices, faces in meshes:
         scene.add_triangles(
@@ -187,7 +187,7 @@ def write_scan(surface: Mesh, meshes: list[Mesh], path: Path) -> None:
 
 
 def _label(vertices: np.ndarray, faces: np.ndarray, meshes: list[Mesh]) -> np.ndarray:
-    """Give each vertex the nearest mesh's number, or one more where it does not look the way that mesh does.
+    """Return each vertex the nearest mesh's number, or one more where it does not look the way that mesh does.
 
     From below a scanner looks into sleeves and hems, and edges are rounded: that is neither skin nor the garment.
     """

@@ -55,7 +55,7 @@ def tube_contours(nodes: np.ndarray) -> tuple[Contour, ...]:
 
 
 def make_body(vertices: np.ndarray, faces: np.ndarray) -> Body:
-    """Give a body that is only a mesh, with joints along the y axis."""
+    """Return a body that is only a mesh, with joints along the y axis."""
     joints = np.stack([np.zeros(24), np.linspace(0.0, 1.7, 24), np.zeros(24)], axis=1)
     weights = np.zeros((len(vertices), len(JOINTS)))
     weights[:, 0] = 1.0
@@ -65,25 +65,25 @@ def make_body(vertices: np.ndarray, faces: np.ndarray) -> Body:
 
 @pytest.fixture(scope="session")
 def tube_pattern():
-    """Give the maker of tube patterns."""
+    """Return the maker of tube patterns."""
     return make_tube_pattern
 
 
 @pytest.fixture(scope="session")
 def tube():
-    """Give the maker of rolled tubes."""
+    """Return the maker of rolled tubes."""
     return make_tube
 
 
 @pytest.fixture(scope="session")
 def bare_body():
-    """Give the maker of bodies from meshes."""
+    """Return the maker of bodies from meshes."""
     return make_body
 
 
 @pytest.fixture(scope="session")
 def tube_recovery():
-    """Give the maker of finished recoveries of a tube; keyword arguments replace its fields."""
+    """Return the maker of finished recoveries of a tube; keyword arguments replace its fields."""
     import trimesh
     from garmentq.core.body import ExposedSurface
     from garmentq.core.measure import Reference, judge, measure_fit, measure_seams

@@ -36,7 +36,7 @@ WIDER, LONGER = 1.05, 1.08
 
 
 def draw_skirt() -> dict:
-    """Give a skirt in the GarmentCode format: centimetres, its back drawn clockwise, names of its author's own."""
+    """Return a skirt in the GarmentCode format: centimetres, its back drawn clockwise, names of its author's own."""
     side = lambda panel, edge: {"panel": panel, "edge": edge}  # noqa: E731
     edges = [{"endpoints": [i, (i + 1) % 4]} for i in range(4)]
     corners = [[0, 0], [64, 0], [52, 54], [12, 54]]

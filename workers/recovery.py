@@ -169,7 +169,7 @@ def _stop(database: Database, held: Claim, reason: str, seconds: float) -> str:
 
 
 def _put_off(settings: ServiceSettings, database: Database, held: Claim, outage: Unavailable, watch: Watch) -> str:
-    """Give a job back that met an outage, and say so where the workers are shown."""
+    """Put a job back that met an outage, and say so where the workers are shown."""
     log.warning("job %s is put off: %s", held.job, outage, extra=make_note(held))
     persist(partial(note_outage, database, socket.gethostname(), outage.code), watch)
     persist(partial(put_off, database, held, outage, settings.pause_seconds), watch)

@@ -52,7 +52,7 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Animation:
-    """Hold a garment in motion.
+    """Describe a garment in motion.
 
     Attributes:
         worn: The garment where it started.
@@ -93,7 +93,7 @@ class _Tally:
 
 @dataclass(frozen=True)
 class _Chunk:
-    """Hold frames that were kept together, and the cloth after the last of them."""
+    """Describe frames that were kept together, and the cloth after the last of them."""
 
     nodes: np.ndarray
     velocities: np.ndarray

@@ -17,7 +17,7 @@ from .settings import AnimateSettings
 
 @dataclass(frozen=True)
 class Moved:
-    """Hold a garment in motion with everything that was found of it.
+    """Describe a garment in motion with everything that was found of it.
 
     Attributes:
         animation: The frames.

@@ -21,7 +21,7 @@ from .settings import AnimateSettings
 
 @dataclass(frozen=True)
 class Cloth:
-    """Hold the cloth between two steps: where it is and how fast, and the matrix of the next step laid out."""
+    """Describe the cloth between two steps: where it is and how fast, and the matrix of the next step laid out."""
 
     state: State
     layout: Layout
@@ -34,7 +34,7 @@ it."""
 
 @dataclass(frozen=True)
 class Moment:
-    """Hold the wearer at one moment.
+    """Describe the wearer at one moment.
 
     Attributes:
         transforms: From rest space to the pose, shape [24, 4, 4].
@@ -47,7 +47,7 @@ class Moment:
 
 @dataclass(frozen=True)
 class Stage:
-    """Hold what does not change in an animation.
+    """Describe what does not change in an animation.
 
     Attributes:
         worn: The garment where it starts.

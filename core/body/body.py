@@ -21,7 +21,7 @@ PARENTS = (-1, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 12, 13, 14, 16, 17, 18,
 
 @dataclass(frozen=True)
 class Body:
-    """Hold a body mesh with joints, bones and skinning weights, all in the scan's pose and place.
+    """Describe a body mesh with joints, bones and skinning weights, all in the scan's pose and place.
 
     Attributes:
         vertices: Positions [m], shape [vertex_count, 3]; for a given mesh the mesh itself, never the fitted model,
@@ -56,7 +56,7 @@ class Body:
     fit_rms: float = 0.0
 
     def joint(self, name: str) -> np.ndarray:
-        """Give the position [m] of a joint by its name, shape [3]."""
+        """Return the position [m] of a joint by its name, shape [3]."""
         return self.joints[JOINTS.index(name)]
 
     def raised(self, heights: np.ndarray) -> Body:

@@ -74,7 +74,7 @@ def draw_phenotype(model: Any, rng: np.random.Generator) -> tuple[dict, dict, fl
 
 
 def rotation_between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Give the shortest rotation [3, 3] that turns direction a to direction b (not opposite)."""
+    """Return the shortest rotation [3, 3] that turns direction a to direction b (not opposite)."""
     a, b = a / np.linalg.norm(a), b / np.linalg.norm(b)
     v = np.cross(a, b)
     k = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
@@ -82,7 +82,7 @@ def rotation_between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def pose_t(model: Any, phenotype: dict, changes: dict) -> tuple[np.ndarray, np.ndarray]:
-    """Give vertices and bone heads [m] of one body in the T-pose: y up, facing +z, feet at y = 0, pelvis above 0."""
+    """Return vertices and bone heads [m] of one body in the T-pose: y up, facing +z, feet at y = 0, pelvis above 0."""
     labels, parents = list(model.bone_labels), list(model.bone_parents)
     identity = torch.eye(4, dtype=torch.float64)[None, None].repeat(1, model.bone_count, 1, 1)
     with torch.no_grad():
@@ -114,7 +114,7 @@ def pose_t(model: Any, phenotype: dict, changes: dict) -> tuple[np.ndarray, np.n
 
 
 def close_surface(model: Any) -> tuple[sp.csr_matrix, np.ndarray]:
-    """Give the outer skin: a map from the model's vertices to the skin's, and the skin's faces.
+    """Return the outer skin: a map from the model's vertices to the skin's, and the skin's faces.
 
     Eyes, teeth and tongue are dropped, the mouth and the eye sockets are cut at their rims and each rim is closed by a
     fan around its centroid.
@@ -148,7 +148,7 @@ def close_surface(model: Any) -> tuple[sp.csr_matrix, np.ndarray]:
 
 
 def decimate(vertices: np.ndarray, faces: np.ndarray) -> tuple[sp.csr_matrix, np.ndarray]:
-    """Give a coarser mesh as a map from the given vertices, with the new faces; new vertices lie on the surface."""
+    """Return a coarser mesh as a map from the given vertices, with the new faces; new vertices lie on the surface."""
     coarse, new_faces, *_ = igl.qslim(
         np.asfortranarray(vertices), np.asfortranarray(faces.astype(np.int32)), FACE_COUNT
     )
@@ -171,7 +171,7 @@ def decimate(vertices: np.ndarray, faces: np.ndarray) -> tuple[sp.csr_matrix, np
 
 
 def collapse_weights(model: Any) -> np.ndarray:
-    """Give skinning weights on the 24 joints: each bone counts for its nearest ancestor that is one, [n, 24]."""
+    """Return skinning weights on the 24 joints: each bone counts for its nearest ancestor that is one, [n, 24]."""
     labels, parents = list(model.bone_labels), list(model.bone_parents)
     joint_of = {labels.index(bone): j for j, bone in enumerate(BONES.values())}
     table = np.zeros((len(labels), 24))
@@ -188,7 +188,7 @@ def collapse_weights(model: Any) -> np.ndarray:
 
 
 def draw_bodies(model: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Give vertices [s, n, 3] and joints [s, 24, 3] of the drawn bodies, and their gender [s]."""
+    """Return vertices [s, n, 3] and joints [s, 24, 3] of the drawn bodies, and their gender [s]."""
     rng = np.random.default_rng(0)
     columns = [list(model.bone_labels).index(bone) for bone in BONES.values()]
     vertices, joints, genders = [], [], []
@@ -202,7 +202,7 @@ def draw_bodies(model: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def principal_directions(samples: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Give the mean [d], directions scaled to one standard deviation [k, d], and the samples' coefficients [s, k]."""
+    """Return the mean [d], directions scaled to one standard deviation [k, d], and the samples' coefficients [s, k]."""
     mean = samples.mean(axis=0)
     centred = (samples - mean) * weight
     u, s, vt = np.linalg.svd(centred, full_matrices=False)

@@ -100,7 +100,7 @@ def pose_template(
 
 
 def describe_bodies() -> tuple[dict[str, Any], ...]:
-    """Tell what can be asked of the built-in bodies: `spec`, `poses`, and `ranges` of height [m] and weight [kg].
+    """Return what can be asked of the built-in bodies: `spec`, `poses`, and `ranges` of height [m] and weight [kg].
 
     A range is (lowest, highest, usual); the weights are those at the usual height.
     """
@@ -161,7 +161,7 @@ def parse_spec(spec: str) -> BodySpec:
 
 
 def named_pose(name: str) -> np.ndarray:
-    """Give axis-angles [24, 3] of one of `POSES`; negative about x swings a hanging limb forwards.
+    """Return axis-angles [24, 3] of one of `POSES`; negative about x swings a hanging limb forwards.
 
     `stride`: the left leg 20 degrees ahead and the right 15 behind with its knee bent, as in a walk's double support;
     arms at 60 degrees swing against the legs. `seated`: thighs level but for 5 degrees and shins upright, as on a
@@ -185,7 +185,7 @@ def named_pose(name: str) -> np.ndarray:
 
 
 def arm_pose(drop: float) -> np.ndarray:
-    """Give axis-angles [24, 3] of a body whose arms hang `drop` [rad] below the horizontal.
+    """Return axis-angles [24, 3] of a body whose arms hang `drop` [rad] below the horizontal.
 
     The collar takes an eighth of the way, as a shoulder girdle does for small angles.
     """

@@ -42,7 +42,7 @@ class GridArrays(NamedTuple):
 
 @dataclass(frozen=True)
 class DistanceGrid:
-    """Hold the signed distance to a body as a tricubic B-spline (numerics 1 and 4).
+    """Describe the signed distance to a body as a tricubic B-spline (numerics 1 and 4).
 
     d(x) = offset + sum_ijk c_ijk b(s_0 - i) b(s_1 - j) b(s_2 - k),  s = (x - origin) / spacing, negative inside.
     The gradient's length differs from 1 by about a per cent near the surface; only its direction and d are used as a
@@ -110,15 +110,15 @@ class DistanceGrid:
         )
 
     def shrunk(self, depth: float) -> DistanceGrid:
-        """Give the body shrunk by `depth` [m] along its normals; costs nothing, for a body that is inflated."""
+        """Return the body shrunk by `depth` [m] along its normals; costs nothing, for a body that is inflated."""
         return replace(self, offset=self.offset + depth)
 
     def moved(self, translation: np.ndarray) -> DistanceGrid:
-        """Give the body moved by a translation [m], shape [3]."""
+        """Return the body moved by a translation [m], shape [3]."""
         return replace(self, origin=self.origin + np.asarray(translation, dtype=np.float64))
 
     def distance(self, points: np.ndarray) -> np.ndarray:
-        """Give signed distances [m], shape [n], of points [m], shape [n, 3]; `FAR` outside the grid."""
+        """Return signed distances [m], shape [n], of points [m], shape [n, 3]; `FAR` outside the grid."""
         return self.evaluate(points)[0]
 
     def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -127,7 +127,7 @@ class DistanceGrid:
         return distance, gradient
 
     def evaluate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Give distances [m] [n], gradients [n, 3] and Hessians [1/m] [n, 3, 3] at points [m], shape [n, 3]."""
+        """Return distances [m] [n], gradients [n, 3] and Hessians [1/m] [n, 3, 3] at points [m], shape [n, 3]."""
         points = np.ascontiguousarray(points, dtype=np.float64)
         values, slopes = np.zeros(len(points)), np.zeros((len(points), 3))
         curves = np.zeros((len(points), 3, 3))
@@ -152,7 +152,7 @@ def _sample_surface(vertices: np.ndarray, faces: np.ndarray, spacing: float) -> 
 def _inside(
     sure: np.ndarray, origin: np.ndarray, spacing: float, vertices: np.ndarray, faces: np.ndarray
 ) -> np.ndarray:
-    """Tell which grid points are inside; a mesh inside out as a whole is turned.
+    """Return which grid points are inside; a mesh inside out as a whole is turned.
 
     Connected points that are `sure`, shape [nx, ny, nz], share one winding number; each of the others has its own.
     """
@@ -169,34 +169,34 @@ def _inside(
 
 
 def _is_closed(faces: np.ndarray) -> bool:
-    """Tell whether every edge borders two faces."""
+    """Return whether every edge borders two faces."""
     return bool((HalfEdges.of(faces).face_counts == 2).all())
 
 
 @njit(cache=True, inline="always")
 def _weigh(t):  # type: ignore[no-untyped-def]
-    """Give the four cubic B-spline weights at t in 0..1."""
+    """Return the four cubic B-spline weights at t in 0..1."""
     s = 1.0 - t
     return s * s * s / 6.0, 2.0 / 3.0 - t * t + 0.5 * t * t * t, 2.0 / 3.0 - s * s + 0.5 * s * s * s, t * t * t / 6.0
 
 
 @njit(cache=True, inline="always")
 def _weigh_slope(t):  # type: ignore[no-untyped-def]
-    """Give the weights' first derivatives."""
+    """Return the weights' first derivatives."""
     s = 1.0 - t
     return -0.5 * s * s, -2.0 * t + 1.5 * t * t, 2.0 * s - 1.5 * s * s, 0.5 * t * t
 
 
 @njit(cache=True, inline="always")
 def _weigh_curve(t):  # type: ignore[no-untyped-def]
-    """Give the weights' second derivatives."""
+    """Return the weights' second derivatives."""
     s = 1.0 - t
     return s, -2.0 + 3.0 * t, -2.0 + 3.0 * s, t
 
 
 @njit(cache=True, inline="always")
 def _blend(flat, at, w):  # type: ignore[no-untyped-def]
-    """Give the weighted sum of four neighbours along the last axis."""
+    """Return the weighted sum of four neighbours along the last axis."""
     return flat[at] * w[0] + flat[at + 1] * w[1] + flat[at + 2] * w[2] + flat[at + 3] * w[3]
 
 

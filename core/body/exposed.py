@@ -78,18 +78,18 @@ class ExposedSurface:
         return vertices, np.ascontiguousarray(found) if len(found) else self._solid.faces
 
     def _bare_middles(self, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-        """Tell which faces' middles are in the open, shape [n]."""
+        """Return which faces' middles are in the open, shape [n]."""
         return self._solid.exposed(vertices[faces].mean(axis=1), face_normals(vertices, faces)[0])
 
     def _bare_corners(self, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-        """Tell which of the faces' corners are in the open, shape [n, 3]."""
+        """Return which of the faces' corners are in the open, shape [n, 3]."""
         middle = vertices[faces].mean(axis=1, keepdims=True)
         near = middle + WITHIN * (vertices[faces] - middle)
         normals = np.repeat(face_normals(vertices, faces)[0], 3, axis=0)
         return self._solid.exposed(near.reshape(-1, 3), normals).reshape(-1, 3)
 
     def contains(self, points: np.ndarray) -> np.ndarray:
-        """Tell which points [m], shape [n, 3], are inside, shape [n]."""
+        """Return which points [m], shape [n, 3], are inside, shape [n]."""
         return self._solid.contains(points)
 
     def closest(self, points: np.ndarray) -> Closest:
@@ -97,7 +97,7 @@ class ExposedSurface:
         return self._surface.closest(points)
 
     def measure(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Give the signed distance of points, and its gradient.
+        """Return the signed distance of points, and its gradient.
 
         On the surface itself, where the direction to the closest point is lost, the gradient is the normal of the
         closest face.

@@ -22,7 +22,7 @@ for _k in range(24):
 
 
 def _spreads() -> np.ndarray:
-    """Give the standard deviations [rad] of each joint's axis-angle in everyday poses, shape [24, 3].
+    """Return the standard deviations [rad] of each joint's axis-angle in everyday poses, shape [24, 3].
 
     Assumed from the ranges of human joints: hinges wide about their axis only, ball joints wide, spine and feet narrow.
     """
@@ -99,7 +99,7 @@ class OrientedPoints:
 
 @dataclass(frozen=True)
 class State:
-    """Hold a fit: shape [k], local rotations [24, 3, 3], translation [m], shape [3]."""
+    """Describe a fit: shape [k], local rotations [24, 3, 3], translation [m], shape [3]."""
 
     shape: np.ndarray
     rotations: np.ndarray
@@ -108,7 +108,7 @@ class State:
 
 @dataclass(frozen=True)
 class Stage:
-    """Say how one stage of the fit goes.
+    """Describe how one stage of the fit goes.
 
     Attributes:
         steps: Gauss-Newton steps at most.
@@ -169,7 +169,7 @@ class Fitter:
         return state
 
     def residual(self, state: State, scale: float, normal_length: float) -> float:
-        """Give the robust two-way misfit of a state: mean of min(d, scale) over pairs, normals counted in d [m]."""
+        """Return the robust two-way misfit of a state: mean of min(d, scale) over pairs, normals counted in d [m]."""
         points, normals = self._place(state)[:2]
         ours = np.hstack([points, normal_length * normals])
         theirs = self.surface.stack(normal_length)
@@ -180,7 +180,7 @@ class Fitter:
         return float(np.minimum(there, scale).mean() + np.minimum(back, scale).mean()) / 2
 
     def _place(self, state: State) -> tuple[np.ndarray, ...]:
-        """Give points [m, 3], normals [m, 3], weighted copies per joint [m, 24, 3], world rotations and joints."""
+        """Return points [m, 3], normals [m, 3], weighted copies per joint [m, 24, 3], world rotations and joints."""
         k = len(state.shape)
         rest = self.vertices + self.directions[:, :, :k] @ state.shape
         joints = self.template.joints + np.tensordot(state.shape, self.template.joint_directions[:k], axes=1)
@@ -225,7 +225,7 @@ class Fitter:
         return _advance(state, step, stage.shape_count)
 
     def _scale_rows(self, slopes: np.ndarray, row: np.ndarray, weight: np.ndarray, direction: np.ndarray) -> np.ndarray:
-        """Give L_i^T J_i, where L_i L_i^T is the sum of w n n^T over the pairs of point i; shape as `slopes`."""
+        """Return L_i^T J_i, where L_i L_i^T is the sum of w n n^T over the pairs of point i; shape as `slopes`."""
         count = slopes.shape[1]
         sums = np.zeros((count, 3, 3))
         for a in range(3):
@@ -252,7 +252,7 @@ class Fitter:
     def _trust(
         self, offset: np.ndarray, direction: np.ndarray, pairs: tuple[np.ndarray, np.ndarray], stage: Stage
     ) -> np.ndarray:
-        """Give the weight of each pair by its offset [m], shape [n, 3]: pairs far beyond the scale stop pulling.
+        """Return the weight of each pair by its offset [m], shape [n, 3]: pairs far beyond the scale stop pulling.
 
         Geman-McClure, (s^2 / (s^2 + |offset|^2))^2. Cloth hides a body that may lie well below it: there a pair counts
         in full where the body is outside the cloth, and little where it is inside.
@@ -275,7 +275,7 @@ class Fitter:
         return np.asarray(weight * (scale2 / (scale2 + length2)) ** 2)
 
     def _turn_slopes(self, moved: np.ndarray, world: np.ndarray, posed: np.ndarray) -> np.ndarray:
-        """Give the derivatives of our points by rotations in the parents' frames, shape [3, m, 72].
+        """Return the derivatives of our points by rotations in the parents' frames, shape [3, m, 72].
 
         A small turn w about joint j moves the part of a point that hangs below it: dx = w x (S - C p_j), with S the
         sum of its weighted copies below j and C the sum of those weights.
@@ -288,7 +288,7 @@ class Fitter:
         return slopes.reshape(3, len(moved), 72)
 
     def _shape_slopes(self, count: int, world: np.ndarray) -> np.ndarray:
-        """Give the derivatives of our points by the first shape coefficients, shape [3, m, count]."""
+        """Return the derivatives of our points by the first shape coefficients, shape [3, m, count]."""
         joint_slopes = self.template.joint_directions[:count].transpose(1, 2, 0)
         posed_slopes = np.zeros_like(joint_slopes)
         for j, p in enumerate(PARENTS):
@@ -332,14 +332,14 @@ def _advance(state: State, step: np.ndarray, shape_count: int) -> State:
 
 
 def vectors_of(rotations: np.ndarray) -> np.ndarray:
-    """Give the axis-angle vectors [rad], shape [24, 3], of rotations [24, 3, 3]."""
+    """Return the axis-angle vectors [rad], shape [24, 3], of rotations [24, 3, 3]."""
     from scipy.spatial.transform import Rotation
 
     return Rotation.from_matrix(rotations).as_rotvec()
 
 
 def _left_jacobian_inverse(vectors: np.ndarray) -> np.ndarray:
-    """Give d log(exp(w) R) / dw at w = 0, shape [n, 3, 3], for log R = vectors, shape [n, 3]."""
+    """Return d log(exp(w) R) / dw at w = 0, shape [n, 3, 3], for log R = vectors, shape [n, 3]."""
     angle = np.maximum(np.linalg.norm(vectors, axis=1), 1e-4)  # below it the quadratic term is lost in rounding
     k = cross_matrices(vectors)
     factor = (1 - 0.5 * angle / np.tan(0.5 * angle)) / angle**2

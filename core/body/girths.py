@@ -57,7 +57,7 @@ def armpit_height(body: Body) -> float:
 
 @dataclass(frozen=True)
 class Girth:
-    """Hold one girth.
+    """Describe one girth.
 
     Attributes:
         value: The girth [m].
@@ -141,7 +141,7 @@ class Tape:
 
 @dataclass(frozen=True)
 class Section:
-    """Hold where a plane cuts the edges of a mesh.
+    """Describe where a plane cuts the edges of a mesh.
 
     Attributes:
         ends: Both ends of each cut edge, shape [cut_count, 2].

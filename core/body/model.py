@@ -13,7 +13,7 @@ from .template import Template, load_template
 
 @dataclass(frozen=True)
 class Posed:
-    """Hold a posed body: vertices [n, 3] and joints [24, 3] in metres, transforms from rest space [24, 4, 4]."""
+    """Describe a posed body: vertices [n, 3] and joints [24, 3] in metres, transforms from rest space [24, 4, 4]."""
 
     vertices: torch.Tensor
     joints: torch.Tensor
@@ -38,11 +38,11 @@ class BodyModel:
 
     @property
     def faces(self) -> np.ndarray:
-        """Give the outward faces, shape [f, 3]."""
+        """Return the outward faces, shape [f, 3]."""
         return self.template.faces
 
     def rest(self, shape: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
-        """Give T-pose vertices [n, 3] and joints [24, 3] in metres of a shape [k] (standard deviations)."""
+        """Return T-pose vertices [n, 3] and joints [24, 3] in metres of a shape [k] (standard deviations)."""
         k = len(shape)
         vertices = self._vertices + torch.tensordot(shape, self._directions[:k], dims=1)
         return vertices, self._joints + torch.tensordot(shape, self._joint_directions[:k], dims=1)
@@ -75,7 +75,7 @@ class BodyModel:
 
 
 def rotation_matrices(vectors: torch.Tensor) -> torch.Tensor:
-    """Give rotations [n, 3, 3] of axis-angle vectors [n, 3] (Rodrigues), differentiable at zero too."""
+    """Return rotations [n, 3, 3] of axis-angle vectors [n, 3] (Rodrigues), differentiable at zero too."""
     zero = torch.zeros_like(vectors[:, 0])
     x, y, z = vectors.unbind(1)
     k = torch.stack([zero, -z, y, z, zero, -x, -y, x, zero], dim=1).reshape(-1, 3, 3)

@@ -1,4 +1,4 @@
-"""Give a skeleton to a body that is only a mesh: find its heading and pose, then fit the built-in body to it."""
+"""Return a skeleton to a body that is only a mesh: find its heading and pose, then fit the built-in body to it."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def register_body(
     hooks: Hooks = SILENT,
     settings: RegistrationSettings | None = None,
 ) -> Body:
-    """Give a mesh of a person joints, bones and skinning weights by fitting the built-in body to it.
+    """Return a mesh of a person joints, bones and skinning weights by fitting the built-in body to it.
 
     Several headings and start poses compete on a few points; the best go on with more. Pairs of points are matched both
     ways by position and normal, and shape, pose and place are improved by Gauss-Newton under priors.
@@ -191,7 +191,7 @@ def _find(
 
 
 def find_other_fits(template: Template, best: list[Start], rest: list[Start]) -> list[Start]:
-    """Give the best of each fit among the rest that is another one than those before it."""
+    """Return the best of each fit among the rest that is another one than those before it."""
     seen, others = [_joints(template, entry[2]) for entry in best], []
     for entry in rest:
         joints = _joints(template, entry[2])
@@ -202,7 +202,7 @@ def find_other_fits(template: Template, best: list[Start], rest: list[Start]) ->
 
 
 def _joints(template: Template, state: State) -> np.ndarray:
-    """Give the posed joints of a fit [m], shape [24, 3]."""
+    """Return the posed joints of a fit [m], shape [24, 3]."""
     _, joints = template.shaped(state.shape)
     return articulate(state.rotations, joints, state.translation)[1]
 
@@ -215,7 +215,7 @@ def _continue(fitter: Fitter, stages: tuple[Stage, ...], entry: Start, scale: fl
 
 
 def _starts(template: Template, surface: OrientedPoints, area: float, subset: np.ndarray) -> list[State]:
-    """Give every start: each pose at each heading, as large as the mesh's area says, centred on the mesh."""
+    """Return every start: each pose at each heading, as large as the mesh's area says, centred on the mesh."""
     centre = surface.points.mean(axis=0)
     # The area says the size in every pose; a wrinkled or noisy mesh has too much of it, hence the bounds.
     factor = np.sqrt(area / face_areas(template.vertices, template.faces).sum())
@@ -239,7 +239,7 @@ def _starts(template: Template, surface: OrientedPoints, area: float, subset: np
 
 
 def _spread_subset(template: Template, count: int, rng: np.random.Generator) -> np.ndarray:
-    """Give indices of vertices drawn in proportion to their area."""
+    """Return indices of vertices drawn in proportion to their area."""
     area = vertex_areas(template.vertices, template.faces)
     return rng.choice(len(area), count, replace=False, p=area / area.sum())
 
@@ -257,14 +257,14 @@ def _sample(
 
 
 def _misfit(model: np.ndarray, model_faces: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> float:
-    """Give the RMS distance [m] of two surfaces, half of it from points of the one, half from points of the other."""
+    """Return the RMS distance [m] of two surfaces, half of it from points of the one, half from points of the other."""
     there = _distance(model, model_faces, vertices, faces)
     back = _distance(vertices, faces, model, model_faces)
     return float(np.sqrt((there**2 + back**2) / 2))
 
 
 def _distance(vertices: np.ndarray, faces: np.ndarray, others: np.ndarray, other_faces: np.ndarray) -> float:
-    """Give the RMS distance [m] from one surface to another."""
+    """Return the RMS distance [m] from one surface to another."""
     points = _sample(vertices, faces, 4000, np.random.default_rng(0)).points
     distance = TriangleSurface(others, other_faces).distance(points)
     return float(np.sqrt((distance**2).mean()))

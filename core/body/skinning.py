@@ -15,7 +15,7 @@ that the cloth under an arm does not jump from the arm's bone to the trunk's fro
 
 
 def blend(weights: np.ndarray, transforms: np.ndarray) -> np.ndarray:
-    """Give each point's own transform, the weighted mean of the joints', shape [n, 4, 4]."""
+    """Return each point's own transform, the weighted mean of the joints', shape [n, 4, 4]."""
     return (weights @ transforms.reshape(len(transforms), 16)).reshape(-1, 4, 4)
 
 
@@ -41,7 +41,7 @@ def unskin(points: np.ndarray, weights: np.ndarray, transforms: np.ndarray) -> n
 
 
 def weights_at(body: Body, points: np.ndarray, rest: bool) -> np.ndarray:
-    """Give smooth skinning weights for points around a body.
+    """Return smooth skinning weights for points around a body.
 
     The weights of the surface within reach are averaged with Gaussian weights of width `SMOOTHING_LENGTH` plus half the
     point's distance to the body, so that they blend more the further the cloth hangs away.
@@ -77,7 +77,7 @@ def weights_at(body: Body, points: np.ndarray, rest: bool) -> np.ndarray:
 
 
 def rest_body(body: Body) -> Body:
-    """Give the fitted model in its T-pose as a body of its own: feet at y = 0, facing +z, transforms identity."""
+    """Return the fitted model in its T-pose as a body of its own: feet at y = 0, facing +z, transforms identity."""
     return replace(
         body,
         vertices=body.rest_vertices,

@@ -36,7 +36,7 @@ class SmplBad(BadInput):
 
 
 def is_smpl(body: Path | str) -> bool:
-    """Tell a file of SMPL's format, `.npz`, from a mesh and from a built-in body's specification."""
+    """Distinguish a file of SMPL's format, `.npz`, from a mesh and from a built-in body's specification."""
     return str(body).lower().endswith(".npz")
 
 

@@ -15,7 +15,7 @@ parts leave it no room."""
 
 
 class Solid:
-    """Tell inside from outside by the winding number (the fast one, Barill et al. 2018), as often as is asked.
+    """Find inside and outside by the winding number (the fast one, Barill et al. 2018), as often as is asked.
 
     Small holes and parts of a body that run into each other do no harm; a mesh that is inside out is turned.
 
@@ -34,7 +34,7 @@ class Solid:
         self._winding.init(self.vertices, self.faces, 2)
 
     def contains(self, points: np.ndarray) -> np.ndarray:
-        """Tell which points [m], shape [n, 3], are inside, shape [n]."""
+        """Return which points [m], shape [n, 3], are inside, shape [n]."""
         wound = self._winding.winding_number(np.ascontiguousarray(points, dtype=np.float64))
         return np.asarray(wound).reshape(-1) > INSIDE
 

@@ -14,7 +14,7 @@ ASSET = Path(__file__).parent / "assets" / "builtin.npz"
 
 @dataclass(frozen=True)
 class Template:
-    """Hold the built-in body in its T-pose, y up, facing +z, the left hand towards +x.
+    """Describe the built-in body in its T-pose, y up, facing +z, the left hand towards +x.
 
     Attributes:
         vertices: Mean vertices [m], shape [n, 3].
@@ -38,11 +38,11 @@ class Template:
 
     @property
     def shape_count(self) -> int:
-        """Give the number of shape coefficients."""
+        """Return the number of shape coefficients."""
         return len(self.directions)
 
     def shaped(self, shape: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Give T-pose vertices [n, 3] and joints [24, 3] of a shape [m]; the first coefficients may be given alone."""
+        """Return T-pose vertices [n, 3] and joints [24, 3] of a shape [m]; the first coefficients may come alone."""
         k = len(shape)
         vertices = self.vertices + np.tensordot(shape, self.directions[:k], axes=1)
         return vertices, self.joints + np.tensordot(shape, self.joint_directions[:k], axes=1)
@@ -65,7 +65,7 @@ def load_template(path: Path = ASSET) -> Template:
 
 
 def rotations_of(vectors: np.ndarray) -> np.ndarray:
-    """Give rotations [..., 3, 3] of axis-angle vectors [rad], shape [..., 3] (Rodrigues)."""
+    """Return rotations [..., 3, 3] of axis-angle vectors [rad], shape [..., 3] (Rodrigues)."""
     angle = np.linalg.norm(vectors, axis=-1)[..., None, None]
     k = cross_matrices(vectors)
     # np.sinc(x) is sin(pi x) / (pi x), so both factors stay finite at angle 0.
@@ -74,7 +74,7 @@ def rotations_of(vectors: np.ndarray) -> np.ndarray:
 
 
 def cross_matrices(vectors: np.ndarray) -> np.ndarray:
-    """Give the matrices [..., 3, 3] that act as a cross product with vectors [..., 3] on the left."""
+    """Return the matrices [..., 3, 3] that act as a cross product with vectors [..., 3] on the left."""
     x, y, z = np.moveaxis(vectors, -1, 0)
     zero = np.zeros_like(x)
     return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1).reshape(*vectors.shape[:-1], 3, 3)
@@ -102,7 +102,7 @@ def articulate(rotations: np.ndarray, joints: np.ndarray, translation: np.ndarra
 
 
 def transforms_of(world: np.ndarray, posed: np.ndarray, joints: np.ndarray) -> np.ndarray:
-    """Give the homogeneous transforms [24, 4, 4] from rest space to the pose."""
+    """Return the homogeneous transforms [24, 4, 4] from rest space to the pose."""
     transforms = np.tile(np.eye(4), (24, 1, 1))
     transforms[:, :3, :3] = world
     transforms[:, :3, 3] = posed - np.einsum("jab,jb->ja", world, joints)

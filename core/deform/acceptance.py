@@ -47,21 +47,21 @@ def accept_polish(
 
 
 def flipped(nodes: np.ndarray, faces: np.ndarray, target: PreparedTarget) -> np.ndarray:
-    """Tell which faces point against the target at the point closest to their centre, shape [face_count]."""
+    """Return which faces point against the target at the point closest to their centre, shape [face_count]."""
     found = target.surface.closest(nodes[faces].mean(axis=1))
     cosine = (face_normals(nodes, faces)[0] * found.interpolate(target.normals, target.surface.faces)).sum(1)
     return np.zeros(len(faces), dtype=bool) if target.unsigned else cosine < 0
 
 
 def crossing(nodes: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Tell which faces intersect a face that is not their neighbour, shape [face_count]."""
+    """Return which faces intersect a face that is not their neighbour, shape [face_count]."""
     wrong = np.zeros(len(faces), dtype=bool)
     wrong[self_intersections(nodes, faces)] = True
     return wrong
 
 
 def fade(wrong: np.ndarray, faces: np.ndarray, count: int, rings: int) -> np.ndarray:
-    """Give 1 at the nodes of wrong faces and their first ring, falling linearly to 0 over the given rings."""
+    """Return 1 at the nodes of wrong faces and their first ring, falling linearly to 0 over the given rings."""
     reach = np.zeros(count)
     reach[faces[wrong]] = 1.0
     edges = HalfEdges.of(faces, count).edges

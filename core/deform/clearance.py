@@ -53,7 +53,7 @@ class Watch:
         self._places: np.ndarray | None = None
 
     def pushes(self, x: np.ndarray) -> tuple[sp.csr_matrix, np.ndarray, float]:
-        """Give rows (nodes, then face centres) below their margins, the way each has to go [m], the greatest depth."""
+        """Return rows (nodes, then face centres) below their margins, the way each must go [m], the greatest depth."""
         faces = self.faces
         points = np.concatenate([x, x[faces].mean(axis=1)])
         if self._places is None:

@@ -15,7 +15,7 @@ SPACING = 5e-3
 
 @dataclass(frozen=True)
 class CurveRows:
-    """Hold rows (1 - t) x_a + t x_b that should come to rest on fixed points.
+    """Describe rows (1 - t) x_a + t x_b that should come to rest on fixed points.
 
     Attributes:
         first: Node a of each row, shape [row_count].

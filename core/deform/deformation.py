@@ -9,7 +9,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Deformation:
-    """Hold the detail mesh and how it was reached.
+    """Describe the detail mesh and how it was reached.
 
     Attributes:
         nodes: Deformed positions [m], order of the garment's nodes, shape [node_count, 3].

@@ -108,7 +108,7 @@ def _warnings(
     crossings: tuple[int, int],
     depth: float,
 ) -> tuple[str, ...]:
-    """Say what the user should know, one sentence each."""
+    """Describe what the user should know, one sentence each."""
     said = []
     matched = {c.name for c, _ in goal.pairs}
     for name in sorted({c.name for c in garment.contours} - matched):

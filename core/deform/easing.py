@@ -73,7 +73,7 @@ def ease_stretch(nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, 
 def out_of_bounds(
     nodes: np.ndarray, gradient: sp.csr_matrix, areas: np.ndarray, lowest: float = LOWEST
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Tell which triangles' singular values are out of bounds, and what brings their gradients back.
+    """Return which triangles' singular values are out of bounds, and what brings their gradients back.
 
     Args:
         nodes: Positions [m], shape [node_count, 3].

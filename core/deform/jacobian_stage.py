@@ -21,7 +21,7 @@ PLATEAU_WINDOW = 20
 
 @dataclass(frozen=True)
 class StageResult:
-    """Hold the nodes [m], the steps taken, and the weighted terms per step."""
+    """Describe the nodes [m], the steps taken, and the weighted terms per step."""
 
     nodes: np.ndarray
     iterations: int
@@ -132,7 +132,7 @@ def _decay(step: int, settings: DeformSettings) -> float:
 
 
 def _is_flat(totals: list[float], settings: DeformSettings) -> bool:
-    """Tell whether the second half's last steps brought less than the plateau's share."""
+    """Return whether the second half's last steps brought less than the plateau's share."""
     if settings.plateau <= 0 or len(totals) < max(settings.iterations // 2, 2 * PLATEAU_WINDOW):
         return False
     before, after = min(totals[:-PLATEAU_WINDOW]), min(totals[-PLATEAU_WINDOW:])

@@ -31,7 +31,7 @@ a node belongs, and finding all their matches takes most of the time. The polish
 
 @dataclass(frozen=True)
 class Matches:
-    """Hold the correspondences of one iteration; everything in it is constant for the derivative.
+    """Describe the correspondences of one iteration; everything in it is constant for the derivative.
 
     Attributes:
         to_target: Closest point on the target of each node.

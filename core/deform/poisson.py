@@ -32,12 +32,12 @@ class PoissonSystem:
         self._adjoint = self._divergence.T.tocsr()
 
     def positions(self, jacobians: np.ndarray) -> np.ndarray:
-        """Give zero-mean positions [m] from Jacobian rows, shape [2 face_count, 3]."""
+        """Return zero-mean positions [m] from Jacobian rows, shape [2 face_count, 3]."""
         nodes = self._factor.solve(self._divergence @ jacobians)
         return nodes - nodes.mean(axis=0)
 
     def pull_back(self, gradient: np.ndarray) -> np.ndarray:
-        """Give the gradient with respect to the Jacobian rows from that with respect to the positions."""
+        """Return the gradient with respect to the Jacobian rows from that with respect to the positions."""
         return np.asarray(self._adjoint @ self._factor.solve(gradient - gradient.mean(axis=0)))
 
 
@@ -53,7 +53,7 @@ class _Solve(torch.autograd.Function):
 
 
 def solve_poisson(jacobians: torch.Tensor, system: PoissonSystem) -> torch.Tensor:
-    """Give zero-mean positions [m], shape [node_count, 3], differentiable in the Jacobian rows."""
+    """Return zero-mean positions [m], shape [node_count, 3], differentiable in the Jacobian rows."""
     result = _Solve.apply(jacobians, system)
     assert isinstance(result, torch.Tensor)
     return result

@@ -149,7 +149,7 @@ def _picks(columns: np.ndarray, values: np.ndarray, count: int) -> sp.csr_matrix
 
 
 def _inside(x: np.ndarray, planes: tuple[np.ndarray, ...], margin: float) -> tuple[np.ndarray, np.ndarray]:
-    """Tell which nodes are nearer than the margin by the body's planes, and how far they have to go."""
+    """Return which nodes are nearer than the margin by the body's planes, and how far they have to go."""
     out, height = planes
     missing = margin + height - (x * out).sum(1)
     # a plane says nothing about a node that has left its neighbourhood

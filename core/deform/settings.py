@@ -99,7 +99,7 @@ class DeformSettings:
             raise DeformSettingsBad("metric_every and match_every are at least 1.")
 
     def going_on(self) -> DeformSettings:
-        """Give the same for a garment that already lies on the target and only has to follow its folds.
+        """Return the same for a garment that already lies on the target and only has to follow its folds.
 
         A third of the steps at half the rate: at the full one the first steps throw off again what is there. On four
         garments that ended as far from the target as the whole stage within 0.01 mm on three, 0.2 mm on trousers, in
@@ -119,7 +119,7 @@ class DeformSettings:
 
     @classmethod
     def thesis(cls) -> DeformSettings:
-        """Give the published setting in the reading that works.
+        """Return the published setting in the reading that works.
 
         Thesis section 4.3.1: Adam 2e-3 for 1500 iterations, strain from iteration 500, normals 0.01, bending 0.1,
         strain 1, body 0.01, and no polish.

@@ -15,7 +15,7 @@ UNSIGNED_SHARE = 0.25
 
 @dataclass(frozen=True)
 class PreparedTarget:
-    """Hold the repaired target with what the losses need.
+    """Describe the repaired target with what the losses need.
 
     Attributes:
         surface: Closest points on it.
@@ -38,7 +38,7 @@ class PreparedTarget:
     rim: Rim
 
     def on_rim(self, points: Closest) -> np.ndarray:
-        """Tell which closest points lie on a rim: there the source covers a hole or reaches beyond a cut."""
+        """Return which closest points lie on a rim: there the source covers a hole or reaches beyond a cut."""
         return self.rim.holds(points)
 
 

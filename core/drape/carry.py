@@ -54,7 +54,7 @@ class CarrySettings:
 
 
 def transforms_between(body: Body, share: float) -> np.ndarray:
-    """Give the transforms [24, 4, 4] of a body that has taken a share of its pose, its pelvis as in the pose.
+    """Return the transforms [24, 4, 4] of a body that has taken a share of its pose, its pelvis as in the pose.
 
     Every joint's rotation relative to its parent is taken by that share of its angle. The pelvis turns and moves at
     once: it carries the whole person, and cloth on it does not feel it.
@@ -84,7 +84,7 @@ millimetres a frame."""
 
 @dataclass(frozen=True)
 class Way:
-    """Hold the way of a body from its T-pose into its pose, to be gone by every garment.
+    """Describe the way of a body from its T-pose into its pose, to be gone by every garment.
 
     Attributes:
         body: The wearer.
@@ -126,7 +126,7 @@ CLEARINGS = 4
 
 
 def _largest_turn(body: Body) -> float:
-    """Give the largest angle of a joint relative to its parent [rad]."""
+    """Return the largest angle of a joint relative to its parent [rad]."""
     world = body.transforms[:, :3, :3]
     return max(
         float(Rotation.from_matrix(world[parent].T @ world[j]).magnitude())
@@ -256,7 +256,7 @@ def leave_body(points: np.ndarray, body: SignedDistance, thickness: float) -> np
 
 
 def _spreading(threads: Threads, width: float) -> Callable[[np.ndarray], np.ndarray]:
-    """Give the map that evens out a field on the nodes over a width [m]: (1 - width^2 Laplacian)^-1.
+    """Return the map that evens out a field on the nodes over a width [m]: (1 - width^2 Laplacian)^-1.
 
     On a hexagonal lattice of edge h the Laplacian is 2 / (3 h^2) times the sum of differences to the neighbours.
     """

@@ -93,7 +93,7 @@ def place(garment: Garment, body: Body, *, waist_height: float | None = None, fl
 
 
 def natural_height(girth: float, body: Body) -> float:
-    """Give the height at which a waistband of a girth [m] sits on a body in its T-pose [m].
+    """Return the height at which a waistband of a girth [m] sits on a body in its T-pose [m].
 
     It slides down from the narrowest place of the trunk, between pelvis and the top of the loins, until the body's
     convex girth is the band's; a band wider than the hips stays at the pelvis.
@@ -167,13 +167,13 @@ def _spread(faces: np.ndarray, count: int, fixed: np.ndarray, values: np.ndarray
 
 
 def _middle_plane(body: Body) -> float:
-    """Give z of the plane that halves the body [m]: the mean of the arms' and hips' joints."""
+    """Return z of the plane that halves the body [m]: the mean of the arms' and hips' joints."""
     names = ("left_shoulder", "right_shoulder", "left_elbow", "right_elbow", "left_hip", "right_hip", "pelvis")
     return float(np.mean([body.joint(name)[2] for name in names]))
 
 
 def _side(garment: Garment) -> np.ndarray:
-    """Tell the front (+1) from the back (-1) for every node; 0 on seams between the two."""
+    """Find the front (+1) and the back (-1) for every node; 0 on seams between the two."""
     outward = np.array([panel.rotation[2, 2] for panel in garment.pattern.panels])
     depth = np.array([panel.translation[2] for panel in garment.pattern.panels])
     sign = np.where(np.abs(outward) > 0.3, np.sign(outward), np.sign(depth - depth.mean()))
@@ -185,7 +185,7 @@ def _side(garment: Garment) -> np.ndarray:
 
 
 def _shoulder_shift(nodes: np.ndarray, faces: np.ndarray, body: Body) -> float:
-    """Give the shift in y [m] that lays the garment's upper outline above the body's, from neck to shoulder."""
+    """Return the shift in y [m] that lays the garment's upper outline above the body's, from neck to shoulder."""
     left, right = body.joint("left_shoulder"), body.joint("right_shoulder")
     centre, half = 0.5 * (left[0] + right[0]), 0.5 * abs(left[0] - right[0])
     gaps = []
@@ -201,7 +201,7 @@ def _shoulder_shift(nodes: np.ndarray, faces: np.ndarray, body: Body) -> float:
 
 
 def _outline_height(nodes: np.ndarray, faces: np.ndarray, x: float) -> float | None:
-    """Give the highest y of a flattened garment on the line at x [m], or None where it does not reach so far."""
+    """Return the highest y of a flattened garment on the line at x [m], or None where it does not reach so far."""
     start, end = (nodes[faces[:, ends]].reshape(-1, 3) for ends in ([0, 1, 2], [1, 2, 0]))
     across = (start[:, 0] - x) * (end[:, 0] - x) < 0
     if not across.any():
@@ -211,7 +211,7 @@ def _outline_height(nodes: np.ndarray, faces: np.ndarray, x: float) -> float | N
 
 
 def _half(garment: Garment) -> np.ndarray:
-    """Tell nodes of panels that belong to the wearer's left (+1) or right (-1) half alone; 0 for all others.
+    """Find nodes of panels that belong to the wearer's left (+1) or right (-1) half alone; 0 for all others.
 
     A panel is one half's where its middle lies further out than a quarter of its width.
     """

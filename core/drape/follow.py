@@ -23,7 +23,7 @@ EASE = 1.2
 
 @dataclass(frozen=True)
 class Threads:
-    """Hold the distance constraints of a sewn garment.
+    """Describe the distance constraints of a sewn garment.
 
     Attributes:
         ends: Node pairs, edges of the mesh first, then the pairs across hinges, shape [pair_count, 2].
@@ -300,7 +300,7 @@ def _limited(change: np.ndarray, longest: float) -> np.ndarray:
 
 
 def _eased(eased: np.ndarray, change: np.ndarray, last: np.ndarray) -> np.ndarray:
-    """Give the share of its move that each node takes: half as much where it goes back, else more again."""
+    """Return the share of its move that each node takes: half as much where it goes back, else more again."""
     size = np.linalg.norm(change, axis=1) * np.linalg.norm(last, axis=1)
     back = (change * last).sum(1) < BACK * size
     return np.where(back, 0.5 * eased, np.minimum(1.0, EASE * eased))

@@ -62,7 +62,7 @@ def iron_crossings(
 
 
 def _patch(faces: np.ndarray, crossed: np.ndarray, rings: int, count: int) -> np.ndarray:
-    """Tell the nodes of crossed faces and of some rings of faces around them, shape [count]."""
+    """Find the nodes of crossed faces and of some rings of faces around them, shape [count]."""
     inside = np.zeros(count, dtype=bool)
     inside[faces[crossed]] = True
     for _ in range(rings):

@@ -28,11 +28,11 @@ class HalfSpaces(NamedTuple):
 
     @classmethod
     def none(cls) -> HalfSpaces:
-        """Give no constraints."""
+        """Return no constraints."""
         return cls(np.zeros((0, 4), np.int64), np.zeros((0, 4)), np.zeros((0, 3)), np.zeros(0))
 
     def room(self, nodes: np.ndarray, reach: float) -> np.ndarray:
-        """Give how far each node may move and cross nothing [m], shape [node_count].
+        """Return how far each node may move and cross nothing [m], shape [node_count].
 
         Two layers at a distance that both move by less than half of it do not meet.
 
@@ -46,7 +46,7 @@ class HalfSpaces(NamedTuple):
         return SHARE * nearest
 
     def joined(self, other: HalfSpaces) -> HalfSpaces:
-        """Give these constraints and then the others."""
+        """Return these constraints and then the others."""
         return HalfSpaces(
             np.concatenate([self.corners, other.corners]),
             np.concatenate([self.weights, other.weights]),
@@ -86,7 +86,7 @@ def find_layers(
 
 @njit(cache=True)
 def _boxes(nodes, groups):  # type: ignore[no-untyped-def]
-    """Give the lowest and highest corners [m] of groups of nodes."""
+    """Return the lowest and highest corners [m] of groups of nodes."""
     low, high = np.zeros((len(groups), 3)), np.zeros((len(groups), 3))
     for g in range(len(groups)):
         for d in range(3):

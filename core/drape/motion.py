@@ -1,4 +1,4 @@
-"""Tell cloth in motion from cloth at rest: the drape at rest misses the scan, and a rotation explains it."""
+"""Distinguish cloth in motion from cloth at rest: the drape at rest misses the scan, and a rotation explains it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .wearer import WearerGeometry
 
 @dataclass(frozen=True)
 class MotionSettings:
-    """Say when a scan counts as cloth in motion.
+    """Describe when a scan counts as cloth in motion.
 
     Attributes:
         missed: Distance between drape and scan (RMS, the worse way) above which motion is considered [m]. Folds that
@@ -126,13 +126,13 @@ def find_rotation(
 
 
 def rotation_of(body: Body, rate: float) -> SteadyRotation:
-    """Give the rotation of a wearer about a vertical axis through the pelvis at a rate [rad/s]."""
+    """Return the rotation of a wearer about a vertical axis through the pelvis at a rate [rad/s]."""
     x, y, z = (float(value) for value in body.joint("pelvis"))
     return SteadyRotation(rate, (x, y, z))
 
 
 def describe_motion(rotation: SteadyRotation) -> str:
-    """Say what it means that a drape was found in rotation."""
+    """Describe what it means that a drape was found in rotation."""
     return (
         "the cloth was in motion: at rest this pattern hangs far from the scan, turning at "
         f"{rotation.rate:.0f} rad/s it does not; the graded drape is shown so, and the fabric cannot be told from "
@@ -141,7 +141,7 @@ def describe_motion(rotation: SteadyRotation) -> str:
 
 
 def miss(garment: Garment, target: Target) -> float:
-    """Give the root mean square distance [m] between two surfaces by their vertices, the worse of both ways."""
+    """Return the root mean square distance [m] between two surfaces by their vertices, the worse of both ways."""
     ways = ((garment.nodes, target.vertices, target.faces), (target.vertices, garment.nodes, garment.faces))
     squares = [(TriangleSurface(nodes, faces).distance(points) ** 2).mean() for points, nodes, faces in ways]
     return float(np.sqrt(max(squares)))

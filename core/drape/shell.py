@@ -37,7 +37,7 @@ AWAY = 1.0
 
 @dataclass(frozen=True)
 class Shell:
-    """Hold the vertices of a body that are in the open, and their normals.
+    """Describe the vertices of a body that are in the open, and their normals.
 
     Where skin passes into skin (the armpit of a hanging arm, the groin of a seated body) it pushes cloth no longer: the
     nearest point of a swallowed surface leads deeper into the body.
@@ -63,7 +63,7 @@ class Shell:
         return cls(vertices[bare], normals[bare], bends[bare], cKDTree(vertices[bare]))
 
     def surfaces(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Give the distance to the surface at the nearest vertex, and to an opposite surface near by.
+        """Return the distance to the surface at the nearest vertex, and to an opposite surface near by.
 
         A surface is a paraboloid over the tangent plane of its vertex: at a tangential distance t it is lower than
         the plane by t^2 / 2 times its mean curvature. Planes alone find gaps too narrow that are not.

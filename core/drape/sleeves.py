@@ -73,7 +73,7 @@ def _members(garment: Garment) -> list[np.ndarray]:
 
 
 def _groups(pattern: Pattern, chosen: np.ndarray) -> list[list[int]]:
-    """Give the chosen panels that are sewn together, group by group."""
+    """Return the chosen panels that are sewn together, group by group."""
     index = {panel.name: i for i, panel in enumerate(pattern.panels)}
     label = np.arange(len(pattern.panels))
     for seam in pattern.seams:

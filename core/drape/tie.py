@@ -15,7 +15,7 @@ STARTS = 360
 
 
 def tie_contour(loop: np.ndarray, curve: np.ndarray) -> np.ndarray:
-    """Give each point of a closed loop its place on a closed curve [m], shape [loop_count, 3].
+    """Return each point of a closed loop its place on a closed curve [m], shape [loop_count, 3].
 
     Both are parametrised by arc length in the same sense of rotation; of `STARTS` starts on the curve the one
     counts that moves the loop least (sum of squares).

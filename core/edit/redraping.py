@@ -38,7 +38,7 @@ COLD = "a panel comes from nowhere in the present garment, so the pattern was dr
 
 @dataclass(frozen=True)
 class Edited:
-    """Hold a version of a result.
+    """Describe a version of a result.
 
     Attributes:
         before: The garment that was edited, on its wearer.

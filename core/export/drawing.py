@@ -32,7 +32,7 @@ ROOMY = 0.10
 
 
 def pattern_drawing(pattern: Pattern) -> str:
-    """Give an inline SVG of the pattern at 1:10; both sides of a seam have one colour and one number."""
+    """Return an inline SVG of the pattern at 1:10; both sides of a seam have one colour and one number."""
     outlines = [[edge_points(p, i, _segments(e.kind)) for i, e in enumerate(p.edges)] for p in pattern.panels]
     low = np.array([np.concatenate(lines).min(axis=0) for lines in outlines])
     sizes = np.array([np.concatenate(lines).max(axis=0) for lines in outlines]) - low
@@ -69,7 +69,7 @@ def _path(points: np.ndarray) -> str:
 
 
 def _middle(outline: np.ndarray) -> np.ndarray:
-    """Give the centre of area of a polygon, shape [2]."""
+    """Return the centre of area of a polygon, shape [2]."""
     following = np.roll(outline, -1, axis=0)
     cross = outline[:, 0] * following[:, 1] - following[:, 0] * outline[:, 1]
     return np.asarray(((outline + following) * cross[:, None]).sum(axis=0) / (3.0 * cross.sum()))

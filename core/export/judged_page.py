@@ -14,7 +14,7 @@ from .report import number
 
 @dataclass(frozen=True)
 class Heading:
-    """Hold what stands at the top of a report.
+    """Describe what stands at the top of a report.
 
     Attributes:
         kind: What the report is of, in a word or two.

@@ -22,7 +22,7 @@ KINDS = ("ply", "obj", "glb")
 
 
 def uv_layout(garment: Garment) -> np.ndarray:
-    """Give texture coordinates in metres of cloth, shape [uv_count, 2]; 1 unit of u or v is 1 m.
+    """Return texture coordinates in metres of cloth, shape [uv_count, 2]; 1 unit of u or v is 1 m.
 
     Panels lie side by side in their own axes, unscaled, so that islands do not overlap and a print keeps its size: a
     texture that shows 10 cm of cloth repeats ten times per unit.
@@ -104,7 +104,7 @@ def write_ply(
 
 
 def _obj_text(garment: Garment, nodes: np.ndarray) -> str:
-    """Give a Wavefront OBJ: welded positions and normals, uv of each corner, one group per panel."""
+    """Return a Wavefront OBJ: welded positions and normals, uv of each corner, one group per panel."""
     lines = ["# metres, y up; 1 unit of uv is 1 m of cloth"]
     lines += [f"v {x:.7f} {y:.7f} {z:.7f}" for x, y, z in nodes.tolist()]
     lines += [f"vt {u:.7f} {v:.7f}" for u, v in uv_layout(garment).tolist()]
@@ -119,7 +119,7 @@ def _obj_text(garment: Garment, nodes: np.ndarray) -> str:
 
 
 def _glb_bytes(garment: Garment, nodes: np.ndarray, name: str) -> bytes:
-    """Give a binary glTF of one mesh, split along the seams."""
+    """Return a binary glTF of one mesh, split along the seams."""
     import trimesh
     from trimesh.visual.material import PBRMaterial
 

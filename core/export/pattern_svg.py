@@ -45,7 +45,7 @@ def write_svg(pattern: Pattern, path: str | Path) -> Path:
 
 
 def pattern_svg(pattern: Pattern) -> str:
-    """Give the SVG text of `write_svg`."""
+    """Return the SVG text of `write_svg`."""
     outlines = [panel_outline(panel, 32) for panel in pattern.panels]
     low = np.array([outline.min(axis=0) for outline in outlines])
     sizes = np.array([outline.max(axis=0) for outline in outlines]) - low
@@ -114,7 +114,7 @@ def _notch(panel: Panel, edge: int, at: float, page: Callable[[np.ndarray], np.n
 
 
 def _roomiest_point(outline: np.ndarray) -> tuple[np.ndarray, float]:
-    """Give the point inside that is furthest from the outline [m], of a grid of 25 x 25, and that distance."""
+    """Return the point inside that is furthest from the outline [m], of a grid of 25 x 25, and that distance."""
     low, high = outline.min(axis=0), outline.max(axis=0)
     x, y = (np.linspace(low[k], high[k], 27)[1:-1] for k in (0, 1))
     grid = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
@@ -149,7 +149,7 @@ def _scale_bar(bottom: float) -> str:
 
 
 def _unique_ids(names: list[str]) -> list[str]:
-    """Give names that XML allows as ids, each once."""
+    """Return names that XML allows as ids, each once."""
     ids = ["scale-bar"]
     for name in names:
         base = re.sub(r"[^A-Za-z0-9_-]", "_", name) or "_"

@@ -35,7 +35,7 @@ CAVITY = 14.0
 
 @dataclass(frozen=True)
 class ColouredMesh:
-    """Hold a mesh with its colours.
+    """Describe a mesh with its colours.
 
     Attributes:
         vertices: Positions [m], shape [n, 3].
@@ -100,7 +100,7 @@ def draw(surfaces: Sequence[ColouredMesh], camera: Camera) -> np.ndarray:
 
 
 def png_base64(pixels: np.ndarray) -> str:
-    """Give a picture as base64 text of a PNG file."""
+    """Return a picture as base64 text of a PNG file."""
     from PIL import Image
 
     buffer = io.BytesIO()

@@ -92,7 +92,7 @@ MEANINGS = {
 
 
 def report_html(recovery: Recovery) -> str:
-    """Give the whole report as the text of one HTML file; every name that comes from a file is escaped."""
+    """Return the whole report as the text of one HTML file; every name that comes from a file is escaped."""
     sections = [
         _header(recovery),
         _pictures(recovery),
@@ -107,7 +107,7 @@ def report_html(recovery: Recovery) -> str:
 
 
 def number(value: Any) -> str:
-    """Give a number for people, as HTML: whole where it is whole, a dash where there is none."""
+    """Return a number for people, as HTML: whole where it is whole, a dash where there is none."""
     if value is None or not np.isfinite(value):
         return "–"
     if value == 0.0 or abs(value) >= 100.0 or (value == round(value) and abs(value) >= 1.0):
@@ -172,7 +172,7 @@ def _pictures(recovery: Recovery) -> str:
 
 
 def _meshes(recovery: Recovery) -> str:
-    """Say what each mesh is for, and how far from the scan it lies."""
+    """Describe what each mesh is for, and how far from the scan it lies."""
     rows = []
     for prefix, name, use in MESHES:
         ways = [recovery.metrics.get(f"{prefix}surface_rms_mm.{way}") for way in ("s2t", "t2s")]
@@ -222,7 +222,7 @@ def _pattern(recovery: Recovery) -> str:
 
 
 def _fabric(recovery: Recovery) -> str:
-    """Say what the drape tells of the cloth; no digits where it tells none."""
+    """Describe what the drape tells of the cloth; no digits where it tells none."""
     if not recovery.estimates:
         return ""
     rows = []

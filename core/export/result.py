@@ -61,7 +61,7 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
 
 
 def describe_fit(recovery: Recovery) -> dict[str, Any]:
-    """Give what the fit knows of the fabric and of each control point [m], as plain JSON values."""
+    """Return what the fit knows of the fabric and of each control point [m], as plain JSON values."""
     found: dict[str, Any] = {
         "fabric": {
             each.name: {
@@ -86,7 +86,7 @@ def describe_fit(recovery: Recovery) -> dict[str, Any]:
 
 
 def plain(value: Any) -> Any:
-    """Give a value as plain JSON: arrays as lists, numbers that are none (nan, inf) as null, the rest as text."""
+    """Return a value as plain JSON: arrays as lists, numbers that are none (nan, inf) as null, the rest as text."""
     if isinstance(value, dict):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -105,7 +105,7 @@ def write_json(value: Any, path: Path) -> Path:
 
 
 def describe_joints(body: Body) -> dict[str, Any]:
-    """Give the joints by name with their parents [m]."""
+    """Return the joints by name with their parents [m]."""
     return {
         "unit": "m",
         "source": body.source,

@@ -32,7 +32,7 @@ FILL = tuple(int(255 * (0.5 + 0.5 * part)) for part in CLOTH)
 
 @dataclass(frozen=True)
 class Picture:
-    """Hold a picture; a notebook shows it by itself.
+    """Describe a picture; a notebook shows it by itself.
 
     Attributes:
         png: Bytes of a PNG file.

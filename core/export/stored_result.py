@@ -41,7 +41,7 @@ class MeshUnknown(NotFound):
 
 @dataclass(frozen=True)
 class StoredResult:
-    """Hold what was stored of one garment.
+    """Describe what was stored of one garment.
 
     Attributes:
         name: The scan's name in plain letters.

@@ -46,7 +46,7 @@ class View:
 
 
 def colour_of(fraction: np.ndarray) -> np.ndarray:
-    """Give the error map's RGB for fractions of its range, shape [n, 3]."""
+    """Return the error map's RGB for fractions of its range, shape [n, 3]."""
     at = [stop for stop, _ in STOPS]
     return np.stack([np.interp(fraction, at, [rgb[k] for _, rgb in STOPS]) for k in range(3)], axis=-1)
 

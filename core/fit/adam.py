@@ -15,7 +15,7 @@ TINY = 1e-30
 
 @dataclass(frozen=True)
 class Adam:
-    """Hold both moments of the gradient.
+    """Describe both moments of the gradient.
 
     Attributes:
         first, second: Decaying means of the gradient and of its square, shape [n].
@@ -32,7 +32,7 @@ class Adam:
         return cls(np.zeros(size), np.zeros(size))
 
     def step(self, gradient: np.ndarray, rates: np.ndarray) -> tuple[Adam, np.ndarray]:
-        """Give the next state and the move -rate m / sqrt(v), shape [n], about `rates` large in each parameter."""
+        """Return the next state and the move -rate m / sqrt(v), shape [n], about `rates` large in each parameter."""
         first = FIRST * self.first + (1.0 - FIRST) * gradient
         second = SECOND * self.second + (1.0 - SECOND) * gradient**2
         count = self.count + 1

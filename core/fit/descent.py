@@ -66,7 +66,7 @@ class InverseSettings:
 
 @dataclass(frozen=True)
 class DescentProblem:
-    """Hold what stays the same while Adam descends.
+    """Describe what stays the same while Adam descends.
 
     Its variables are the effective control points x0, y0, x1, ... [m] and ln of H00, H01, H11, H22, k.
 
@@ -100,21 +100,21 @@ class DescentProblem:
 
     @property
     def start(self) -> np.ndarray:
-        """Give the variables of the first pattern and fabric, shape [variable_count]."""
+        """Return the variables of the first pattern and fabric, shape [variable_count]."""
         points = self.scene.effective(self.scene.garment.pattern)
         return np.concatenate([points, logarithms(self.scene.fabric)])
 
     def points_of(self, variables: np.ndarray) -> np.ndarray:
-        """Give all control points [m], shape [point_count, 2]."""
+        """Return all control points [m], shape [point_count, 2]."""
         return self.scene.symmetry.expand(variables[: -len(STIFFNESSES)])
 
     def fabric_of(self, variables: np.ndarray) -> Fabric:
-        """Give the fabric; its other properties stay."""
+        """Return the fabric; its other properties stay."""
         values = np.exp(variables[-len(STIFFNESSES) :]).tolist()
         return replace(self.scene.fabric, **dict(zip(STIFFNESSES, values, strict=True)))
 
     def pattern_of(self, variables: np.ndarray) -> Pattern:
-        """Give the pattern that is cut in the end: seams made equal where they count, locks honoured.
+        """Return the pattern that is cut in the end: seams made equal where they count, locks honoured.
 
         A gathered seam keeps the ratio that was descended to: mirror images share it, for their points are images.
         """
@@ -138,7 +138,7 @@ class DescentProblem:
         return drape.nodes, drape.anchors
 
     def evaluate(self, variables: np.ndarray, nodes: np.ndarray, anchors: np.ndarray) -> tuple[float, np.ndarray]:
-        """Give the loss [m2] and its gradient by the variables, shape [variable_count] (eq. 3.6 and 3.7).
+        """Return the loss [m2] and its gradient by the variables, shape [variable_count] (eq. 3.6 and 3.7).
 
             L = L_chamfer + w_o L_contour + w_m L_material + w_s L_seam + w_p L_panel
 
@@ -172,7 +172,7 @@ class DescentProblem:
 
 @dataclass(frozen=True)
 class Descent:
-    """Hold where the descent is: all that the next step depends on.
+    """Describe where the descent is: all that the next step depends on.
 
     Attributes:
         variables: Control points and fabric, shape [variable_count].
@@ -199,7 +199,7 @@ class Descent:
     stage: int
 
     def reaches_end(self, settings: InverseSettings) -> bool:
-        """Tell whether the present stage is over: its steps are used up, or nothing is gained any more."""
+        """Return whether the present stage is over: its steps are used up, or nothing is gained any more."""
         own = self.losses[self.first :]
         if len(own) > (settings.iterations, settings.fabric_iterations)[self.stage]:
             return True

@@ -19,7 +19,7 @@ FACING = 0.3
 
 
 def count_independent(places: np.ndarray, normals: np.ndarray, misfit: np.ndarray, areas: np.ndarray) -> float:
-    """Give the number of independent observations in a misfit over cloth: the degrees of freedom of its mean square.
+    """Return the number of independent observations in a misfit over cloth: the degrees of freedom of its mean square.
 
         n = A / int_0^R rho(s)^2 2 pi s ds,    rho(s) = <m_i m_j> / <m_i^2> over pairs at distance s
 

@@ -19,7 +19,7 @@ class LockUnknown(BadInput):
 
 
 def find_held(pattern: Pattern, like: Pattern, locks: tuple[str, ...]) -> np.ndarray:
-    """Tell which effective coordinates locks hold, shape [p]: those of locked panels, points and their mirror images.
+    """Return which effective coordinates locks hold, shape [p]: those of locked panels, points and their mirror images.
 
     Args:
         pattern: The pattern that is fitted.
@@ -49,7 +49,7 @@ def find_held(pattern: Pattern, like: Pattern, locks: tuple[str, ...]) -> np.nda
 
 
 def _points_of(pattern: Pattern, name: str, word: str) -> slice:
-    """Give where a panel's control points are in `Pattern.points`."""
+    """Return where a panel's control points are in `Pattern.points`."""
     names = [panel.name for panel in pattern.panels]
     if name not in names:
         raise LockUnknown(f"the lock '{word}' names no panel of the pattern; it has {', '.join(names)}.")
@@ -58,7 +58,7 @@ def _points_of(pattern: Pattern, name: str, word: str) -> slice:
 
 
 def keep_held(pattern: Pattern, start: Pattern, like: Pattern, held: np.ndarray) -> Pattern:
-    """Give the pattern with held effective coordinates as in `start`, its other seams made equal to them.
+    """Return the pattern with held effective coordinates as in `start`, its other seams made equal to them.
 
     A panel of which only some points are held is first laid on them as it is: where a flat panel lies means nothing,
     and its free points come along.

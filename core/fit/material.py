@@ -32,13 +32,13 @@ _EVEN = 0.5
 
 
 def ratio_prior(name: str, settings: MaterialSettings) -> tuple[float, float]:
-    """Give mean and standard deviation of ln(parameter / density) over the library, the deviation widened."""
+    """Return mean and standard deviation of ln(parameter / density) over the library, the deviation widened."""
     logs = np.log([getattr(fabric, name) / fabric.density for fabric in load_fabrics()])
     return float(logs.mean()), settings.widen * float(logs.std())
 
 
 def folding(problem: ShapeProblem, nodes: np.ndarray) -> float:
-    """Give the bending energy of nodes [m] per unit of k, a pure number: how much the cloth folds, wherever it does.
+    """Return the bending energy of nodes [m] per unit of k, a pure number: how much the cloth folds, wherever it does.
 
     S = sum_h 2 c_h (1 - cos((theta_h - theta0_h) / 2)), notation of `simulate/bending.py`. It falls steadily as k
     grows, also where the drape's folds lie elsewhere than the target's and distances say nothing.
@@ -144,7 +144,7 @@ def refine_bending(
 
 
 def _found(fabric: Fabric, k: float, estimate: FabricEstimate) -> tuple[Fabric, FabricEstimate]:
-    """Give the fabric with a k that was found, and the estimate that says so; its note so far ends the sentence."""
+    """Return the fabric with a k that was found, and the estimate that says so; its note so far ends the sentence."""
     within = f"within a factor {np.exp(estimate.std):.1f} (one standard deviation)"
     note = f"fitted: ratio to the assumed weight, {within}{estimate.note}"
     kept = tuple(pair for pair in fabric.sources if pair[0] != "k")
@@ -155,7 +155,7 @@ def _found(fabric: Fabric, k: float, estimate: FabricEstimate) -> tuple[Fabric, 
 
 
 def _moments(fine: np.ndarray, cost: np.ndarray) -> tuple[float, float]:
-    """Give mean and standard deviation of exp(-cost) over an even grid."""
+    """Return mean and standard deviation of exp(-cost) over an even grid."""
     weight = np.exp(cost.min() - cost)
     weight /= weight.sum()
     middle = float(weight @ fine)
@@ -170,7 +170,7 @@ def posterior(
     loss: float,
     settings: MaterialSettings | None = None,
 ) -> tuple[np.ndarray, tuple[FabricEstimate, ...], float]:
-    """Say how well control points, k and membrane stiffnesses are known, from the Gauss-Newton matrix and the residual.
+    """Describe how well control points, k and membrane stiffnesses are known, by the Gauss-Newton matrix and residual.
 
         covariance = (n / (2 L) J^T W J + prior^-1)^-1
 

@@ -26,7 +26,7 @@ _DEPENDENT = 1e-6
 
 @dataclass(frozen=True)
 class ShapeFit:
-    """Hold the fitted pattern.
+    """Describe the fitted pattern.
 
     Attributes:
         pattern: Seams equal within 1e-6 m, symmetry of the template kept.
@@ -118,18 +118,18 @@ class ShapeProblem:
         return gradient, self.loss.curvature(moves)
 
     def objective(self, loss: float, count: float, away: np.ndarray) -> float:
-        """Give n/2 ln L + (p - p0) P (p - p0) / 2: the negative log posterior, the size of the noise unknown."""
+        """Return n/2 ln L + (p - p0) P (p - p0) / 2: the negative log posterior, the size of the noise unknown."""
         return 0.5 * count * float(np.log(loss)) + 0.5 * float(away @ self.precision @ away)
 
     def observations(self, nodes: np.ndarray) -> float:
-        """Give n, the number of independent things that a drape [m], shape [node_count, 3], tells of the target."""
+        """Return n, the number of independent things that a drape [m], shape [node_count, 3], tells of the target."""
         normals, areas = self.loss.normals, self.scene.first.topology.rest.node_areas
         return count_independent(self.loss.target, normals, ((nodes - self.loss.target) * normals).sum(1), areas)
 
     def step(
         self, pattern: Pattern, away: np.ndarray, weight: float, linear: tuple[np.ndarray, np.ndarray], damping: float
     ) -> tuple[np.ndarray, float]:
-        """Give the Levenberg-Marquardt step, shape [p], along which all seams stay equal to first order, and its gain.
+        """Return the Levenberg-Marquardt step, shape [p], that keeps all seams equal to first order, and its gain.
 
         `weight` is n / (2 L), by which the loss counts. The gain is what the objective's quadratic model promises.
         """
@@ -143,7 +143,7 @@ class ShapeProblem:
         return step, -float(gradient @ step) - 0.5 * float(step @ curvature @ step)
 
     def cut(self, away: np.ndarray) -> tuple[Pattern | None, Fabric]:
-        """Give the pattern, seams equal, and the cloth so far from the first ones [m; 1 for ln k], shape [p].
+        """Return the pattern, seams equal, and the cloth so far from the first ones [m; 1 for ln k], shape [p].
 
         None for a pattern of which a panel folds over.
         """
@@ -157,7 +157,7 @@ class ShapeProblem:
 
 
 def _precision(pattern: Pattern, like: Pattern, settings: ShapeSettings) -> np.ndarray:
-    """Give the prior's inverse covariance around a pattern [1/m2], shape [p, p]: diag(1 / s^2) + R^T R.
+    """Return the prior's inverse covariance around a pattern [1/m2], shape [p, p]: diag(1 / s^2) + R^T R.
 
     s is `spread`, but no more than `spread_share` of the panel's mean width; R are the rates of the base pattern's
     `Proportions` in standard deviations: what the metric left as it is cut, a front by its back, is not for the

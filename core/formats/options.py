@@ -18,7 +18,7 @@ MOST_SIZES = 40
 
 @dataclass(frozen=True)
 class SizeLine:
-    """Hold one size of a table: its name, and the girths and the height that it is for [cm], None for the wearer's."""
+    """Describe one size of a table: its name, and the girths and height that it is for [cm], None for the wearer's."""
 
     name: str
     bust: float | None = None

@@ -13,7 +13,7 @@ from .parts import find_parts
 
 @dataclass(frozen=True)
 class Armpits:
-    """Hold which nodes of a worn garment lie between the trunk and a hanging arm.
+    """Describe which nodes of a worn garment lie between the trunk and a hanging arm.
 
     Attributes:
         hidden: Nodes there: the scan's nearest surface is another piece of cloth, shape [node_count].

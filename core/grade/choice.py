@@ -231,7 +231,7 @@ def flat_contours(pattern: Pattern) -> dict[str, float]:
 
 
 def contour_misfit(target: dict[str, float], template: dict[str, float]) -> float:
-    """Tell how unlike in shape two garments' contours are: the variance of ln(target length / template length).
+    """Measure how unlike in shape two garments' contours are: the variance of ln(target length / template length).
 
     A common factor is size, which any template takes on, and does not count; what is left is flare and taper. Only
     contours that both have are compared.

@@ -31,7 +31,7 @@ class ContourMeasure:
 
 
 def limb_chain(name: str, body: Body) -> np.ndarray:
-    """Give the joints [m] that a contour moves along, from the chain's root outwards, shape [joint_count, 3].
+    """Return the joints [m] that a contour moves along, from the chain's root outwards, shape [joint_count, 3].
 
     Neck and waist move along the spine, upwards; a hem down the spine and then midway between the legs; cuffs and
     armholes along the arm; trouser legs along the leg.
@@ -98,7 +98,7 @@ def compare_contours(
 
 
 def loop_centre(loop: np.ndarray) -> np.ndarray:
-    """Give the centre of a closed polygon [m] weighted by length, so that its sampling does not matter, shape [3]."""
+    """Return the centre of a closed polygon [m] weighted by length, so that its sampling does not matter, shape [3]."""
     after = np.roll(loop, -1, axis=0)
     weight = np.linalg.norm(after - loop, axis=1)
     return ((loop + after) / 2 * weight[:, None]).sum(0) / weight.sum()

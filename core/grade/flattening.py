@@ -50,7 +50,7 @@ class FlatteningSettings:
 
 @dataclass(frozen=True)
 class FlatPanels:
-    """Hold the energy of all flat panels with the inner vertices solved out.
+    """Describe the energy of all flat panels with the inner vertices solved out.
 
     The energy int |J - W|^2 dA of wanted maps W is quadratic in inner vertices u and control points c (thesis eq. 3.1
     ties the rim to them): L u + B c = b_u. So u = L^-1 b_u - C c, and c sees the Schur complement S.
@@ -96,7 +96,7 @@ def lay_flat(garment: Garment) -> FlatPanels:
 
 
 def stretch_between(garment: Garment, moved: np.ndarray, settings: FlatteningSettings | None = None) -> np.ndarray:
-    """Give by how much each flat face has to stretch to carry the moved nodes, shape [face_count, 2, 2].
+    """Return by how much each flat face has to stretch to carry the moved nodes, shape [face_count, 2, 2].
 
     With F the map from the flat face to 3D and U = sqrt(F^T F), A = U_before^-1 U_after: then F_after A^-1 has the
     strain of F_before, and where nothing moved A is the identity. The principal values of U_before are first clipped to
@@ -121,13 +121,13 @@ def stretch_between(garment: Garment, moved: np.ndarray, settings: FlatteningSet
 
 
 def narrow_panels(pattern: Pattern, settings: FlatteningSettings | None = None) -> np.ndarray:
-    """Tell the panels that are bands, narrower than `band_width`; shape [panel_count]."""
+    """Find the panels that are bands, narrower than `band_width`; shape [panel_count]."""
     settings = settings or FlatteningSettings()
     return np.array([mean_width(panel) < settings.band_width for panel in pattern.panels])
 
 
 def mean_width(panel: Panel) -> float:
-    """Give a panel's mean width across its longest extent [m]."""
+    """Return a panel's mean width across its longest extent [m]."""
     corners = panel.points
     return panel_area(panel) / float(np.linalg.norm(corners[:, None] - corners[None], axis=2).max())
 
@@ -166,7 +166,7 @@ def fit_control_points(garment: Garment, stretch: np.ndarray, settings: Flatteni
 
 
 def seam_rows(pattern: Pattern, points: np.ndarray) -> np.ndarray:
-    """Give the difference in length of each ungathered seam's sides, linear in the points, [count, 2 point_count].
+    """Return the difference in length of each ungathered seam's sides, linear in the points, [count, 2 point_count].
 
     An edge follows its chord by a similarity, so its length is proportional to the chord's, and that is the scalar
     product of the chord with its own direction at `points`.
@@ -188,7 +188,7 @@ def seam_rows(pattern: Pattern, points: np.ndarray) -> np.ndarray:
 
 
 def kept_vectors(pattern: Pattern) -> np.ndarray:
-    """Give the vectors that grading keeps, x and y, each in standard deviations, by the points [1/m].
+    """Return the vectors that grading keeps, x and y, each in standard deviations, by the points [1/m].
 
     Those along edges shorter than `SHORT` and across the mouths of darts: two edges of a panel that meet and are sewn
     to each other. Shape [2 count, 2 point_count].

@@ -36,7 +36,7 @@ class GradeSettings:
 
 @dataclass(frozen=True)
 class Grading:
-    """Hold what grading found.
+    """Describe what grading found.
 
     Attributes:
         pattern: The base pattern with new control points; seams equal within 1e-6 m.

@@ -62,7 +62,7 @@ class IsometrySettings:
 
 @dataclass(frozen=True)
 class Isometry:
-    """Hold what stays the same from step to step.
+    """Describe what stays the same from step to step.
 
     Minimises over the nodes x and the effective control points c at once
 
@@ -187,17 +187,17 @@ class Isometry:
             raise np.linalg.LinAlgError("the cloth on the target is not held everywhere")  # a node without a face
 
     def _turned_strain(self, gradient: sp.csr_matrix, nodes: np.ndarray) -> np.ndarray:
-        """Give R_f U_f, shape [face_count, 3, 2], R_f the isometry nearest to F_f U_f."""
+        """Return R_f U_f, shape [face_count, 3, 2], R_f the isometry nearest to F_f U_f."""
         slope = np.swapaxes((gradient @ nodes).reshape(-1, 2, 3), 1, 2)
         left, _, right = np.linalg.svd(slope @ self.strain, full_matrices=False)
         return np.asarray(left @ right @ self.strain)
 
     def _move_flat(self, garment: Garment, on_uv: sp.csr_matrix, wanted: np.ndarray) -> np.ndarray:
-        """Give d(R U J)/dc, (d/dx, d/dy) of three coordinates of each face, shape [face_count, 2, 3, parameters]."""
+        """Return d(R U J)/dc, (d/dx, d/dy) of three coordinates of each face, shape [face_count, 2, 3, parameters]."""
         return np.einsum("fka,fdap->fdkp", wanted, _slope_rates(garment, on_uv, self.free))
 
     def _hold_on_target(self, garment: Garment, area: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Give what holds the nodes on the target: each one's block, [n, 3, 3], and right side, shape [n, 3]."""
+        """Return what holds the nodes on the target: each one's block, [n, 3, 3], and right side, shape [n, 3]."""
         chosen, nodes, count = self.settings, garment.nodes, len(garment.nodes)
         mass = lump(area, garment.faces, count)
         own = TriangleSurface(nodes, garment.faces).vertex_normals
@@ -221,7 +221,7 @@ class Isometry:
         return blocks, pulled
 
     def _solve_pattern(self, pattern: Pattern, matrix: np.ndarray, right: np.ndarray, area: float) -> np.ndarray:
-        """Give the change of the effective control points [m] under equal seams, pulled by ratios and start."""
+        """Return the change of the effective control points [m] under equal seams, pulled by ratios and start."""
         damping = self.settings.keep * float(np.trace(matrix)) / len(matrix)
         matrix = matrix + self.anchor + damping * np.eye(len(matrix))
         if self.anchor.any():
@@ -235,7 +235,7 @@ class Isometry:
 
 
 def _anchor(garment: Garment, free: np.ndarray, settings: IsometrySettings) -> np.ndarray:
-    """Give the matrix that holds the panels' shape where it is, by the effective control points."""
+    """Return the matrix that holds the panels' shape where it is, by the effective control points."""
     on_uv, area = gradient_operator(garment.rest, garment.uv_faces, len(garment.uv))
     narrow = narrow_panels(garment.pattern)[garment.panel_of_face]
     weight = area * np.where(narrow, settings.stay_band, settings.stay)
@@ -244,13 +244,13 @@ def _anchor(garment: Garment, free: np.ndarray, settings: IsometrySettings) -> n
 
 
 def _slope_rates(garment: Garment, on_uv: sp.csr_matrix, free: np.ndarray) -> np.ndarray:
-    """Give dJ/dc of each face, (d/dx, d/dy) of two coordinates, shape [face_count, 2, 2, effective_count]."""
+    """Return dJ/dc of each face, (d/dx, d/dy) of two coordinates, shape [face_count, 2, 2, effective_count]."""
     flat = (map_controls(garment).matrix @ free).reshape(len(garment.uv), -1)
     return np.asarray(on_uv @ flat).reshape(len(garment.faces), 2, 2, -1)
 
 
 def _uv_of_nodes(garment: Garment) -> sp.csr_matrix:
-    """Give the matrix that hands each uv vertex its node's value, shape [uv_count, node_count]."""
+    """Return the matrix that hands each uv vertex its node's value, shape [uv_count, node_count]."""
     count = len(garment.uv)
     ones = (np.ones(count), (np.arange(count), garment.uv_node))
     return sp.csr_matrix(ones, shape=(count, len(garment.nodes)))

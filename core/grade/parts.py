@@ -31,7 +31,7 @@ def count_seams(pattern: Pattern) -> Counter[tuple[str, str]]:
 
 
 def find_parts(pattern: Pattern) -> np.ndarray:
-    """Tell which panels are graded as one, as a number for each panel, shape [panel_count].
+    """Return which panels are graded as one, as a number for each panel, shape [panel_count].
 
     Panels that are sewn to each other along two seams or more, as a front and its back, share girth and height.
     """
@@ -67,7 +67,7 @@ def across_armholes(pattern: Pattern) -> tuple[tuple[tuple[int, int], tuple[int,
 
 
 def _partners(pattern: Pattern) -> dict[tuple[str, int], str]:
-    """Give the panel that each sewn edge, by panel and number, is sewn to."""
+    """Return the panel that each sewn edge, by panel and number, is sewn to."""
     partner = {}
     for seam in pattern.seams:
         partner[seam.a.panel, seam.a.edge] = seam.b.panel
@@ -76,7 +76,7 @@ def _partners(pattern: Pattern) -> dict[tuple[str, int], str]:
 
 
 def _stretches(away: list[bool], dart: list[bool]) -> list[tuple[int, int]]:
-    """Give first point and last of each run of edges that are sewn away; darts within a run do not end it."""
+    """Return first point and last of each run of edges that are sewn away; darts within a run do not end it."""
     count = len(away)
     runs = [away[i] or dart[i] for i in range(count)]
     found = []
@@ -88,7 +88,7 @@ def _stretches(away: list[bool], dart: list[bool]) -> list[tuple[int, int]]:
 
 
 def are_mirrored(points: np.ndarray, one: tuple[int, int], other: tuple[int, int]) -> bool:
-    """Tell whether two chords, run through one after the other, are the legs of an isosceles trapezium."""
+    """Return whether two chords, run through one after the other, are the legs of an isosceles trapezium."""
 
     def alike(a: tuple[int, int], b: tuple[int, int]) -> bool:
         lengths = [float(np.linalg.norm(points[end] - points[start])) for start, end in (a, b)]

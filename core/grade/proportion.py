@@ -47,7 +47,7 @@ what it says about a flared side. 0.03 left a T-shirt's armholes 10 mm off, 0.3 
 
 @dataclass(frozen=True)
 class Proportions:
-    """Hold what grading a garment keeps.
+    """Describe what grading a garment keeps.
 
     Attributes:
         sisters: Names of panels that are sewn together along two seams or more and are alike in area.
@@ -81,7 +81,7 @@ class Proportions:
     spread: np.ndarray
 
     def linearise(self, pattern: Pattern) -> tuple[np.ndarray, np.ndarray]:
-        """Give what each rule misses, shape [rule_count], and its rates, shape [rule_count, 2 point_count].
+        """Return what each rule misses, shape [rule_count], and its rates, shape [rule_count, 2 point_count].
 
         Both in standard deviations of a ratio. Rates of areas are those of the polygons of control points: curves
         follow their chords. An edge that lies far off its direction is believed to be cut otherwise: it is weighed as
@@ -151,7 +151,7 @@ def find_proportions(like: Pattern) -> Proportions:
 
 
 def _directions(like: Pattern, sisters: set[frozenset[str]]) -> tuple[tuple[EdgeRef, ...], np.ndarray, np.ndarray]:
-    """Give the edges that are no seam between sisters, unit vectors across their chords and their spreads."""
+    """Return the edges that are no seam between sisters, unit vectors across their chords and their spreads."""
     between = {
         ref for seam in like.seams if frozenset((seam.a.panel, seam.b.panel)) in sisters for ref in (seam.a, seam.b)
     }
@@ -259,7 +259,7 @@ def _on_one_seam(like: Pattern) -> tuple[tuple[EdgeRef, EdgeRef], ...]:
 
 
 def _until(start: int, count: int, turn: int, stops: set[int]) -> list[int]:
-    """Give the edges after one up to the next stop, running forwards or backwards."""
+    """Return the edges after one up to the next stop, running forwards or backwards."""
     found, at = [], (start + turn) % count
     while at not in stops:
         found.append(at)
@@ -268,7 +268,7 @@ def _until(start: int, count: int, turn: int, stops: set[int]) -> list[int]:
 
 
 def _ln_distance(pattern: Pattern, pair: tuple[int, int]) -> tuple[float, np.ndarray]:
-    """Give the logarithm of the distance of two control points [m] and its rates [1/m], shape [point_count, 2]."""
+    """Return the logarithm of the distance of two control points [m] and its rates [1/m], shape [point_count, 2]."""
     one, other = pair
     apart = pattern.points[other] - pattern.points[one]
     rates = np.zeros((len(pattern.points), 2))
@@ -282,12 +282,12 @@ def _length(pattern: Pattern, ref: EdgeRef) -> float:
 
 
 def _length_rate(pattern: Pattern, ref: EdgeRef) -> np.ndarray:
-    """Give d ln length / d points of an edge [1/m], shape [point_count, 2]: a curve follows its chord."""
+    """Return d ln length / d points of an edge [1/m], shape [point_count, 2]: a curve follows its chord."""
     return _ln_distance(pattern, pattern.ends_of(ref))[1]
 
 
 def _area_rate(pattern: Pattern, name: str) -> np.ndarray:
-    """Give d ln A / d points of a panel's polygon of control points [1/m], shape [point_count, 2]."""
+    """Return d ln A / d points of a panel's polygon of control points [1/m], shape [point_count, 2]."""
     start, points = pattern.first_points[name], pattern.panel(name).points
     after, before = np.roll(points, -1, axis=0), np.roll(points, 1, axis=0)
     rates = np.zeros((len(pattern.points), 2))

@@ -31,7 +31,7 @@ from .parts import find_parts
 
 @dataclass(frozen=True)
 class HiddenCloth:
-    """Say how cloth that is hidden follows what is seen of it.
+    """Describe how cloth that is hidden follows what is seen of it.
 
     Attributes:
         even: Length [m] above which a displacement is even rather than smooth: 5 cm, two edges of the mesh, joins the
@@ -156,7 +156,7 @@ def register_coarsely(
 
 
 def _pin_contours(garment: Garment, target: Target, settings: RegistrationSettings) -> tuple[np.ndarray, np.ndarray]:
-    """Give each node's pull to its matched contour, [node_count], and its displacement there [m], [node_count, 3]."""
+    """Return each node's pull to its matched contour, [node_count], and its displacement there [m], [node_count, 3]."""
     pins, pinned = np.zeros(len(garment.nodes)), np.zeros((len(garment.nodes), 3))
     for contour in garment.contours:
         other = target.contour(contour.name)
@@ -199,7 +199,7 @@ def match_loop(source: np.ndarray, target: np.ndarray, samples: int = 128) -> tu
 
 
 def bending_operators(garment: Garment, across: float = 1.0) -> tuple[sp.csr_matrix, np.ndarray]:
-    """Give the matrix of int |lap d|^2 dA over the flat rest shape, [node_count, node_count], and node areas [m2].
+    """Return the matrix of int |lap d|^2 dA over the flat rest shape, [node_count, node_count], and node areas [m2].
 
     L^T M^-1 L with the cotangent Laplacian L and the lumped areas M; the share `across` of it over the sewn garment,
     the rest over its parts, between which the displacement may kink. Rows of nodes on open contours, or on the rim of a

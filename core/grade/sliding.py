@@ -85,7 +85,7 @@ def slide_seams(
 
 
 def _can_be_meshed(garment: Garment) -> bool:
-    """Tell whether a pattern can be cut into triangles as fine as its garment's own."""
+    """Return whether a pattern can be cut into triangles as fine as its garment's own."""
     try:
         mesh_pattern(garment.pattern, len(garment.nodes))
     except BadInput:

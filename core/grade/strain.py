@@ -14,7 +14,7 @@ MOST_HIDDEN = 0.8
 
 
 def believed_strain(coarse: Garment, drape: Garment, believed: float) -> np.ndarray:
-    """Give a drape's right stretch around each face of a coarse mesh, clipped, shape [face_count, 2, 2].
+    """Return a drape's right stretch around each face of a coarse mesh, clipped, shape [face_count, 2, 2].
 
     Narrow panels keep it whatever it is, as in grading: a band is cut shorter than what it holds.
 
@@ -30,7 +30,7 @@ def believed_strain(coarse: Garment, drape: Garment, believed: float) -> np.ndar
 
 
 def hidden_folds(coarse: Garment, fine: Garment, registered: np.ndarray) -> np.ndarray:
-    """Give by how much the coarse mesh cuts the registered cloth's folds short, as a stretch, shape [face_count, 2, 2].
+    """Return by how much the coarse mesh cuts registered cloth's folds short, as a stretch, shape [face_count, 2, 2].
 
     With C and D the squared stretches of the fine mesh, averaged, and of the coarse one, it is the symmetric H for
     which H C H = D; clipped to `MOST_HIDDEN` and to no lengthening. Around cloth that passes through itself it is 1:
@@ -85,5 +85,5 @@ def _power(square: np.ndarray, power: float) -> np.ndarray:
 
 
 def _join(values: np.ndarray, axes: np.ndarray) -> np.ndarray:
-    """Give the symmetric matrices with these eigenvalues and eigenvectors, shape [n, 2, 2]."""
+    """Return the symmetric matrices with these eigenvalues and eigenvectors, shape [n, 2, 2]."""
     return np.asarray((axes * values[:, None, :]) @ np.swapaxes(axes, 1, 2))

@@ -94,12 +94,12 @@ def cut_hem(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -
 
 
 def to_centimetres(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -> Mesh:
-    """Give the file's numbers in centimetres."""
+    """Return the file's numbers in centimetres."""
     return 100.0 * vertices, faces
 
 
 def to_z_up(vertices: np.ndarray, faces: np.ndarray, rng: np.random.Generator) -> Mesh:
-    """Give the file's axes with z up: (x, y, z) becomes (x, -z, y)."""
+    """Return the file's axes with z up: (x, y, z) becomes (x, -z, y)."""
     return np.stack([vertices[:, 0], -vertices[:, 2], vertices[:, 1]], axis=1), faces
 
 

@@ -21,7 +21,7 @@ class Product(StrEnum):
 
 @dataclass(frozen=True)
 class Rule:
-    """Say how one gate is judged.
+    """Describe how one gate is judged.
 
     Attributes:
         name: Name of the gate.

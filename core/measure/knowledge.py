@@ -14,7 +14,7 @@ MM = 1e3
 def measure_knowledge(
     estimates: Sequence[FabricEstimate], point_std: np.ndarray | None = None
 ) -> dict[str, float | None]:
-    """Give what is known of each parameter of the cloth, and how well the control points are.
+    """Return what is known of each parameter of the cloth, and how well the control points are.
 
     Args:
         estimates: What the fit found; empty where the method fits none.

@@ -28,7 +28,7 @@ MIRROR = np.array([-1.0, 1.0])
 
 @dataclass(frozen=True)
 class PanelPair:
-    """Hold two panels that stand for each other.
+    """Describe two panels that stand for each other.
 
     Attributes:
         ours: The recovered panel.
@@ -66,12 +66,12 @@ def match_panels(pattern: Pattern, truth: TruePattern) -> tuple[PanelPair, ...]:
 
 
 def is_wide(outline: np.ndarray) -> bool:
-    """Tell a panel from a band by its outline [m], shape [n, 2]."""
+    """Distinguish a panel from a band by its outline [m], shape [n, 2]."""
     return polygon_width(outline) >= WIDE
 
 
 def is_same_cut(pattern: Pattern, truth: TruePattern) -> bool:
-    """Tell whether the wide panels of both patterns correspond one to one, so that it makes sense to compare them."""
+    """Return whether the wide panels of both patterns correspond one to one, so that it makes sense to compare them."""
     pairs = match_panels(pattern, truth)
     matched = {pair.ours.name for pair in pairs} if pairs else set()
     known = {pair.truth.name for pair in pairs}
@@ -80,17 +80,17 @@ def is_same_cut(pattern: Pattern, truth: TruePattern) -> bool:
 
 
 def upright(outline: np.ndarray) -> np.ndarray:
-    """Give an outline [m], shape [n, 2], counter-clockwise; one drawn the other way is turned over, not renumbered."""
+    """Return an outline [m], shape [n, 2], counter-clockwise; one of the other way is turned over, not renumbered."""
     return outline if polygon_area(outline) > 0.0 else outline * MIRROR
 
 
 def turn_over(outline: np.ndarray) -> np.ndarray:
-    """Give the mirror image of a counter-clockwise outline [m], again counter-clockwise."""
+    """Return the mirror image of a counter-clockwise outline [m], again counter-clockwise."""
     return np.asarray((outline * MIRROR)[::-1])
 
 
 def _unlikeness(ours: Panel, truth: TruePanel) -> float:
-    """Give what it costs to call two panels the same piece; inf where they cannot be."""
+    """Return what it costs to call two panels the same piece; inf where they cannot be."""
     outline, true_outline = upright(panel_outline(ours)), upright(truth.outline)
     grown = abs(float(np.log(polygon_area(outline) / polygon_area(true_outline))))
     if grown >= np.log(UNLIKE):

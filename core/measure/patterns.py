@@ -92,7 +92,7 @@ def unmatched_panels(pattern: Pattern, truth: TruePattern) -> tuple[str, ...]:
 
 
 def _compare(pair: PanelPair, same_template: bool) -> tuple[float, float, float]:
-    """Give relative error of area, RMS distance of the outlines [m] and turning distance [rad] of two panels."""
+    """Return relative error of area, RMS distance of the outlines [m] and turning distance [rad] of two panels."""
     if not (pair.by_name and same_template):
         return _compare_shapes(pair.ours, pair.truth)
     truth = pair.truth
@@ -137,7 +137,7 @@ def _measure_gathers(pattern: Pattern, truth: TruePattern) -> dict[str, float | 
 
 
 def _edges(panel: Panel) -> list[np.ndarray]:
-    """Give each edge of our panel as its author would draw it: mirrored back where it was mirrored on import [m]."""
+    """Return each edge of our panel as its author would draw it: mirrored back where it was mirrored on import [m]."""
     mirror = np.array([-1.0 if panel.mirrored else 1.0, 1.0])
     return [
         edge_points(panel, index, 1 if edge.kind == "line" else CURVE_SEGMENTS) * mirror
@@ -146,24 +146,24 @@ def _edges(panel: Panel) -> list[np.ndarray]:
 
 
 def _runs_against(ours: Panel, truth: TruePanel) -> bool:
-    """Tell whether our edges run the other way round than the author's, as they do where a panel was turned over."""
+    """Return whether our edges run the other way round than the author's, as they do where a panel was turned over."""
     return polygon_area(_join(_edges(ours))) * polygon_area(truth.outline) < 0.0
 
 
 def _authors_edges(ours: Panel, truth: TruePanel) -> list[np.ndarray]:
-    """Give our edges in the author's order and direction [m]."""
+    """Return our edges in the author's order and direction [m]."""
     edges = _edges(ours)
     return [line[::-1] for line in reversed(edges)] if _runs_against(ours, truth) else edges
 
 
 def _authors_edge(pattern: Pattern, ref: EdgeRef, truth: TruePanel) -> tuple[str, int]:
-    """Give panel and index of an edge as the author numbers them."""
+    """Return panel and index of an edge as the author numbers them."""
     panel = pattern.panel(ref.panel)
     return ref.panel, len(panel.edges) - 1 - ref.edge if _runs_against(panel, truth) else ref.edge
 
 
 def _join(edges: list[np.ndarray]) -> np.ndarray:
-    """Give the closed polygon of consecutive edges [m], shape [n, 2]."""
+    """Return the closed polygon of consecutive edges [m], shape [n, 2]."""
     return np.concatenate([line[:-1] for line in edges])
 
 

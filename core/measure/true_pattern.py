@@ -9,7 +9,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class TruePanel:
-    """Hold one panel of a true pattern as its author drew it.
+    """Describe one panel of a true pattern as its author drew it.
 
     Attributes:
         name: Its name.
@@ -24,7 +24,7 @@ class TruePanel:
 
 @dataclass(frozen=True)
 class TrueSeam:
-    """Hold one seam of a true pattern: the author's panel name and edge index of both sides."""
+    """Describe one seam of a true pattern: the author's panel name and edge index of both sides."""
 
     a: tuple[str, int]
     b: tuple[str, int]
@@ -32,7 +32,7 @@ class TrueSeam:
 
 @dataclass(frozen=True)
 class TruePattern:
-    """Hold a true pattern: panels and seams."""
+    """Describe a true pattern: panels and seams."""
 
     panels: tuple[TruePanel, ...]
     seams: tuple[TrueSeam, ...] = ()

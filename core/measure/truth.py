@@ -61,7 +61,7 @@ def measure_recovery(
 
 
 def _is_of_truth(name: str) -> bool:
-    """Tell whether a metric depends on the truth; how far a drape is at rest does not."""
+    """Return whether a metric depends on the truth; how far a drape is at rest does not."""
     return name.split(".")[0] in FIT_FAMILIES and name.split(".")[-1] not in ("residual", "iterations")
 
 
@@ -80,7 +80,7 @@ def measure_fabric(fabric: Fabric, truth: Mapping[str, float]) -> dict[str, floa
 
 
 def _measure_body(recovery: Recovery, pack: Pack) -> dict[str, float | None]:
-    """Hold the detail mesh and the estimated body against the person that is below the cloth in truth."""
+    """Describe the detail mesh and the estimated body against the person that is below the cloth in truth."""
     vertices, faces = read_true_mesh(pack, pack.truth_body)
     points, _ = TriangleSurface(vertices, faces).sample(BODY_SAMPLES, np.random.default_rng(0))
     distance = TriangleSurface(recovery.body.vertices, recovery.body.faces).distance(points)

@@ -48,7 +48,7 @@ def turning_distance(first: np.ndarray, second: np.ndarray) -> float:
 
 
 def _turning_function(polygon: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Give where each straight side starts (0 first, perimeter 1) and its accumulated angle [rad]."""
+    """Return where each straight side starts (0 first, perimeter 1) and its accumulated angle [rad]."""
     side = np.roll(polygon, -1, axis=0) - polygon
     length = np.linalg.norm(side, axis=1)
     keep = length > 1e-12 * length.sum()  # a repeated point has no direction

@@ -106,7 +106,7 @@ def _sweep(corners, faces, low, high, order, axis):
 
 @njit(cache=True)
 def _adjacent(first, second):
-    """Tell whether two faces share a vertex."""
+    """Return whether two faces share a vertex."""
     for p in first:
         for q in second:
             if p == q:
@@ -116,7 +116,7 @@ def _adjacent(first, second):
 
 @njit(cache=True)
 def _crosses(first, second):
-    """Tell whether an edge of the first triangle passes through the inside of the second."""
+    """Return whether an edge of the first triangle passes through the inside of the second."""
     for k in range(3):
         start = first[k]
         end = first[(k + 1) % 3]
@@ -134,7 +134,7 @@ def _crosses(first, second):
 
 @njit(cache=True)
 def _volume(a, b, c, d):
-    """Give six times the signed volume of a tetrahedron."""
+    """Return six times the signed volume of a tetrahedron."""
     ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
     vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
     wx, wy, wz = d[0] - a[0], d[1] - a[1], d[2] - a[2]

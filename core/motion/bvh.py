@@ -25,7 +25,7 @@ CHANNELS = {f"{axis}{kind}": (axis, kind) for axis in "XYZ" for kind in ("positi
 
 @dataclass(frozen=True)
 class Skeleton:
-    """Hold the joints of a BVH file in the file's order.
+    """Describe the joints of a BVH file in the file's order.
 
     Attributes:
         names: As the file has them.

@@ -12,7 +12,7 @@ MOST_FRAMES = 100_000
 
 @dataclass(frozen=True)
 class Recording:
-    """Hold a motion of a foreign skeleton, y up, facing +z in its rest pose, by the names of `JOINTS`.
+    """Describe a motion of a foreign skeleton, y up, facing +z in its rest pose, by the names of `JOINTS`.
 
     Attributes:
         rate: Poses a second [1/s].

@@ -32,7 +32,7 @@ LISTED = 8
 
 @dataclass(frozen=True)
 class Posed:
-    """Hold a foreign skeleton in motion, in the file's unit and axes.
+    """Describe a foreign skeleton in motion, in the file's unit and axes.
 
     Attributes:
         names: Of its joints.

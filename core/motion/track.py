@@ -14,7 +14,7 @@ from ..body.template import articulate, transforms_of
 
 @dataclass(frozen=True)
 class Pose:
-    """Hold one pose of a skeleton.
+    """Describe one pose of a skeleton.
 
     Attributes:
         turns: Rotation of each joint relative to its parent, identities are the T-pose, shape [24, 3, 3].
@@ -45,7 +45,7 @@ class Pose:
 
 @dataclass(frozen=True)
 class Track:
-    """Hold a motion as poses at a steady rate; between them joints turn by slerp.
+    """Describe a motion as poses at a steady rate; between them joints turn by slerp.
 
     Attributes:
         rate: Poses a second [1/s].

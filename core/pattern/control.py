@@ -38,11 +38,11 @@ class ControlMap:
     points: np.ndarray
 
     def apply(self, points: np.ndarray) -> np.ndarray:
-        """Give the uv vertices [m], shape [uv_count, 2], for moved control points [m], shape [point_count, 2]."""
+        """Return the uv vertices [m], shape [uv_count, 2], for moved control points [m], shape [point_count, 2]."""
         return (self.matrix @ np.asarray(points, float).ravel()).reshape(-1, 2)
 
     def pull_back(self, gradient: np.ndarray) -> np.ndarray:
-        """Give the derivative by the control points, shape [point_count, 2], from that by uv, shape [uv_count, 2]."""
+        """Return the derivative by the control points, shape [point_count, 2], from that by uv, shape [uv_count, 2]."""
         return (self.matrix.T @ np.asarray(gradient, float).ravel()).reshape(-1, 2)
 
 
@@ -94,7 +94,7 @@ def redraw(garment: Garment, pattern: Pattern) -> Garment:
 
 
 def mean_value_coordinates(polygon: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Give mean value coordinates of points strictly inside a simple polygon (Floater 2003; any simple polygon: Hormann
+    """Return mean value coordinates of points inside a simple polygon (Floater 2003; any simple polygon: Hormann
     and Floater 2006).
 
         w_k = (tan(a_{k-1} / 2) + tan(a_k / 2)) / |v_k - p|,    lambda_k = w_k / sum w

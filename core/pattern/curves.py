@@ -21,18 +21,18 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 
 
 def edge_points(panel: Panel, edge: int, segments: int) -> np.ndarray:
-    """Give segments + 1 points [m] along an edge, uniform in arc length, ends included, shape [segments + 1, 2]."""
+    """Return segments + 1 points [m] along an edge, uniform in arc length, ends included, shape [segments + 1, 2]."""
     return place_on_chord(unit_points(panel.edges[edge], segments), *chord(panel, edge))
 
 
 def edge_length(panel: Panel, edge: int) -> float:
-    """Give the length of an edge [m]."""
+    """Return the length of an edge [m]."""
     start, end = chord(panel, edge)
     return float(np.linalg.norm(end - start)) * unit_length(panel.edges[edge])
 
 
 def chord(panel: Panel, edge: int) -> tuple[np.ndarray, np.ndarray]:
-    """Give both control points of an edge [m], shape [2] each."""
+    """Return both control points of an edge [m], shape [2] each."""
     return panel.points[edge], panel.points[(edge + 1) % len(panel.points)]
 
 
@@ -52,7 +52,7 @@ def relative_to_chord(points: np.ndarray, start: np.ndarray, end: np.ndarray) ->
 
 
 def unit_points(edge: Edge, segments: int) -> np.ndarray:
-    """Give segments + 1 relative points of an edge, uniform in arc length, shape [segments + 1, 2]."""
+    """Return segments + 1 relative points of an edge, uniform in arc length, shape [segments + 1, 2]."""
     fraction = np.arange(segments + 1) / segments
     if edge.kind == "line" or is_flat_arc(edge):
         return np.stack([fraction, np.zeros_like(fraction)], axis=-1)
@@ -67,7 +67,7 @@ def unit_points(edge: Edge, segments: int) -> np.ndarray:
 
 
 def unit_length(edge: Edge) -> float:
-    """Give the length of an edge in units of its chord."""
+    """Return the length of an edge in units of its chord."""
     if edge.kind == "line" or is_flat_arc(edge):
         return 1.0
     if edge.kind == "arc":
@@ -77,12 +77,12 @@ def unit_length(edge: Edge) -> float:
 
 
 def is_flat_arc(edge: Edge) -> bool:
-    """Tell whether an arc is as good as a line."""
+    """Return whether an arc is as good as a line."""
     return edge.kind == "arc" and abs(edge.handles[0, 1]) < ARC_FLAT
 
 
 def unit_circle(edge: Edge) -> tuple[np.ndarray, float, float, float]:
-    """Give centre, radius, first angle and sweep [rad] of an arc in its chord's frame.
+    """Return centre, radius, first angle and sweep [rad] of an arc in its chord's frame.
 
     With apex height b (signed, left positive): radius (1/4 + b^2) / (2 |b|), centre (1/2, b - sign(b) radius).
     """
@@ -124,7 +124,7 @@ def split_edge(edge: Edge, fraction: float) -> tuple[np.ndarray, Edge, Edge]:
 
 
 def reverse_edge(edge: Edge) -> Edge:
-    """Give the same curve run from its end to its start."""
+    """Return the same curve run from its end to its start."""
     handles = edge.handles[::-1].copy()
     handles[:, 0] = 1.0 - handles[:, 0]
     handles[:, 1] = -handles[:, 1]
@@ -132,12 +132,12 @@ def reverse_edge(edge: Edge) -> Edge:
 
 
 def mirror_edge(edge: Edge) -> Edge:
-    """Give the mirror image of a curve, still run from its start to its end."""
+    """Return the mirror image of a curve, still run from its start to its end."""
     return Edge(edge.kind, edge.handles * np.array([1.0, -1.0]), edge.label, edge.contour)
 
 
 def panel_outline(panel: Panel, segments: int = 16) -> np.ndarray:
-    """Give the panel's outline [m] as a polygon, `segments` to each curved edge and one to each line, shape [n, 2]."""
+    """Return the panel's outline [m] as a polygon, `segments` to a curved edge and one to a line, shape [n, 2]."""
     parts = []
     for index, edge in enumerate(panel.edges):
         count = 1 if edge.kind == "line" else segments
@@ -146,7 +146,7 @@ def panel_outline(panel: Panel, segments: int = 16) -> np.ndarray:
 
 
 def panel_area(panel: Panel) -> float:
-    """Give the area of a panel [m2], curves sampled finely; positive where it runs counter-clockwise."""
+    """Return the area of a panel [m2], curves sampled finely; positive where it runs counter-clockwise."""
     return polygon_area(panel_outline(panel, 64))
 
 
@@ -183,7 +183,7 @@ def _speed_integral(control: np.ndarray, low: np.ndarray, high: np.ndarray) -> n
 
 
 def _length_table(control: np.ndarray) -> np.ndarray:
-    """Give the length up to each of SPANS + 1 uniform parameters."""
+    """Return the length up to each of SPANS + 1 uniform parameters."""
     grid = np.linspace(0.0, 1.0, SPANS + 1)
     return np.concatenate([[0.0], np.cumsum(_speed_integral(control, grid[:-1], grid[1:]))])
 

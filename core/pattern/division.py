@@ -49,7 +49,7 @@ def divide_edges(pattern: Pattern, contours: Collection[str], parts: int) -> Pat
 
 
 def _cut(panel: Panel, index: int, parts: int) -> tuple[list[np.ndarray], list[Edge]]:
-    """Give the start points and the pieces of one edge cut into equal parts."""
+    """Return the start points and the pieces of one edge cut into equal parts."""
     edge, start = panel.edges[index], panel.points[index]
     end = panel.points[(index + 1) % len(panel.points)]
     points, pieces = [], []

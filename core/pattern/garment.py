@@ -12,7 +12,7 @@ from .pattern import EdgeRef, Pattern
 
 @dataclass(frozen=True)
 class Garment:
-    """Hold the sewn mesh of a pattern.
+    """Describe the sewn mesh of a pattern.
 
     The rest shape of face f is always the flat triangle uv[uv_faces[f]], never a placed or draped one.
 
@@ -42,11 +42,11 @@ class Garment:
 
     @property
     def rest(self) -> np.ndarray:
-        """Give the flat rest triangles [m], shape [face_count, 3, 2]."""
+        """Return the flat rest triangles [m], shape [face_count, 3, 2]."""
         return self.uv[self.uv_faces]
 
     def at(self, nodes: np.ndarray, contours: tuple[Contour, ...] | None = None) -> Garment:
-        """Give the same garment with its nodes elsewhere [m], shape [node_count, 3]."""
+        """Return the same garment with its nodes elsewhere [m], shape [node_count, 3]."""
         return replace(self, nodes=nodes, contours=self.contours if contours is None else contours)
 
     def contour(self, name: str) -> Contour | None:

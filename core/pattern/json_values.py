@@ -13,14 +13,14 @@ UNKEPT = re.compile("[\x00-\x1f\x7f\ud800-\udfff]")
 
 
 def get_object(value: Any, where: str) -> dict[str, Any]:
-    """Give a JSON object or refuse it."""
+    """Return a JSON object or refuse it."""
     if not isinstance(value, dict):
         raise PatternValueBad(f"{where} must be an object.")
     return value
 
 
 def get_list(value: Any, where: str) -> list[Any]:
-    """Give a JSON list or refuse it."""
+    """Return a JSON list or refuse it."""
     if not isinstance(value, list):
         raise PatternValueBad(f"{where} must be a list.")
     return value
@@ -37,7 +37,7 @@ def get_text(value: Any, where: str, most: int = 200) -> str:
 
 
 def get_number(value: Any, where: str, low: float, high: float) -> float:
-    """Give a finite number within [low, high] or refuse it; booleans count as 0 and 1."""
+    """Return a finite number within [low, high] or refuse it; booleans count as 0 and 1."""
     if not isinstance(value, int | float):
         raise PatternValueBad(f"{where} must be a number.")
     try:
@@ -50,7 +50,7 @@ def get_number(value: Any, where: str, low: float, high: float) -> float:
 
 
 def get_vector(value: Any, size: int, where: str, bound: float) -> list[float]:
-    """Give `size` numbers, none larger than the bound, or refuse them."""
+    """Return `size` numbers, none larger than the bound, or refuse them."""
     items = get_list(value, where)
     if len(items) != size:
         raise PatternValueBad(f"{where} must have {size} numbers.")
@@ -58,7 +58,7 @@ def get_vector(value: Any, size: int, where: str, bound: float) -> list[float]:
 
 
 def get_index(value: Any, count: int, where: str) -> int:
-    """Give an index below count or refuse it."""
+    """Return an index below count or refuse it."""
     if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value < count:
         raise PatternValueBad(f"{where} must be a whole number from 0 to {count - 1}.")
     return value

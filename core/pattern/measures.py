@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class BodyMeasures:
-    """Hold the measures that the drafts need.
+    """Describe the measures that the drafts need.
 
     The defaults are those of the built-in female body of 1.70 m, standing in T-pose with her feet at y = 0.
 

@@ -41,7 +41,7 @@ class MeshSettings:
 
 @dataclass(frozen=True)
 class FlatMesh:
-    """Hold the triangles of one panel: boundary vertices first, in order.
+    """Describe the triangles of one panel: boundary vertices first, in order.
 
     Attributes:
         vertices: Flat positions [m], shape [n, 2].
@@ -57,7 +57,7 @@ class FlatMesh:
 
 
 def choose_edge_length(pattern: Pattern, vertex_count: int) -> float:
-    """Give the edge length [m] at which the sewn mesh has about this many nodes.
+    """Return the edge length [m] at which the sewn mesh has about this many nodes.
 
     n = A / (sqrt(3)/2 h^2) + L / (2 h), A the panels' area and L the length of open edges: a node on an open contour
     belongs to half as many triangles as one inside, one on a seam counts as one inside.
@@ -75,7 +75,7 @@ def choose_edge_length(pattern: Pattern, vertex_count: int) -> float:
 
 
 def count_segments(pattern: Pattern, size: float) -> dict[EdgeRef, int]:
-    """Give the number of segments of every edge; both sides of a seam get that of their mean length.
+    """Return the number of segments of every edge; both sides of a seam get that of their mean length.
 
     It is two at least: the vertex between makes sure that no two edges, sewn or open, run between the same two nodes.
     """
@@ -90,7 +90,7 @@ def count_segments(pattern: Pattern, size: float) -> dict[EdgeRef, int]:
 
 
 def refine_counts(pattern: Pattern, counts: dict[EdgeRef, int], lost: set[EdgeRef]) -> dict[EdgeRef, int]:
-    """Give lost edges, and the edges sewn to them, 1.5 times their segments."""
+    """Return lost edges, and the edges sewn to them, 1.5 times their segments."""
     partner = {seam.a: seam.b for seam in pattern.seams} | {seam.b: seam.a for seam in pattern.seams}
     grown = lost | {partner[ref] for ref in lost if ref in partner}
     return {ref: int(np.ceil(1.5 * count)) if ref in grown else count for ref, count in counts.items()}
@@ -119,7 +119,7 @@ def mesh_panel(panel: Panel, counts: list[int], size: float, settings: MeshSetti
 
 
 def contains(polygon: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Tell which points, shape [n, 2], lie inside a polygon, by the crossing rule, shape [n]."""
+    """Return which points, shape [n, 2], lie inside a polygon, by the crossing rule, shape [n]."""
     start, end = polygon, np.roll(polygon, -1, axis=0)
     y = points[:, 1:]
     spans = (start[:, 1] > y) != (end[:, 1] > y)
@@ -129,7 +129,7 @@ def contains(polygon: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 def _lattice(boundary: np.ndarray, size: float, clearance: float) -> np.ndarray:
-    """Give the points of a hexagonal lattice inside the outline, centred on it."""
+    """Return the points of a hexagonal lattice inside the outline, centred on it."""
     low, high = boundary.min(axis=0), boundary.max(axis=0)
     middle = (low + high) / 2.0
     reach = np.ceil((high - low) / 2.0 / np.array([size, size * HEXAGON])).astype(int) + 1
@@ -142,7 +142,7 @@ def _lattice(boundary: np.ndarray, size: float, clearance: float) -> np.ndarray:
 
 
 def _distance(boundary: np.ndarray, points: np.ndarray, size: float) -> np.ndarray:
-    """Give the distance to the outline [m] within 2 % of the edge length, by samples a tenth of it apart."""
+    """Return the distance to the outline [m] within 2 % of the edge length, by samples a tenth of it apart."""
     start, step = boundary, np.roll(boundary, -1, axis=0) - boundary
     count = np.maximum(1, np.ceil(np.linalg.norm(step, axis=1) / (0.1 * size)).astype(int))
     index = np.repeat(np.arange(len(boundary)), count)
@@ -191,7 +191,7 @@ def _even_out(boundary: np.ndarray, inside: np.ndarray, size: float, settings: M
 
 
 def _triangles(points: np.ndarray, boundary: np.ndarray) -> np.ndarray:
-    """Give the counter-clockwise Delaunay triangles inside the outline, flat ones dropped.
+    """Return the counter-clockwise Delaunay triangles inside the outline, flat ones dropped.
 
     Only triangles between three vertices of the outline, the first ones, are tested by their middle; one that reaches
     from an inner vertex across the outline leaves a segment of it without a triangle, which is found afterwards.
@@ -208,7 +208,7 @@ def _triangles(points: np.ndarray, boundary: np.ndarray) -> np.ndarray:
 
 
 def _missing_segments(faces: np.ndarray, boundary_count: int) -> np.ndarray:
-    """Give the outline's segments (by first vertex) that border no triangle or are crossed by one."""
+    """Return the outline's segments (by first vertex) that border no triangle or are crossed by one."""
     count = int(faces.max(initial=0)) + 1
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     codes = edges[:, 0] * count + edges[:, 1]
@@ -252,7 +252,7 @@ def _turn_ears(vertices: np.ndarray, faces: np.ndarray, boundary_count: int) -> 
 
 
 def _angles(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Give the signed corner angles [rad], shape [n, 3]; negative where a triangle is turned over."""
+    """Return the signed corner angles [rad], shape [n, 3]; negative where a triangle is turned over."""
     angles = np.zeros(faces.shape)
     for k in range(3):
         a, b, c = (vertices[faces[:, (k + j) % 3]] for j in range(3))
@@ -262,7 +262,7 @@ def _angles(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
 
 
 def corner_angles(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Give the corner angles [rad] of flat triangles, shape [n, 3]; negative where one is turned over."""
+    """Return the corner angles [rad] of flat triangles, shape [n, 3]; negative where one is turned over."""
     return _angles(vertices, faces)
 
 

@@ -94,7 +94,7 @@ def _turn_panel(pattern: Pattern, name: str) -> Pattern:
 
 
 def _runs_along(pattern: Pattern, seam: Seam) -> bool:
-    """Tell whether the placed ends of a seam clearly say that both edges run the same way."""
+    """Return whether the placed ends of a seam clearly say that both edges run the same way."""
     if seam.a.panel == seam.b.panel:
         return False
     first, second = pattern.panel(seam.a.panel), pattern.panel(seam.b.panel)
@@ -135,7 +135,7 @@ def _two_colour(pattern: Pattern, differ: list[bool]) -> dict[str, bool] | int:
 
 
 def _groups(pattern: Pattern) -> list[list[str]]:
-    """Give the names of panels that hang together, group by group."""
+    """Return the names of panels that hang together, group by group."""
     links, seen, groups = _links(pattern), set(), []
     for root in links:
         if root in seen:

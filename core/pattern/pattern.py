@@ -34,7 +34,7 @@ class Edge:
 
 @dataclass(frozen=True)
 class Panel:
-    """Hold one flat piece of cloth.
+    """Describe one flat piece of cloth.
 
     Attributes:
         name: Unique in the pattern.
@@ -85,7 +85,7 @@ class Seam:
 
 @dataclass(frozen=True)
 class Pattern:
-    """Hold the panels and seams of one garment.
+    """Describe the panels and seams of one garment.
 
     Attributes:
         name: For people.
@@ -104,7 +104,7 @@ class Pattern:
     symmetric: bool = True
 
     def panel(self, name: str) -> Panel:
-        """Give a panel by name.
+        """Return a panel by name.
 
         Raises:
             KeyError: where there is none.
@@ -116,7 +116,7 @@ class Pattern:
 
     @property
     def points(self) -> np.ndarray:
-        """Give all control points [m], panel after panel, shape [point_count, 2]."""
+        """Return all control points [m], panel after panel, shape [point_count, 2]."""
         return np.concatenate([panel.points for panel in self.panels])
 
     @cached_property
@@ -136,7 +136,7 @@ class Pattern:
 
     @property
     def point_starts(self) -> np.ndarray:
-        """Give the index in `points` of each panel's first control point, and the total, shape [panel_count + 1]."""
+        """Return the index in `points` of each panel's first control point, and the total, shape [panel_count + 1]."""
         return np.cumsum([0] + [len(panel.points) for panel in self.panels])
 
     def with_points(self, points: np.ndarray | Mapping[str, np.ndarray]) -> Pattern:

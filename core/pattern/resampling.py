@@ -15,7 +15,7 @@ CANDIDATES = 16
 
 
 def resample(source: Garment, nodes: np.ndarray, target: Garment) -> np.ndarray:
-    """Give the target's nodes where the source's surface has them.
+    """Return the target's nodes where the source's surface has them.
 
     The source's flat mesh is first moved to the target pattern's control points. Vertices on the outline are looked up
     along their edge by arc length, so that both sides of a seam agree; inner ones in the triangle that holds them. A
@@ -56,7 +56,7 @@ def resample(source: Garment, nodes: np.ndarray, target: Garment) -> np.ndarray:
 
 
 def _along(line: np.ndarray, count: int) -> np.ndarray:
-    """Give `count` points of a polyline whose vertices are uniform in rest length, shape [count, 3]."""
+    """Return `count` points of a polyline whose vertices are uniform in rest length, shape [count, 3]."""
     old, new = np.linspace(0.0, 1.0, len(line)), np.linspace(0.0, 1.0, count)
     return np.stack([np.interp(new, old, line[:, k]) for k in range(line.shape[1])], axis=1)
 

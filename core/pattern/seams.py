@@ -31,14 +31,14 @@ Sides = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def seam_lengths(pattern: Pattern) -> np.ndarray:
-    """Give the lengths of both sides of every seam [m], shape [seam_count, 2]."""
+    """Return the lengths of both sides of every seam [m], shape [seam_count, 2]."""
     starts, ends, factors = seam_sides(pattern)
     points = pattern.points
     return factors * np.linalg.norm(points[ends] - points[starts], axis=-1)
 
 
 def seam_mismatch(pattern: Pattern) -> float:
-    """Give the largest difference [m] between the two sides of an ungathered seam; 0 where there is none."""
+    """Return the largest difference [m] between the two sides of an ungathered seam; 0 where there is none."""
     lengths = seam_lengths(pattern)
     apart = (lengths[:, 0] - lengths[:, 1])[~pattern.gathered]
     return float(np.abs(apart).max(initial=0.0))
@@ -120,7 +120,7 @@ def seam_ratios(pattern: Pattern) -> np.ndarray:
 
 
 def _mismatch(points: np.ndarray, sides: Sides, ratio: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Give the mismatch of every seam [m], shape [n], and its derivative by all coordinates, shape [n, 2 points]."""
+    """Return the mismatch of every seam [m], shape [n], and its derivative by all coordinates, shape [n, 2 points]."""
     starts, ends, factors = sides
     chord = points[ends] - points[starts]
     length = np.linalg.norm(chord, axis=-1)
@@ -135,7 +135,7 @@ def _mismatch(points: np.ndarray, sides: Sides, ratio: np.ndarray) -> tuple[np.n
 
 
 def _free_coordinates(pattern: Pattern, symmetry: Symmetry, fixed: Iterable[tuple[str, int]]) -> np.ndarray:
-    """Give an orthonormal basis of the movements allowed, so that the least norm is that of all points' movement."""
+    """Return an orthonormal basis of the movements allowed, so that the least norm is that of all points' movement."""
     points = pattern.points
     symmetric = np.abs(symmetry.expand(symmetry.reduce(points)) - points).max() < SYMMETRIC
     allowed = symmetry.matrix.toarray() if symmetric else np.eye(2 * len(points))

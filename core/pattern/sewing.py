@@ -82,7 +82,7 @@ def sew_panels(pattern: Pattern, meshes: list[FlatMesh]) -> Garment:
 
 
 def _edge_vertices(pattern: Pattern, meshes: list[FlatMesh], starts: np.ndarray) -> dict[EdgeRef, np.ndarray]:
-    """Give the uv vertices along every edge, ends included."""
+    """Return the uv vertices along every edge, ends included."""
     found = {}
     for panel, mesh, start in zip(pattern.panels, meshes, starts, strict=False):
         ends = np.append(mesh.corner, mesh.boundary_count)
@@ -92,7 +92,7 @@ def _edge_vertices(pattern: Pattern, meshes: list[FlatMesh], starts: np.ndarray)
 
 
 def _weld(uv_faces: np.ndarray, edge_uv: dict[EdgeRef, np.ndarray], pattern: Pattern, count: int) -> np.ndarray:
-    """Give the node of each uv vertex: ends of sewn segments are joined, nodes numbered by their first uv vertex."""
+    """Return the node of each uv vertex: ends of sewn segments are joined, nodes numbered by their first uv vertex."""
     pairs = []
     for seam in pattern.seams:
         a, b = edge_uv[seam.a], edge_uv[seam.b][::-1]
@@ -105,7 +105,7 @@ def _weld(uv_faces: np.ndarray, edge_uv: dict[EdgeRef, np.ndarray], pattern: Pat
 
 
 def _crowded_edges(uv_faces: np.ndarray, uv_node: np.ndarray, edge_uv: dict[EdgeRef, np.ndarray]) -> np.ndarray:
-    """Give the inner uv edges, shape [n, 2], that once welded join a node to itself or more than two triangles."""
+    """Return the inner uv edges, shape [n, 2], that once welded join a node to itself or more than two triangles."""
     flat, welded = HalfEdges.of(uv_faces), HalfEdges.of(uv_node[uv_faces])
     crowded = (welded.face_counts[welded.edge] > 2) | (welded.tail == welded.head)
     inner = flat.face_counts[flat.edge] == 2

@@ -27,7 +27,7 @@ mistaken for a back."""
 
 @dataclass(frozen=True)
 class Mirror:
-    """Say that one panel is the mirror image of another, or of itself.
+    """Describe that one panel is the mirror image of another, or of itself.
 
         points[target] = points[source][order] @ rotation.T + shift + rest
 
@@ -49,7 +49,7 @@ class Mirror:
 
 @dataclass(frozen=True)
 class Symmetry:
-    """Hold the effective control points of a pattern and the affine map back to all of them.
+    """Describe the effective control points of a pattern and the affine map back to all of them.
 
         points = matrix @ K + offset,    stacked as x0, y0, x1, y1, ...
 
@@ -69,15 +69,15 @@ class Symmetry:
     mirrors: tuple[Mirror, ...]
 
     def expand(self, effective: np.ndarray) -> np.ndarray:
-        """Give all control points [m], shape [point_count, 2], from the effective ones, shape [effective_count, 2]."""
+        """Return all control points [m], shape [point_count, 2], from effective ones, shape [effective_count, 2]."""
         return (self.matrix @ np.asarray(effective, float).ravel() + self.offset).reshape(-1, 2)
 
     def reduce(self, points: np.ndarray) -> np.ndarray:
-        """Give the effective control points [m], shape [effective_count, 2], out of all, shape [point_count, 2]."""
+        """Return the effective control points [m], shape [effective_count, 2], out of all, shape [point_count, 2]."""
         return np.asarray(points, float)[self.effective]
 
     def pull_back(self, gradient: np.ndarray) -> np.ndarray:
-        """Give the derivative by the effective points from that by all, shape [point_count, 2]."""
+        """Return the derivative by the effective points from that by all, shape [point_count, 2]."""
         return (self.matrix.T @ np.asarray(gradient, float).ravel()).reshape(-1, 2)
 
 
@@ -117,7 +117,7 @@ def find_symmetry(pattern: Pattern) -> Symmetry:
 
 
 def _middle(pattern: Pattern) -> float | None:
-    """Give x of the plane that halves the placed panels, or None where nothing is placed."""
+    """Return x of the plane that halves the placed panels, or None where nothing is placed."""
     translations = np.array([panel.translation for panel in pattern.panels])
     if len(pattern.panels) > 1 and np.ptp(translations, axis=0).max() < 1e-6:
         return None
@@ -126,7 +126,7 @@ def _middle(pattern: Pattern) -> float | None:
 
 
 def _fits(pattern: Pattern, source: int, target: int, middle: float | None) -> list[tuple[float, Mirror]]:
-    """Give the acceptable mirror maps from one panel to another, each with its score (smaller is better)."""
+    """Return the acceptable mirror maps from one panel to another, each with its score (smaller is better)."""
     a, b = pattern.panels[source], pattern.panels[target]
     count = len(a.points)
     if len(b.points) != count:
@@ -155,7 +155,7 @@ def _fits(pattern: Pattern, source: int, target: int, middle: float | None) -> l
 
 
 def _edges_agree(pattern: Pattern, a: Panel, b: Panel, order: np.ndarray) -> bool:
-    """Tell whether each edge of b and its image in a are of one kind, with mirrored handles, both sewn or both open."""
+    """Return whether each edge of b and its image in a are of one kind, with mirrored handles, both sewn or open."""
     sewn = {ref for seam in pattern.seams for ref in (seam.a, seam.b)}
     own = {(ref.panel, ref.edge) for ref in sewn}
     count = len(order)
@@ -168,7 +168,7 @@ def _edges_agree(pattern: Pattern, a: Panel, b: Panel, order: np.ndarray) -> boo
 
 
 def _mirror_images(a: Edge, b: Edge) -> bool:
-    """Tell whether b is a, mirrored and run the other way: (along, across) becomes (1 - along, across)."""
+    """Return whether b is a, mirrored and run the other way: (along, across) becomes (1 - along, across)."""
     if a.kind != b.kind or a.handles.shape != b.handles.shape:
         return False
     image = a.handles[::-1] * np.array([-1.0, 1.0]) + np.array([1.0, 0.0])

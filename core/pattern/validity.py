@@ -84,6 +84,6 @@ def _pair(point: np.ndarray) -> tuple[float, float]:
 
 
 def _side(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
-    """Give the sign of the turn a -> b -> c, zero within rounding (1e-12 m2)."""
+    """Return the sign of the turn a -> b -> c, zero within rounding (1e-12 m2)."""
     turn = (b - a)[..., 0] * (c - a)[..., 1] - (b - a)[..., 1] * (c - a)[..., 0]
     return np.where(np.abs(turn) < 1e-12, 0.0, np.sign(turn))

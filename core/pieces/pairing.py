@@ -20,7 +20,7 @@ SAMPLES = 16
 
 @dataclass(frozen=True, eq=False)
 class MirroredGroup:
-    """Say that a group of panels is the mirror image of another, or of itself.
+    """Describe that a group of panels is the mirror image of another, or of itself.
 
     Attributes:
         group: What is drawn.

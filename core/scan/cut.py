@@ -20,7 +20,7 @@ ROUNDS = 60
 
 
 def cut_garment(scan: Scan, cloth: np.ndarray) -> Scan:
-    """Give the part of a scan where `cloth` is set, bool, shape [vertex_count], as a surface of its own.
+    """Return the part of a scan where `cloth` is set, bool, shape [vertex_count], as a surface of its own.
 
     The marks are averaged over neighbours to a smooth function f; the garment is where f > 1/2, and triangles that
     straddle f = 1/2 are cut there, so that contours are smooth curves on the scan. Pieces below 5 % of the largest are

@@ -48,7 +48,7 @@ _HEAD_BYTES = 65536
 
 @dataclass(frozen=True)
 class Declared:
-    """Say what a file claims to hold.
+    """Describe what a file claims to hold.
 
     Attributes:
         format: One of `FORMATS` or `CLOUDS`.

@@ -101,7 +101,7 @@ def _as_array(values: list[Any], name: str, limits: Limits) -> np.ndarray:
 
 
 def _choose(names: list[str], key: str | None, file: str) -> str:
-    """Give the array to read: the one that is named, the only one, or the first of the usual names."""
+    """Return the array to read: the one that is named, the only one, or the first of the usual names."""
     if key is not None and key in names:
         return key
     shown = ", ".join(sorted(names)[:12]) or "none"

@@ -28,7 +28,7 @@ MISPLACED = 0.2
 
 @dataclass(frozen=True)
 class _Mesh:
-    """Hold a repaired mesh in the file's own unit and axes."""
+    """Describe a repaired mesh in the file's own unit and axes."""
 
     name: str
     sha256: str
@@ -98,7 +98,7 @@ def load_pair(
 
 
 def _settle(mesh: _Mesh, units: str | None, up: str | None, kind: str) -> tuple[str, str]:
-    """Give the unit and up axis: as the user says, as the format says (glTF: metres, y up), or as the size says."""
+    """Return the unit and up axis: as the user says, as the format says (glTF: metres, y up), or as the size says."""
     if units is not None:
         check_size(mesh.vertices, units, kind)
     else:
@@ -109,7 +109,7 @@ def _settle(mesh: _Mesh, units: str | None, up: str | None, kind: str) -> tuple[
 
 
 def _place(mesh: _Mesh, body: Scan, like: tuple[str, str], units_given: bool, up_given: bool) -> Scan:
-    """Give the garment in the body's unit and axis, or in its own where only those put it on the body."""
+    """Return the garment in the body's unit and axis, or in its own where only those put it on the body."""
     sizes = [like[0]] if units_given else possible_units(mesh.vertices, mesh.faces)
     if like[0] in sizes and lies_on((garment := _finish(mesh, *like)).vertices, body):
         return garment
@@ -138,7 +138,7 @@ def _place(mesh: _Mesh, body: Scan, like: tuple[str, str], units_given: bool, up
 
 
 def lies_on(vertices: np.ndarray, body: Scan) -> bool:
-    """Tell whether positions [m], shape [n, 3], can be a garment worn on the body: around it, near it, not inside."""
+    """Return whether positions [m], shape [n, 3], can be a garment worn on the body: around it, near it, not inside."""
     from scipy.spatial import cKDTree
 
     if float(np.ptp(vertices, axis=0).max()) < 0.2:

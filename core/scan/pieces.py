@@ -20,7 +20,7 @@ from .units import check_choice
 
 @dataclass(frozen=True)
 class Pieces:
-    """Hold what was read.
+    """Describe what was read.
 
     Attributes:
         garment: The garment's surface; cut out where the scan is a dressed person.
@@ -95,7 +95,7 @@ def _tell_skin(garment: Scan, labels: np.ndarray) -> Scan:
 
 
 def _labels_of(mesh: _Mesh, selection: Selection, limits: Limits | None) -> np.ndarray | None:
-    """Give the label of each vertex of the repaired mesh: from the file beside it, or its own."""
+    """Return the label of each vertex of the repaired mesh: from the file beside it, or its own."""
     if selection.labels is None or selection.colour is not None:
         return mesh.labels
     labels = read_labels(selection.labels, selection.key, limits)

@@ -25,7 +25,7 @@ VOTERS = 20000
 
 @dataclass(frozen=True)
 class RepairedMesh:
-    """Hold a triangle mesh on its way through the repair.
+    """Describe a triangle mesh on its way through the repair.
 
     Attributes:
         vertices: Positions in the file's unit, shape [vertex_count, 3].
@@ -45,12 +45,12 @@ class RepairedMesh:
         return HalfEdges.of(self.faces)
 
     def note(self, count: int, singular: str, plural: str) -> tuple[str, ...]:
-        """Give the repairs with one more sentence, or unchanged where nothing was mended."""
+        """Return the repairs with one more sentence, or unchanged where nothing was mended."""
         return self.repairs if count == 0 else (*self.repairs, singular if count == 1 else plural.format(count))
 
 
 def repair_surface(vertices: np.ndarray, faces: np.ndarray) -> RepairedMesh:
-    """Give a manifold, consistently and outward oriented surface without dust.
+    """Return a manifold, consistently and outward oriented surface without dust.
 
     Merges duplicate vertices; removes degenerate, doubled and non-manifold faces; orients each piece consistently and
     outward; splits vertices at which separate fans meet; drops stray pieces and unused vertices. A clean mesh comes
@@ -229,7 +229,7 @@ def _orient_pieces(surface: RepairedMesh) -> RepairedMesh:
 
 
 def _split_fans(surface: RepairedMesh) -> RepairedMesh:
-    """Give each fan of faces around a vertex a vertex of its own.
+    """Return each fan of faces around a vertex a vertex of its own.
 
     A corner of a face and the corner of the next face around the vertex are one where both faces share an edge and
     agree on its direction; the connected sets of corners are the vertices. What cannot be oriented (a Mobius band) is
@@ -286,7 +286,7 @@ def _drop_unused(surface: RepairedMesh) -> RepairedMesh:
 
 
 def boundary_pieces(vertices: np.ndarray, edges: HalfEdges) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Give boundary edges [e, 2], the piece of each [e], and each piece's mean [k, 3] and area vector [k, 3].
+    """Return boundary edges [e, 2], the piece of each [e], and each piece's mean [k, 3] and area vector [k, 3].
 
     The area vector is half the sum of u x v over the directed edges (u, v), about the mean; for outward faces it
     points from the opening into the garment.
@@ -306,7 +306,7 @@ def boundary_pieces(vertices: np.ndarray, edges: HalfEdges) -> tuple[np.ndarray,
 
 
 def enclosed_volume(vertices: np.ndarray, edges: HalfEdges) -> float:
-    """Give the signed volume [unit cubed] of the surface with each opening closed by a fan; outward is positive."""
+    """Return the signed volume [unit cubed] of the surface with each opening closed by a fan; outward is positive."""
     rim, piece, means, _ = boundary_pieces(vertices, edges)
     # The lid's triangles run against the boundary's direction.
     lids = np.column_stack([rim[:, 1], rim[:, 0], len(vertices) + piece])
@@ -334,7 +334,7 @@ def _turn_outward(surface: RepairedMesh) -> RepairedMesh:
 
 
 def turn_from_body(vertices: np.ndarray, faces: np.ndarray, body_vertices: np.ndarray, body_faces: np.ndarray) -> bool:
-    """Tell whether the faces must be turned so that they face away from the body (area-weighted vote).
+    """Return whether the faces must be turned so that they face away from the body (area-weighted vote).
 
     Each face compares its normal with the body's normal at the nearest body vertex.
     """

@@ -12,7 +12,7 @@ from ..mesh import face_areas
 
 @dataclass(frozen=True)
 class Scan:
-    """Hold one checked triangle mesh in metres, y up, faces outward and counter-clockwise.
+    """Describe one checked triangle mesh in metres, y up, faces outward and counter-clockwise.
 
     Attributes:
         vertices: Positions [m], float64, shape [vertex_count, 3].

@@ -18,7 +18,7 @@ skin lies 150 from denim. Strong shadows need more."""
 
 @dataclass(frozen=True)
 class Selection:
-    """Say which part of a clothed scan is the garment.
+    """Describe which part of a clothed scan is the garment.
 
     Attributes:
         labels: A file with one label per vertex of the scan, or None for the labels in the scan itself.

@@ -115,6 +115,6 @@ def find_up(vertices: np.ndarray, edges: HalfEdges, kind: str = "garment") -> st
 
 
 def to_metres(vertices: np.ndarray, units: str, up: str) -> np.ndarray:
-    """Give positions in metres with y up; z up is turned about x, so (x, y, z) becomes (x, z, -y)."""
+    """Return positions in metres with y up; z up is turned about x, so (x, y, z) becomes (x, z, -y)."""
     scaled = vertices * UNITS[units]
     return scaled if up == "y" else np.stack([scaled[:, 0], scaled[:, 2], -scaled[:, 1]], axis=1)

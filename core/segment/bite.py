@@ -72,7 +72,7 @@ def bridge_bays(
 
 
 def _unseen_stretches(points: np.ndarray, unseen: np.ndarray) -> list[np.ndarray]:
-    """Give the indices of each stretch of unseen points with the seen point on either side, in order."""
+    """Return the indices of each stretch of unseen points with the seen point on either side, in order."""
     seen = np.flatnonzero(~unseen)
     if len(seen) < 3 or len(seen) == len(points):
         return []

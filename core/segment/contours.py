@@ -157,7 +157,7 @@ def _bridge_bays(
 def _cut_off(
     candidate: _Candidate, vertices: np.ndarray, kept: np.ndarray, bites: tuple[np.ndarray, ...]
 ) -> list[_Candidate]:
-    """Give a contour without its bites, and the bites as holes."""
+    """Return a contour without its bites, and the bites as holes."""
     if not bites:
         return [candidate]
     loop, rims = candidate.vertices[kept], [candidate.vertices[bite] for bite in bites]

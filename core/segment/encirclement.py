@@ -15,7 +15,7 @@ LEAF_LENGTHS = {"head": 0.3, "left_foot": 0.5, "right_foot": 0.5, "left_hand": 0
 
 @dataclass(frozen=True)
 class Crossing:
-    """Say how one bone passes through a contour's disk.
+    """Describe how one bone passes through a contour's disk.
 
     Attributes:
         bone: The bone's name (its child joint).
@@ -51,7 +51,7 @@ def find_crossings(points: np.ndarray, body: Body) -> tuple[Crossing, ...]:
 
 
 def bone_segments(body: Body) -> list[tuple[str, np.ndarray, np.ndarray, float]]:
-    """Give each bone's name, start [m], end [m] and place of its start: 0, or 1 for a leaf's drawn-out end."""
+    """Return each bone's name, start [m], end [m] and place of its start: 0, or 1 for a leaf's drawn-out end."""
     segments = []
     for index, parent in enumerate(PARENTS):
         if parent >= 0:
@@ -70,7 +70,7 @@ def bone_segments(body: Body) -> list[tuple[str, np.ndarray, np.ndarray, float]]
 
 
 def _merge(found: list[Crossing]) -> tuple[Crossing, ...]:
-    """Give one crossing per bone: a leaf's own segment before its drawn-out end."""
+    """Return one crossing per bone: a leaf's own segment before its drawn-out end."""
     single: dict[str, Crossing] = {}
     for crossing in found:
         single.setdefault(crossing.bone, crossing)

@@ -144,7 +144,7 @@ def check_single(scan: Scan, body: Body) -> None:
 
 
 def _missing(contours: tuple[Contour, ...]) -> list[str]:
-    """Tell where a worn garment has no opening: below, above."""
+    """Find where a worn garment has no opening: below, above."""
     found = {contour.name for contour in contours}
     above = found & {"neck", "waist"} or all(found & {f"{arm}.{side}" for arm in ARMS} for side in ("left", "right"))
     return [where for where, there in (("below", found & set(LOWER)), ("above", above)) if not there]

@@ -17,7 +17,7 @@ from .misfit import explain_misfit
 
 @dataclass(frozen=True)
 class Inspection:
-    """Tell what was understood of a garment's file and of the body that came with it.
+    """Return what was understood of a garment's file and of the body that came with it.
 
     Attributes:
         name: The file's stem.
@@ -60,7 +60,7 @@ class Inspection:
     remarks: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
-        """Give everything as plain JSON values."""
+        """Return everything as plain JSON values."""
         return {key: _plain(value) for key, value in asdict(self).items()}
 
 

@@ -91,7 +91,7 @@ def smooth_loop(points: np.ndarray, width: float = SMOOTHING) -> np.ndarray:
 
 
 def smoothed_length(points: np.ndarray, width: float = SMOOTHING) -> float:
-    """Give the length [m] of a closed polygon, shape [n, 3], smoothed over `width` [m].
+    """Return the length [m] of a closed polygon, shape [n, 3], smoothed over `width` [m].
 
     Smoothed once more where that took a fifth of the length: a ragged curve's arc is long, so the width along it was
     too small.

@@ -76,7 +76,7 @@ def _smooth(square: sp.csr_matrix, weight: float, values: np.ndarray) -> np.ndar
 
 
 def _ring_means(vertices: np.ndarray, faces: np.ndarray) -> tuple[sp.csr_matrix, np.ndarray]:
-    """Give the matrix that takes each vertex to the mean of its ring, a border vertex' ring along the border; edges."""
+    """Return the matrix that takes each vertex to the mean of its ring, at a border along the border; edges."""
     count = len(vertices)
     half_edges = HalfEdges.of(faces, count)
     edges, border = half_edges.edges, half_edges.border_vertices

@@ -55,7 +55,7 @@ def flatten_spikes(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray,
 
 
 def _quantiles(values: np.ndarray, counts: np.ndarray, share: float) -> np.ndarray:
-    """Give a quantile of each row's first numbers, `counts` of them; what follows is no number (linear, as numpy's)."""
+    """Return a quantile of each row's first numbers, `counts` of them; the rest is no number (linear, as in numpy)."""
     ordered, row = np.sort(values, axis=1), np.arange(len(values))
     at = share * (counts - 1)
     below = at.astype(np.int64)

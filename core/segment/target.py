@@ -68,7 +68,7 @@ def mark_hidden_border(
 
 @dataclass(frozen=True)
 class Target:
-    """Hold the surface to be reached.
+    """Describe the surface to be reached.
 
     Attributes:
         vertices: Positions [m], shape [vertex_count, 3].

@@ -132,7 +132,7 @@ def _curve_triangle(edge, triangle, apex, first, slots, curve):  # type: ignore[
 
 @njit(cache=True, inline="always")
 def halve(sine, cosine, length):  # type: ignore[no-untyped-def]
-    """Give sine and cosine of half an angle in -pi .. pi, from its own times a length, without losing small angles."""
+    """Return sine and cosine of half an angle in -pi .. pi, from its own times a length, exact for small angles."""
     sine, cosine = sine / length, cosine / length
     if cosine >= 0.0:
         half_cosine = math.sqrt(0.5 + 0.5 * cosine)
@@ -143,17 +143,17 @@ def halve(sine, cosine, length):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, inline="always")
 def subtract(a, b):  # type: ignore[no-untyped-def]
-    """Give a - b."""
+    """Return a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 @njit(cache=True, inline="always")
 def cross(a, b):  # type: ignore[no-untyped-def]
-    """Give a x b."""
+    """Return a x b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @njit(cache=True, inline="always")
 def dot(a, b):  # type: ignore[no-untyped-def]
-    """Give a . b."""
+    """Return a . b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

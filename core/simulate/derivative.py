@@ -21,14 +21,14 @@ from .topology import Topology
 
 
 class Response(Protocol):
-    """Hold where cloth ends up, and tell how that follows what it depends on."""
+    """Describe where cloth ends up, and tell how that follows what it depends on."""
 
     @property
     def nodes(self) -> np.ndarray:
-        """Give the positions [m], shape [node_count, 3]."""
+        """Return the positions [m], shape [node_count, 3]."""
 
     def pull(self, upstream: np.ndarray) -> Sensitivity:
-        """Give a loss's derivative by everything, from that by the positions [1/m], shape [node_count, 3]."""
+        """Return a loss's derivative by everything, from that by the positions [1/m], shape [node_count, 3]."""
 
 
 class Derivative(Protocol):
@@ -120,7 +120,7 @@ class AtRest:
         return self.energy.scene
 
     def pull(self, upstream: np.ndarray) -> Sensitivity:
-        """Give a loss's derivative by everything, from that by the positions [1/m], shape [node_count, 3]."""
+        """Return a loss's derivative by everything, from that by the positions [1/m], shape [node_count, 3]."""
         weights = adjoint(self.scene, self.solver, upstream)
         rest, fabric = pull_forces(self.energy, self.nodes, weights)
         return Sensitivity(
@@ -128,7 +128,7 @@ class AtRest:
         )
 
     def push(self, rest_rates: np.ndarray | None = None, fabric_rates: np.ndarray | None = None) -> np.ndarray:
-        """Give dx*/dp [m per unit], shape [node_count, 3, direction_count], along directions of the parameters.
+        """Return dx*/dp [m per unit], shape [node_count, 3, direction_count], along directions of the parameters.
 
         `rest_rates`: of the flat triangles [m], shape [face_count, 3, 2, direction_count]. `fabric_rates`: of `FABRIC`,
         shape [6, direction_count]. Where both are given their directions are the same ones.
@@ -205,5 +205,5 @@ def pull_pins(scene: Scene, blocks: np.ndarray, weights: np.ndarray, upstream: n
 
 
 def matrix_of(topology: Topology, data: np.ndarray) -> csr_matrix:
-    """Give the sparse matrix with these entries, shape [3 node_count, 3 node_count]."""
+    """Return the sparse matrix with these entries, shape [3 node_count, 3 node_count]."""
     return csr_matrix((data, topology.pattern.indices, topology.pattern.indptr), shape=(3 * topology.node_count,) * 2)

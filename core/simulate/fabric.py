@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Fabric:
-    """Hold a fabric's mechanical parameters (thesis eq. 3.3 and 3.4; index 0 is the weft, u; 1 the warp, v; 2 shear).
+    """Describe a fabric's mechanics (thesis eq. 3.3 and 3.4; index 0 is the weft, u; 1 the warp, v; 2 shear).
 
     Attributes:
         name: Stable name, `cotton_poplin`.
@@ -38,7 +38,7 @@ class Fabric:
 
 @dataclass(frozen=True)
 class FabricEstimate:
-    """Say what a drape tells of one of a fabric's parameters.
+    """Describe what a drape tells of one of a fabric's parameters.
 
     Attributes:
         name: One of H00, H01, H11, H22 [N/m], k [N m], density [kg/m2].

@@ -21,7 +21,7 @@ class FabricUnknown(NotFound):
 
 @cache
 def load_fabrics() -> tuple[Fabric, ...]:
-    """Give all fabrics of the library, by name.
+    """Return all fabrics of the library, by name.
 
     Every number's source says `measured: where`, `derived: how` or `assumed: plausible range`. Bending: eq. 3.4's k is
     twice the flexural rigidity B of a textile laboratory (see `bending.py`).

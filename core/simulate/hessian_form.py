@@ -12,7 +12,7 @@ Pulled = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def pull_form(energy: Energy, nodes: np.ndarray, one: np.ndarray, other: np.ndarray) -> tuple[float, Pulled]:
-    """Give q = one . P(x; p) other, P the PSD Hessian, and its derivative by x, by the rest triangles and by `FABRIC`.
+    """Return q = one . P(x; p) other, P the PSD Hessian, and its derivative by x, by rest triangles and `FABRIC`.
 
     It is thesis eq. 2.30, dM / dx contracted with the adjoint and the solution: third derivatives of the energy, by
     torch's reverse mode over all faces and hinges at once. P is that of `Energy.hessian(nodes, exact=False)`, whose

@@ -81,7 +81,7 @@ def _turn(step: Energy, nodes: np.ndarray, weights: np.ndarray) -> np.ndarray:
 
 
 def _pull_exact(step: Energy, nodes: np.ndarray, weights: np.ndarray, way: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Give the derivative of weights . H way as `pull_form` does: that of weights . g, differentiated along the way.
+    """Return the derivative of weights . H way as `pull_form` does: that of weights . g, differentiated along the way.
 
     H is the derivative of g, so the order may be exchanged; the outer derivative is a central difference over `NEAR`.
     """

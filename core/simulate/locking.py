@@ -13,7 +13,7 @@ than the 1 to 3 % by which scanned cloth is stretched, and paid back by folds th
 
 
 def soften(fabric: Fabric) -> Fabric:
-    """Give the fabric with a membrane so soft that linear triangles of 2 cm can still fold.
+    """Return the fabric with a membrane so soft that linear triangles of 2 cm can still fold.
 
         H' = s H,    s = min(1, density g 1 m / (SAG max(H00, H11)))
 

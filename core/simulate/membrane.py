@@ -80,7 +80,7 @@ def membrane(x, elements, H, stress, order, exact, derivatives):  # type: ignore
 
 @njit(cache=True)
 def foresee_stress(x, step, faces, shape, H):  # type: ignore[no-untyped-def]
-    """Give the stress (sigma0, sigma1, sigma2) [N/m] of each face after a step if strain were linear in it.
+    """Return the stress (sigma0, sigma1, sigma2) [N/m] of each face after a step if strain were linear in it.
 
     sigma = H (eps(x) + D eps(x)[step]): without the square of the step, by which a straight way along a fold stretches.
     """
@@ -109,13 +109,13 @@ def foresee_stress(x, step, faces, shape, H):  # type: ignore[no-untyped-def]
 
 @njit(cache=True)
 def _work():  # type: ignore[no-untyped-def]
-    """Give the kernel's scratch rows, made once per call."""
+    """Return the kernel's scratch rows, made once per call."""
     return np.zeros((5, 3))
 
 
 @njit(cache=True)
 def positive_part(a, b, c):  # type: ignore[no-untyped-def]
-    """Give the positive semi-definite part of [[a, c], [c, b]] as (a, b, c)."""
+    """Return the positive semi-definite part of [[a, c], [c, b]] as (a, b, c)."""
     mean, half = 0.5 * (a + b), 0.5 * (a - b)
     radius = math.sqrt(half * half + c * c)
     if mean - radius >= 0.0:

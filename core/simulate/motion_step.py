@@ -64,7 +64,7 @@ class StepSettings:
 
 @dataclass(frozen=True)
 class Layout:
-    """Hold a scene with a matrix laid out for the pairs of cloth that touched so far.
+    """Describe a scene with a matrix laid out for the pairs of cloth that touched so far.
 
     Attributes:
         energy: The scene without its body, and the pairs that may touch.

@@ -15,7 +15,7 @@ from .sensitivity import FABRIC, Sensitivity
 
 @dataclass(frozen=True)
 class Parameters:
-    """Say how the rest shape and the fabric follow from a vector of parameters; the shape's first, then the fabric's.
+    """Describe how the rest shape and the fabric follow from a vector of parameters; the shape's come first.
 
         rest(p) = rest + shape p_shape,    value(p) = value exp(p_fabric)
 
@@ -51,7 +51,7 @@ class Parameters:
 
     @property
     def count(self) -> int:
-        """Give how many there are."""
+        """Return how many there are."""
         return self.shape.shape[1] + len(self.fabric)
 
     def move(self, scene: Scene, step: np.ndarray) -> Scene:
@@ -83,7 +83,7 @@ class Parameters:
 
 
 def map_rest(garment: Garment) -> csr_matrix:
-    """Give the linear map from uv (x0, y0, x1, ...) to the rest triangles of `Topology.from_garment`.
+    """Return the linear map from uv (x0, y0, x1, ...) to the rest triangles of `Topology.from_garment`.
 
     Shape [6 face_count, 2 uv_count]; each panel's grainline turns its warp to the second rest axis.
     """
@@ -97,7 +97,7 @@ def map_rest(garment: Garment) -> csr_matrix:
 
 
 def list_gathers(pattern: Pattern, symmetry: Symmetry) -> tuple[tuple[EdgeRef, ...], ...]:
-    """Give the gathered seams' longer edges, mirror images together: each group has one free ratio.
+    """Return the gathered seams' longer edges, mirror images together: each group has one free ratio.
 
     The longer edge of a gathered seam is the one whose cloth is gathered; the other keeps its length.
     """
@@ -116,7 +116,7 @@ def list_gathers(pattern: Pattern, symmetry: Symmetry) -> tuple[tuple[EdgeRef, .
 
 
 def _mirror_images(pattern: Pattern, symmetry: Symmetry, edge: EdgeRef) -> list[EdgeRef]:
-    """Give the images of an edge under the mirrors that start from its panel."""
+    """Return the images of an edge under the mirrors that start from its panel."""
     found = []
     for mirror in symmetry.mirrors:
         count = len(mirror.order)
@@ -129,7 +129,7 @@ def _mirror_images(pattern: Pattern, symmetry: Symmetry, edge: EdgeRef) -> list[
 
 
 def stretch_edge(pattern: Pattern, edge: EdgeRef) -> np.ndarray:
-    """Give the motion of control points that lengthens one edge about its middle, shape [point_count, 2].
+    """Return the motion of control points that lengthens one edge about its middle, shape [point_count, 2].
 
     d length / d step = length: the step is the logarithm of a gathered seam's ratio. A column for `Parameters.shape`.
     """

@@ -28,7 +28,7 @@ _BENT = 1e-12
 
 @dataclass(frozen=True)
 class Leg:
-    """Hold where a few steps with one factored matrix have led.
+    """Describe where a few steps with one factored matrix have led.
 
     Attributes:
         nodes: Positions after them [m], shape [node_count, 3].

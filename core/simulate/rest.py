@@ -63,7 +63,7 @@ class _Point:
 
 
 def find_rest(energy: Energy, nodes: np.ndarray, solver: Solver, tolerance: float, max_factors: int) -> np.ndarray:
-    """Give positions [m], shape [node_count, 3], at which no force is left, from nodes near them.
+    """Return positions [m], shape [node_count, 3], at which no force is left, from nodes near them.
 
     Newton with the exact Hessian for as long as it leads there (`_press_on`). Where it does not, for the cloth buckles
     on the way, a leg of quasi-Newton steps from the PSD form (`descend`) until it is near; then Newton again.
@@ -157,5 +157,5 @@ def _follow_chords(energy: Energy, here: _Point, solver: Solver, tolerance: floa
 
 
 def _left(here: _Point) -> NotAtRest:
-    """Say how much force is left."""
+    """Describe how much force is left."""
     return NotAtRest(f"the cloth does not come to rest: a force of {here.residual:.1e} of a node's weight is left.")

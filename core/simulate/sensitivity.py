@@ -38,7 +38,7 @@ class Sensitivity:
 
 
 def pull_forces(energy: Energy, nodes: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Give the derivative of sum(weights * g) by the rest triangles, shape [face_count, 3, 2], and by `FABRIC`, [6].
+    """Return the derivative of sum(weights * g) by the rest triangles, shape [face_count, 3, 2], and by `FABRIC`, [6].
 
     Everything that depends on a face's flat corners r_b does so through D = sum_b dr_b S_b^T, S_b the gradients of the
     shape functions: dS_b = -D^T S_b, dA = A tr D, dF = -F D. With L = sum_a weights_a S_a^T, C = F^T L, B = F^T F, the
@@ -84,7 +84,7 @@ def pull_forces(energy: Energy, nodes: np.ndarray, weights: np.ndarray) -> tuple
 
 
 def push_forces(energy: Energy, nodes: np.ndarray, rest_rates: np.ndarray) -> np.ndarray:
-    """Give dg along directions of the rest triangles, shape [node_count, 3, direction_count]; see `pull_forces`.
+    """Return dg along directions of the rest triangles, shape [node_count, 3, direction_count]; see `pull_forces`.
 
     `rest_rates` [m], shape [face_count, 3, 2, direction_count].
     """
@@ -121,7 +121,7 @@ def push_forces(energy: Energy, nodes: np.ndarray, rest_rates: np.ndarray) -> np
 
 
 def fabric_forces(energy: Energy, nodes: np.ndarray) -> np.ndarray:
-    """Give dg by `FABRIC`, shape [node_count, 3, 6]: the forces are linear in each of them."""
+    """Return dg by `FABRIC`, shape [node_count, 3, 6]: the forces are linear in each of them."""
     topology = energy.scene.topology
     nodes = np.ascontiguousarray(nodes, dtype=np.float64)
     found = np.zeros((len(nodes), 3, len(FABRIC)))
@@ -138,13 +138,13 @@ def fabric_forces(energy: Energy, nodes: np.ndarray) -> np.ndarray:
 
 
 def _deform(topology: Topology, fabric: Fabric, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Give F, shape [face_count, 3, 2], and the stress per rest length Sigma [N/m], shape [face_count, 2, 2]."""
+    """Return F, shape [face_count, 3, 2], and the stress per rest length Sigma [N/m], shape [face_count, 2, 2]."""
     F = np.swapaxes(nodes[topology.faces], 1, 2) @ topology.rest.gradients
     return F, _stress(fabric, 0.5 * (np.swapaxes(F, 1, 2) @ F - np.eye(2)))
 
 
 def _stress(fabric: Fabric, strain: np.ndarray) -> np.ndarray:
-    """Give the symmetric stress [N/m] that is conjugate to a symmetric strain, both of shape [..., 2, 2]."""
+    """Return the symmetric stress [N/m] that is conjugate to a symmetric strain, both of shape [..., 2, 2]."""
     stress = np.zeros_like(strain)
     stress[..., 0, 0] = fabric.H00 * strain[..., 0, 0] + fabric.H01 * strain[..., 1, 1]
     stress[..., 1, 1] = fabric.H01 * strain[..., 0, 0] + fabric.H11 * strain[..., 1, 1]
@@ -153,7 +153,7 @@ def _stress(fabric: Fabric, strain: np.ndarray) -> np.ndarray:
 
 
 def _unit_folds(energy: Energy, nodes: np.ndarray) -> np.ndarray:
-    """Give each hinge's own force at k = c = 1, shape [hinge_count, 4, 3]: every hinge on nodes of its own."""
+    """Return each hinge's own force at k = c = 1, shape [hinge_count, 4, 3]: every hinge on nodes of its own."""
     topology = energy.scene.topology
     count = len(topology.hinges.nodes)
     apart = np.ascontiguousarray(nodes[topology.hinges.nodes].reshape(-1, 3))
@@ -165,7 +165,7 @@ def _unit_folds(energy: Energy, nodes: np.ndarray) -> np.ndarray:
 
 
 def _acceleration(energy: Energy, nodes: np.ndarray) -> np.ndarray:
-    """Give what a unit of mass adds to the gradient [m/s2], shape [node_count, 3]: weight, rotation and inertia."""
+    """Return what a unit of mass adds to the gradient [m/s2], shape [node_count, 3]: weight, rotation and inertia."""
     found = -energy.scene.acceleration(nodes)
     if energy.inertia is not None:
         found += energy.inertia.weight * (nodes - energy.inertia.target)
@@ -173,7 +173,7 @@ def _acceleration(energy: Energy, nodes: np.ndarray) -> np.ndarray:
 
 
 def _load_per_area(energy: Energy, nodes: np.ndarray) -> np.ndarray:
-    """Give what a unit of a node's area adds to the gradient [N/m2], shape [node_count, 3]: mass and contact."""
+    """Return what a unit of a node's area adds to the gradient [N/m2], shape [node_count, 3]: mass and contact."""
     scene = energy.scene
     found = scene.only_fabric.density * _acceleration(energy, nodes)
     if scene.body is not None:
@@ -183,6 +183,6 @@ def _load_per_area(energy: Energy, nodes: np.ndarray) -> np.ndarray:
 
 
 def _gather(elements: np.ndarray, count: int) -> csr_matrix:
-    """Give the matrix that sums the corners of elements to nodes, shape [node_count, elements.size]."""
+    """Return the matrix that sums the corners of elements to nodes, shape [node_count, elements.size]."""
     places = np.arange(elements.size)
     return csr_matrix((np.ones(elements.size), (elements.ravel(), places)), shape=(count, elements.size))

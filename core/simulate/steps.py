@@ -56,18 +56,18 @@ class TimeSteps(ABC):
         return InMotion(energy, self, np.stack(path), solver)
 
     def energy_of_step(self, energy: Energy, before: np.ndarray, now: np.ndarray) -> Energy:
-        """Give the energy that the next step minimises."""
+        """Return the energy that the next step minimises."""
         return replace(energy, inertia=Inertia(now + self.damping * (now - before), 1.0 / self.dt**2))
 
     @abstractmethod
     def _advance(self, step: Energy, nodes: np.ndarray, solver: Solver) -> np.ndarray:
-        """Give the positions after a step from nodes [m]."""
+        """Return the positions after a step from nodes [m]."""
 
     @abstractmethod
     def pull_step(
         self, step: Energy, start: np.ndarray, end: np.ndarray, bar: np.ndarray, solver: Solver
     ) -> tuple[np.ndarray, Sensitivity]:
-        """Give lambda and the derivative by everything but y, from that by the positions after a step, `bar` [1/m]."""
+        """Return lambda and the derivative by everything but y, from that by positions after a step, `bar` [1/m]."""
 
 
 @dataclass(frozen=True)
@@ -88,11 +88,11 @@ class InMotion:
 
     @property
     def nodes(self) -> np.ndarray:
-        """Give the positions after the last step [m], shape [node_count, 3]."""
+        """Return the positions after the last step [m], shape [node_count, 3]."""
         return np.asarray(self.path[-1])
 
     def pull(self, upstream: np.ndarray) -> Sensitivity:
-        """Give a loss's derivative by everything, from that by the positions [1/m].
+        """Return a loss's derivative by everything, from that by the positions [1/m].
 
         `upstream` by the last positions, shape [node_count, 3], or by those after every step (a target in motion),
         shape [steps, node_count, 3].

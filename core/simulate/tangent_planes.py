@@ -26,7 +26,7 @@ class PlaneArrays(NamedTuple):
 
 @dataclass(frozen=True)
 class TangentPlanes:
-    """Hold what cloth knows of a body for a few steps: planes through the feet of its nodes on the skin.
+    """Describe what cloth knows of a body for a few steps: planes through the feet of its nodes on the skin.
 
         d_vk(x) = n_vk . x - o_vk
 

@@ -62,5 +62,5 @@ def drape_tensor(
 
 
 def _array(tensor: torch.Tensor) -> np.ndarray:
-    """Give a tensor's values as float64."""
+    """Return a tensor's values as float64."""
     return np.asarray(tensor.detach().cpu().numpy(), dtype=np.float64)

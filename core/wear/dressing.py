@@ -30,7 +30,7 @@ STAGES = ("drape", "measure")
 
 @dataclass(frozen=True)
 class Dressed:
-    """Hold a garment on another body.
+    """Describe a garment on another body.
 
     Attributes:
         before: The garment on the wearer that it was recovered from.

@@ -113,7 +113,7 @@ def ease_at(garment: Garment, nodes: np.ndarray, figure: Figure) -> tuple[Ease, 
 
 @dataclass(frozen=True)
 class ClothCut:
-    """Hold the closed lines along which a plane cuts cloth.
+    """Describe the closed lines along which a plane cuts cloth.
 
     Attributes:
         lengths: Length of each line in the flat pattern [m], shape [line_count].

@@ -38,7 +38,7 @@ APPROXIMATE = (
 
 @dataclass(frozen=True)
 class Refitted:
-    """Hold a pattern made to measure.
+    """Describe a pattern made to measure.
 
     Attributes:
         pattern: The pattern, seams equalised.

@@ -37,7 +37,7 @@ class ResultOld(BadInput):
 
 @dataclass(frozen=True)
 class Worn:
-    """Hold a garment at rest on its wearer, with all that dressing another body or moving this one needs.
+    """Describe a garment at rest on its wearer, with all that dressing another body or moving this one needs.
 
     Attributes:
         garment: Pattern, mesh and named contours; nodes at rest on the wearer [m].

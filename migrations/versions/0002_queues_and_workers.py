@@ -1,4 +1,4 @@
-"""Give each job a queue, and keep which workers are alive."""
+"""Return each job a queue, and keep which workers are alive."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ class _Pipe(io.RawIOBase):
         self.blocks: list[bytes] = []
 
     def writable(self) -> bool:
-        """Say that it can be written to."""
+        """Describe that it can be written to."""
         return True
 
     def write(self, block: bytes) -> int:  # type: ignore[override]

@@ -156,14 +156,14 @@ SQUARE: dict[str, JsonValue] = {
 
 
 class PanelsIn(BaseModel):
-    """Hold the panels and seams of a document."""
+    """Describe the panels and seams of a document."""
 
     model_config = ConfigDict(extra="allow")
     panels: dict[str, dict[str, Any]] = Field(min_length=1)
 
 
 class DocumentIn(BaseModel):
-    """Hold a GarmentCode or NeuralTailor pattern; docs/edit.md tells what is in it."""
+    """Describe a GarmentCode or NeuralTailor pattern; docs/edit.md tells what is in it."""
 
     model_config = ConfigDict(extra="allow", json_schema_extra={"example": SQUARE})
     pattern: PanelsIn

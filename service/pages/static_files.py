@@ -41,7 +41,7 @@ SMALL = 1024
 
 @dataclass(frozen=True)
 class StaticFile:
-    """Hold one file as it is sent.
+    """Describe one file as it is sent.
 
     Attributes:
         content: Its bytes.

@@ -33,7 +33,7 @@ MOST_JSON = 4 * 1024**2
 
 @dataclass(frozen=True)
 class Picture:
-    """Hold one picture of a report: what it shows, `png` or `gif`, and its bytes."""
+    """Describe one picture of a report: what it shows, `png` or `gif`, and its bytes."""
 
     title: str
     kind: str

@@ -49,6 +49,6 @@ def address(settings) -> Iterator[str]:
 
 @pytest.fixture
 def client(address, settings) -> Iterator[httpx.Client]:
-    """Give a client of the served home, as the local user."""
+    """Return a client of the served home, as the local user."""
     with httpx.Client(base_url=address, timeout=30.0, headers=local_user(settings)) as opened:
         yield opened

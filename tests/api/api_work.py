@@ -15,7 +15,7 @@ FACES = "element face {}\nproperty list uchar int vertex_indices\nend_header\n"
 
 
 def make_ply(mark: float = 0.0) -> bytes:
-    """Give a small ASCII PLY of a tetrahedron; its bytes differ by mark."""
+    """Return a small ASCII PLY of a tetrahedron; its bytes differ by mark."""
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1 + mark]])
     faces = ["3 0 2 1", "3 0 1 3", "3 0 3 2", "3 1 2 3"]
     lines = [" ".join(f"{v:.6f}" for v in p) for p in points] + faces
@@ -56,7 +56,7 @@ def make_key(database, name: str, *scopes: str, quota: int = 100) -> dict[str, s
 
 
 def code_of(answer) -> str:
-    """Give a problem's code, after a look at its form."""
+    """Return a problem's code, after a look at its form."""
     assert answer.headers["content-type"] == "application/problem+json", answer.text
     found = json.loads(answer.content)
     assert found["status"] == answer.status_code and found["type"] == f"urn:garmentq:{found['code']}"

@@ -42,7 +42,7 @@ CHECKS = [
 
 @pytest.fixture(scope="module")
 def service(tmp_path_factory, blank_database):
-    """Give a service in this process, a key to it, and what it knows: jobs, uploads, a template, another key."""
+    """Return a service in this process, a key to it, and what it knows: jobs, uploads, a template, another key."""
     folder = tmp_path_factory.mktemp("made_up")
     chosen = make_settings(folder / "home")
     chosen.home.mkdir()

@@ -32,7 +32,7 @@ def shells():
 
 
 def make_npy(values: np.ndarray) -> bytes:
-    """Give an array as the bytes of an .npy file."""
+    """Return an array as the bytes of an .npy file."""
     out = io.BytesIO()
     np.save(out, values)
     return out.getvalue()

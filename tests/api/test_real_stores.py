@@ -37,7 +37,7 @@ def bucket_server():
 
 @pytest.fixture(params=["folder", "s3"])
 def chosen(request, settings, monkeypatch):
-    """Give settings with each kind of store."""
+    """Return settings with each kind of store."""
     if request.param == "folder":
         return settings
     monkeypatch.setenv("AWS_ACCESS_KEY_ID", "x")

@@ -22,7 +22,7 @@ from garmentq_standin import make_recovery  # noqa: F401
 
 @pytest.fixture
 def remote(cli, address):
-    """Give a function that runs one command on the served home."""
+    """Return a function that runs one command on the served home."""
     return lambda *words, **more: cli(*words, GARMENTQ_URL=address, **more)
 
 

@@ -13,7 +13,7 @@ from garmentq.service.models import ScanRow, UploadRow
 
 @pytest.fixture
 def keys(database):
-    """Give the headers of two keys and of an administrator."""
+    """Return the headers of two keys and of an administrator."""
     return [make_key(database, name, *scopes) for name, scopes in (("a", ()), ("b", ()), ("root", ("admin",)))]
 
 

@@ -8,7 +8,7 @@ from garmentq.core.body import ExposedSurface
 
 
 def two_balls() -> tuple[np.ndarray, np.ndarray]:
-    """Give two balls of 10 cm, their centres 12 cm apart: their creases lie 8 cm from the axis."""
+    """Return two balls of 10 cm, their centres 12 cm apart: their creases lie 8 cm from the axis."""
     one, other = (trimesh.creation.icosphere(4, 0.1) for _ in range(2))
     other.apply_translation([0.12, 0.0, 0.0])
     both = trimesh.util.concatenate([one, other])

@@ -24,7 +24,7 @@ def registered() -> tuple[Body, np.ndarray, np.ndarray, np.ndarray, float]:
 
 
 def check_joints(body: Body, joints: np.ndarray) -> None:
-    """Hold a registered body's joints against the true ones: 15 mm on average, none swapped."""
+    """Describe a registered body's joints against the true ones: 15 mm on average, none swapped."""
     error = np.linalg.norm(body.joints - joints, axis=1)
     assert error.mean() < 0.015
     for left, right in (("left_hip", "right_hip"), ("left_foot", "right_foot"), ("left_wrist", "right_wrist")):

@@ -10,7 +10,7 @@ from garmentq.core.body import JOINTS, Body, builtin_body, rest_body, skin, unsk
 
 @pytest.fixture(scope="module")
 def body() -> Body:
-    """Give a body whose arms hang, so that its pose differs from its rest pose."""
+    """Return a body whose arms hang, so that its pose differs from its rest pose."""
     return builtin_body("builtin:female,pose=A")
 
 

@@ -16,7 +16,7 @@ TEMPLATE = load_template()
 
 
 def arrays(seed: int = 0) -> dict[str, np.ndarray]:
-    """Give a model of SMPL's format with the built-in body's surface, and a person bent at the elbows."""
+    """Return a model of SMPL's format with the built-in body's surface, and a person bent at the elbows."""
     rng = np.random.default_rng(seed)
     count = len(TEMPLATE.vertices)
     regressor = np.zeros((24, count))
@@ -40,7 +40,7 @@ def arrays(seed: int = 0) -> dict[str, np.ndarray]:
 
 
 def pose_slowly(data: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Give vertices and joints by the paper's equations, joint by joint with homogeneous matrices."""
+    """Return vertices and joints by the paper's equations, joint by joint with homogeneous matrices."""
     shaped = data["v_template"] + np.einsum("nkb,b->nk", data["shapedirs"], data["betas"])
     joints = data["J_regressor"] @ shaped
     turns = Rotation.from_rotvec(data["pose"].reshape(24, 3)).as_matrix()

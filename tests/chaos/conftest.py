@@ -48,7 +48,7 @@ def nursery():
 
 @pytest.fixture
 def start_worker(nursery, settings, marks):  # noqa: F811
-    """Give a context in which a worker of one job at a time runs; what is left of it at the end is killed."""
+    """Return a context in which a worker of one job at a time runs; what is left of it at the end is killed."""
 
     @contextmanager
     def start(*arguments, **changes):

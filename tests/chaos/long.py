@@ -91,7 +91,7 @@ def restart_broker(settings) -> None:
 
 
 def lock_sqlite(settings, seconds: float) -> None:
-    """Hold SQLite's write lock for a while from a process of its own."""
+    """Describe SQLite's write lock for a while from a process of its own."""
     code = (
         "import sqlite3, sys, time\nc = sqlite3.connect(sys.argv[1], timeout=60, isolation_level=None)\n"
         f"c.execute('begin exclusive')\ntime.sleep({seconds})\n"
@@ -125,7 +125,7 @@ def wait_for_store(settings) -> Path:
 
 @dataclass(frozen=True)
 class Pace:
-    """Say when a process is killed: after so many seconds, and not before so many more jobs have ended.
+    """Describe when a process is killed: after so many seconds, and not before so many more jobs have ended.
 
     A quick test counts jobs only, so that a machine that hardly moves is not killed faster than it can start.
 

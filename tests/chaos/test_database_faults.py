@@ -37,7 +37,7 @@ def never() -> bool:
 
 
 def hooks_of(database, store, held):
-    """Give a claim's hooks without a running watch."""
+    """Return a claim's hooks without a running watch."""
     return make_hooks(database, store, held, Watch(database, held, 30.0, 1.0, 60.0, never))
 
 

@@ -29,12 +29,12 @@ SHORT = {"lease_seconds": 2.0, "max_attempts": 20}
 
 
 def kinds(database, job):
-    """Give the kinds of a job's events that are no progress."""
+    """Return the kinds of a job's events that are no progress."""
     return [event.kind for event in read_events(database, job) if event.kind != "progress"]
 
 
 def steps(path: Path):
-    """Give (step, process) of every step that was really done."""
+    """Return (step, process) of every step that was really done."""
     lines = path.read_text().splitlines() if path.exists() else []
     return [(int(step), int(process)) for step, process in (line.split() for line in lines if len(line.split()) == 2)]
 

@@ -22,7 +22,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def walk(command, path=("garmentq",)):
-    """Give every command with its words."""
+    """Return every command with its words."""
     yield path, command
     if isinstance(command, click.Group):
         context = click.Context(command)

@@ -20,7 +20,7 @@ def swell(points: np.ndarray) -> np.ndarray:
 
 
 def make_target(vertices, faces, contours) -> Target:
-    """Give a target with area-weighted normals."""
+    """Return a target with area-weighted normals."""
     mesh = trimesh.Trimesh(vertices, faces, process=False)
     normals = trimesh.geometry.weighted_vertex_normals(
         len(vertices), mesh.faces, mesh.face_normals, np.repeat(mesh.area_faces[:, None], 3, axis=1)
@@ -30,13 +30,13 @@ def make_target(vertices, faces, contours) -> Target:
 
 @pytest.fixture(scope="session")
 def to_target():
-    """Give the maker of targets."""
+    """Return the maker of targets."""
     return make_target
 
 
 @pytest.fixture(scope="session")
 def scene(tube, tube_pattern):
-    """Give (garment, target, body): edges of 2.5 cm, a target of 2 cm edges, a thin egg as the body."""
+    """Return (garment, target, body): edges of 2.5 cm, a target of 2 cm edges, a thin egg as the body."""
     garment = tube(tube_pattern(), edge_length=0.025)
     other = tube(tube_pattern(), edge_length=0.02)
     egg = trimesh.creation.icosphere(subdivisions=3, radius=0.12)
@@ -46,7 +46,7 @@ def scene(tube, tube_pattern):
 
 @pytest.fixture(scope="session")
 def rms():
-    """Give the RMS distances [mm] between a mesh and a target, (ours to theirs, theirs to ours)."""
+    """Return the RMS distances [mm] between a mesh and a target, (ours to theirs, theirs to ours)."""
 
     def measure(nodes, faces, target):
         found = measure_distance(nodes, faces, target.vertices, target.faces, samples=5000)
@@ -57,7 +57,7 @@ def rms():
 
 @pytest.fixture(scope="session")
 def fitted(scene):
-    """Give the default result on the scene."""
+    """Return the default result on the scene."""
     from garmentq.core.deform import deform
 
     return deform(*scene)

@@ -15,7 +15,7 @@ MARGIN = 1e-3
 
 @pytest.fixture(scope="module")
 def sheet():
-    """Give a flat sheet of 30 cm in the plane x = 0 with edges of 1.5 cm: nodes, faces, gradient operator and areas."""
+    """Return a flat sheet of 30 cm in the plane x = 0 with edges of 1.5 cm: nodes, faces, gradients and areas."""
     count = 21
     u, v = np.meshgrid(np.arange(count), np.arange(count), indexing="ij")
     flat = np.stack([u.ravel(), v.ravel()], axis=1) * 0.015 - 0.15
@@ -32,7 +32,7 @@ def sheet():
 
 
 def two_balls(distance: float) -> ExposedSurface:
-    """Give two balls of 10 cm beside each other, their centres so far apart [m]."""
+    """Return two balls of 10 cm beside each other, their centres so far apart [m]."""
     balls = [trimesh.creation.icosphere(4, 0.1) for _ in range(2)]
     for ball, side in zip(balls, (-1, 1), strict=True):
         ball.apply_translation([side * 0.5 * distance, 0.0, 0.0])

@@ -10,7 +10,7 @@ from garmentq.core.mesh import gradient_operator, self_intersections
 
 @pytest.fixture(scope="module")
 def sheet():
-    """Give a flat sheet of 30 cm with edges of 1.5 cm: nodes, faces, gradient operator and areas."""
+    """Return a flat sheet of 30 cm with edges of 1.5 cm: nodes, faces, gradient operator and areas."""
     count = 21
     u, v = np.meshgrid(np.arange(count), np.arange(count), indexing="ij")
     nodes = np.stack([u.ravel() * 0.015, v.ravel() * 0.015, np.zeros(count**2)], axis=1)

@@ -28,7 +28,7 @@ CONTOURS = {
 
 @cache
 def wearer_in(pose: str) -> WearerGeometry:
-    """Give the built-in body in a pose with its distance grids."""
+    """Return the built-in body in a pose with its distance grids."""
     return find_wearer("builtin:female,height=1.70" + (f",pose={pose}" if pose != "T" else ""))
 
 

@@ -12,7 +12,7 @@ from garmentq.core.mesh import self_intersections, undo_crossings
 
 
 def lattice(count: int, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Give a level square sheet of count x count nodes."""
+    """Return a level square sheet of count x count nodes."""
     i, j = np.meshgrid(np.arange(count), np.arange(count), indexing="ij")
     nodes = np.column_stack([step * i.ravel(), np.zeros(i.size), step * j.ravel()])
     at = np.arange(count * count).reshape(count, count)
@@ -21,7 +21,7 @@ def lattice(count: int, step: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def threads_of(nodes: np.ndarray, faces: np.ndarray) -> Threads:
-    """Give the edges of a mesh at rest as constraints."""
+    """Return the edges of a mesh at rest as constraints."""
     edges = np.unique(np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
     lengths = np.linalg.norm(nodes[edges[:, 0]] - nodes[edges[:, 1]], axis=1)
     return Threads(edges, lengths, np.ones(len(edges)), np.ones(len(nodes)), faces, edges)

@@ -34,14 +34,14 @@ POSES = ("A", "stride", "arms-down", "seated")
 
 @cache
 def wearer(gender: str, pose: str) -> tuple[Body, DistanceGrid]:
-    """Give the built-in body in a pose with its distance grid."""
+    """Return the built-in body in a pose with its distance grid."""
     body = builtin_body(f"{STATURES[gender]},pose={pose}")
     return body, DistanceGrid.from_mesh(body.vertices, body.faces)
 
 
 @cache
 def way(gender: str, pose: str) -> Way:
-    """Give a body's frames into a pose."""
+    """Return a body's frames into a pose."""
     return Way.of(wearer(gender, pose)[0], outside(gender, pose))
 
 
@@ -78,12 +78,12 @@ def choose_cases() -> Iterator[object]:
 
 @cache
 def outside(gender: str, pose: str) -> ExposedSurface:
-    """Give the outside of a body in a pose."""
+    """Return the outside of a body in a pose."""
     return ExposedSurface.of(wearer(gender, pose)[0])
 
 
 def depth(nodes: np.ndarray, garment: Garment, skin: ExposedSurface) -> float:
-    """Give how far the deepest node or face's middle has to go to leave a body [m]."""
+    """Return how far the deepest node or face's middle has to go to leave a body [m]."""
     return -float(skin.measure(np.concatenate([nodes, nodes[garment.faces].mean(axis=1)]))[0].min())
 
 

@@ -13,12 +13,12 @@ from garmentq.core.pieces import lay_out
 
 @pytest.fixture(scope="module")
 def garment(tube, tube_pattern):
-    """Give a rolled tube whose second panel has a name that no OBJ may hold."""
+    """Return a rolled tube whose second panel has a name that no OBJ may hold."""
     return tube(tube_pattern(names=("front", "back\nf 1 1 1")))
 
 
 def flat_areas(uv: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Give the signed areas of flat triangles."""
+    """Return the signed areas of flat triangles."""
     a, b, c = (uv[faces[:, k]] for k in range(3))
     return 0.5 * ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
 

@@ -17,7 +17,7 @@ RED, BLUE = np.array([0.9, 0.1, 0.1]), np.array([0.1, 0.1, 0.9])
 
 
 def ball(centre: tuple[float, float, float], colour: np.ndarray, radius: float = 0.2) -> ColouredMesh:
-    """Give a ball."""
+    """Return a ball."""
     mesh = trimesh.creation.icosphere(subdivisions=4, radius=radius)
     return ColouredMesh(np.array(mesh.vertices) + centre, np.array(mesh.faces, dtype=np.int64), colour)
 

@@ -66,7 +66,7 @@ def parse(html: str) -> Tags:
 
 @pytest.fixture(scope="module")
 def html(tube_recovery) -> str:
-    """Give the report of a tube."""
+    """Return the report of a tube."""
     return report_html(tube_recovery())
 
 
@@ -161,7 +161,7 @@ def test_the_pattern_is_drawn_one_to_ten(html: str) -> None:
 
 @pytest.fixture(scope="module")
 def fitted(tube_recovery) -> Recovery:
-    """Give a recovery as the fit through the simulator leaves it: bending found, an unsettled drape."""
+    """Return a recovery as the fit through the simulator leaves it: bending found, an unsettled drape."""
     recovery = tube_recovery()
     estimates = (
         FabricEstimate("k", 2.345e-5, 0.3, 1.9, True, "fitted"),

@@ -352,7 +352,7 @@ def test_bands_stay_nearly_as_they_are() -> None:
     )
 
     def cost(moved: np.ndarray) -> float:
-        """Say what a millimetre across costs a control point; a panel that moves as a whole breaks no proportion."""
+        """Return what a millimetre across costs a point; a panel that moves as a whole breaks no proportion."""
         points = like.points + np.where(moved[:, None], [0.0, 1e-3], 0.0)
         away = problem.away(like.with_points(points), problem.fabric)
         return 2.0 * problem.objective(1.0, 100.0, away) / float((away != 0.0).sum())

@@ -9,7 +9,7 @@ SIDE = 30
 
 
 def flat_cloth() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Give places, normals and areas of a square metre of flat cloth, the places anywhere in the cells of a grid."""
+    """Return places, normals and areas of a square metre of flat cloth, the places anywhere in the cells of a grid."""
     grid = np.stack(np.meshgrid(np.arange(SIDE), [0.0], np.arange(SIDE)), axis=-1).reshape(-1, 3)
     places = (grid + np.random.default_rng(3).uniform(0.0, 1.0, grid.shape) * [1.0, 0.0, 1.0]) / SIDE
     return places, np.tile([0.0, 1.0, 0.0], (SIDE**2, 1)), np.full(SIDE**2, 1.0 / SIDE**2)

@@ -42,7 +42,7 @@ def check_gradient(evaluate: Evaluate, at: np.ndarray, step: float, rel: float =
 
 
 def tube(count: int, rows: int, radius: float, height: float) -> tuple[np.ndarray, np.ndarray]:
-    """Give an upright tube [m], open above and below, faces outward."""
+    """Return an upright tube [m], open above and below, faces outward."""
     angle = 2.0 * np.pi * np.arange(count) / count
     levels = np.linspace(0.0, height, rows)
     ring = np.stack([radius * np.sin(angle), np.zeros(count), radius * np.cos(angle)], axis=1)

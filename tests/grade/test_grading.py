@@ -85,7 +85,7 @@ def source():
 
 
 def size_of(pattern: Pattern) -> np.ndarray:
-    """Give width and height of the front panel."""
+    """Return width and height of the front panel."""
     return np.ptp(pattern.panel("front").points, axis=0)
 
 
@@ -178,7 +178,7 @@ def test_cancelling_stops_the_registration(source, body):
 
 
 def opened(source, category, lengths):
-    """Give a target with contours of some lengths [m], and nothing else that the choice may look at."""
+    """Return a target with contours of some lengths [m], and nothing else that the choice may look at."""
     contour = source.contours[0]
     contours = tuple(replace(contour, name=name, length=length, trusted=True) for name, length in lengths.items())
     return replace(aim(source), category=category, contours=contours)

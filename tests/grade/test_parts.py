@@ -30,7 +30,7 @@ def garment() -> Garment:
 
 
 def cost(garment: Garment, values: np.ndarray, across: float) -> float:
-    """Give the bending energy of a displacement told at the uv vertices."""
+    """Return the bending energy of a displacement told at the uv vertices."""
     on_nodes = np.zeros(len(garment.nodes))
     on_nodes[garment.uv_node] = values
     return float(on_nodes @ bending_operators(garment, across)[0] @ on_nodes)

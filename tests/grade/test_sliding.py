@@ -31,7 +31,7 @@ SIDE, FLARE, TOP, SKIRT, HEIGHT = 0.22, 0.34, 0.2, 0.3, 1.0
 
 
 def width_at(depth: np.ndarray) -> np.ndarray:
-    """Give the side of the square at a way down from the waist along the faces [m]."""
+    """Return the side of the square at a way down from the waist along the faces [m]."""
     return SIDE + (FLARE - SIDE) * np.clip((depth - TOP) / SKIRT, 0.0, 1.0)
 
 
@@ -93,7 +93,7 @@ def target() -> Target:
 
 
 def areas(pattern: Pattern) -> np.ndarray:
-    """Give the panels' areas [m2]."""
+    """Return the panels' areas [m2]."""
     return np.array([panel_area(panel) for panel in pattern.panels])
 
 

@@ -9,7 +9,7 @@ BY_NAME = {damage.name: damage for damage in DAMAGES}
 
 
 def tube() -> tuple[np.ndarray, np.ndarray]:
-    """Give an open tube of 0.2 m radius and 0.6 m height, outward, 60 x 41 vertices."""
+    """Return an open tube of 0.2 m radius and 0.6 m height, outward, 60 x 41 vertices."""
     around, up = 60, 41
     angle, height = np.meshgrid(2 * np.pi * np.arange(around) / around, np.linspace(0.4, 1.0, up))
     vertices = np.stack([0.2 * np.sin(angle), height, 0.2 * np.cos(angle)], axis=-1).reshape(-1, 3)

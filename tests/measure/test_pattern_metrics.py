@@ -34,12 +34,12 @@ def turned(points: np.ndarray, angle: float) -> np.ndarray:
 
 
 def piece(name: str, points: np.ndarray) -> Panel:
-    """Give a panel of straight edges."""
+    """Return a panel of straight edges."""
     return Panel(name, points, tuple(Edge() for _ in points))
 
 
 def as_truth(panel: Panel) -> TruePanel:
-    """Give the same panel as an author would draw it, densely, as target packs do."""
+    """Return the same panel as an author would draw it, densely, as target packs do."""
     ends = np.roll(panel.points, -1, axis=0)
     share = np.linspace(0.0, 1.0, 9)[:, None]
     edges = tuple(a + share * (b - a) for a, b in zip(panel.points, ends, strict=True))
@@ -132,7 +132,7 @@ def test_errors_of_a_widened_panel() -> None:
 
 
 def edge_rms_of_longer_band() -> float:
-    """Give the RMS of a band of 0.8 m by 5 cm against one 20 % longer: off by 0.2 (x - 0.4) along it [m]."""
+    """Return the RMS of a band of 0.8 m by 5 cm against one 20 % longer: off by 0.2 (x - 0.4) along it [m]."""
     spread = np.linspace(-0.4, 0.4, 50)
     return float(0.2 * np.sqrt(0.5 * (0.4**2 + np.mean(spread**2))))
 

@@ -24,7 +24,7 @@ from garmentq.core.segment import Contour, find_loops
 
 
 def grid(count: int = 20, width: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
-    """Give a flat square in z = 0, facing +z."""
+    """Return a flat square in z = 0, facing +z."""
     x, y = np.meshgrid(np.linspace(0.0, width, count), np.linspace(0.0, 1.0, count))
     vertices = np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], axis=1)
     corner = (np.arange(count - 1)[:, None] * count + np.arange(count - 1)).ravel()
@@ -34,13 +34,13 @@ def grid(count: int = 20, width: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
 
 
 def sphere(radius: float, subdivisions: int = 4) -> tuple[np.ndarray, np.ndarray]:
-    """Give a fine icosphere."""
+    """Return a fine icosphere."""
     mesh = trimesh.creation.icosphere(subdivisions=subdivisions, radius=radius)
     return np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64)
 
 
 def turn(seed: int) -> np.ndarray:
-    """Give a random rotation."""
+    """Return a random rotation."""
     rotation, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
     return rotation * np.sign(np.linalg.det(rotation))
 

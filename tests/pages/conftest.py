@@ -160,7 +160,7 @@ def whole_tube(tube_recovery) -> Callable[[], Recovery]:
 
 @pytest.fixture(scope="session")
 def write_once(tmp_path_factory) -> Callable[[Recovery], Path]:
-    """Give the writer of a recovery's files, which writes equal meshes once."""
+    """Return the writer of a recovery's files, which writes equal meshes once."""
     written: dict[int, tuple[Path, Recovery]] = {}  # a recovery that is kept leaves its meshes' id to no other
 
     def write(recovery: Recovery) -> Path:
@@ -186,7 +186,7 @@ def queue_scan(services: Services, folder: Path, name: str, recovery) -> str:
 
 @pytest.fixture
 def faults() -> list[str]:
-    """Give the list of what no page may do; a test that expects a refusal takes it from there."""
+    """Return the list of what no page may do; a test that expects a refusal takes it from there."""
     return []
 
 

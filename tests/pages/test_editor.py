@@ -25,7 +25,7 @@ def opened(open_window, shirt):
 
 @pytest.fixture
 def editor(opened):
-    """Give the editor as it opens, whatever the test before did."""
+    """Return the editor as it opens, whatever the test before did."""
     opened.evaluate(
         """async () => {
             const { session } = document.querySelector('#editor');

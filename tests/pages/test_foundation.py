@@ -19,7 +19,7 @@ VENDOR = FOLDER / "vendor"
 
 @pytest.fixture
 def visitor(address, settings):
-    """Give a client of the served home that has not signed in."""
+    """Return a client of the served home that has not signed in."""
     with httpx.Client(base_url=address, timeout=30.0) as opened:
         yield opened
 
@@ -30,7 +30,7 @@ def sign_in(client, token: str):
 
 
 def read_csrf(client) -> str:
-    """Give what a page sends along with each change."""
+    """Return what a page sends along with each change."""
     page = client.get("/").text
     return page.split('name="csrf-token" content="')[1].split('"')[0]
 

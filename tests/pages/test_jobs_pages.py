@@ -22,7 +22,7 @@ HOSTILE = '"><script>alert(1)</script><img src=x onerror=alert(2)>'
 
 @pytest.fixture
 def held(site):
-    """Give a function that queues a job under a name and claims it, as a worker does."""
+    """Return a function that queues a job under a name and claims it, as a worker does."""
 
     def take(name: str):
         return claim(site.services.database, site.queue(name), "test", 600.0)

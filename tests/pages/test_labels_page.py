@@ -42,7 +42,7 @@ def window(open_window):
 
 @pytest.fixture
 def labels(window, person):
-    """Give the page as it came: what the last test changed is taken back."""
+    """Return the page as it came: what the last test changed is taken back."""
     if not window.url.endswith(f"/results/{person}/labels"):
         open_labels(window, person)
     while window.locator("#undo").is_enabled():
@@ -57,19 +57,19 @@ def open_labels(page, job: str) -> None:
 
 
 def read_labels(page) -> np.ndarray:
-    """Give the label of each point as the page has it."""
+    """Return the label of each point as the page has it."""
     return np.array(page.evaluate(f"[...{ROOT}.painting.label]"))
 
 
 def find_front(shells, part: Part, height: float) -> int:
-    """Give the point of a part that lies nearest to a height in the middle of the front."""
+    """Return the point of a part that lies nearest to a height in the middle of the front."""
     own = (shells.label == part) & (vertex_normals(shells.points, shells.faces)[:, 2] > 0.6)
     off = np.hypot(shells.points[:, 0], shells.points[:, 1] - height) + np.where(own, 0.0, 9.0)
     return int(off.argmin())
 
 
 def where(page, point) -> tuple[float, float]:
-    """Give where a point is on the screen [px]."""
+    """Return where a point is on the screen [px]."""
     page.locator("#scene").scroll_into_view_if_needed()
     return tuple(page.evaluate(f"p => {ROOT}.view.viewer.project(p)", list(map(float, point))))
 

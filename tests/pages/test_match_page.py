@@ -32,7 +32,7 @@ def window(open_window):
 
 @pytest.fixture
 def matcher(window):
-    """Give the page with a skirt beside itself, as it was proposed; it is loaded where the last test left it."""
+    """Return the page with a skirt beside itself, as it was proposed; it is loaded where the last test left it."""
     if "a=skirt&b=skirt" not in window.url:
         open_match(window, "skirt", "skirt")
     elif read_pairs(window) != PROPOSED:
@@ -52,7 +52,7 @@ def open_match(page, first: str, second: str) -> None:
 
 
 def read_pairs(page) -> list[list[str]]:
-    """Give first, second, and the four cells of each pair."""
+    """Return first, second, and the four cells of each pair."""
     return page.eval_on_selector_all(
         "#pairs tbody tr",
         "rows => rows.filter(r => r.dataset.second).map(r => [r.dataset.first, r.dataset.second,"
@@ -61,12 +61,12 @@ def read_pairs(page) -> list[list[str]]:
 
 
 def piece(page, row: int, name: str):
-    """Give a piece."""
+    """Return a piece."""
     return page.locator(f'.piece[data-row="{row}"][data-name="{name}"]')
 
 
 def place_of(page, row: int, name: str) -> tuple[float, float, float]:
-    """Give where a piece lies and how it is turned [mm, degrees]."""
+    """Return where a piece lies and how it is turned [mm, degrees]."""
     found = piece(page, row, name)
     x, y = found.get_attribute("transform")[len("translate(") : -1].split()
     return float(x), float(y), float(found.get_attribute("data-turn"))

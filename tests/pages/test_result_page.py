@@ -43,7 +43,7 @@ def worn(site, tmp_path_factory):
 
 
 def middle_of(page, selector: str, share: float = 0.5) -> tuple[float, float]:
-    """Give the point of the screen at a share of a path's length."""
+    """Return the point of the screen at a share of a path's length."""
     script = """(path, share) => { const at = path.getPointAtLength(share * path.getTotalLength())
         .matrixTransform(path.getScreenCTM()); return [at.x, at.y]; }"""
     return tuple(page.locator(selector).evaluate(script, share))

@@ -123,11 +123,11 @@ def _tee() -> dict:
 
 @pytest.fixture
 def skirt_file() -> dict:
-    """Give a fresh GarmentCode skirt."""
+    """Return a fresh GarmentCode skirt."""
     return _skirt()
 
 
 @pytest.fixture
 def tee_file() -> dict:
-    """Give a fresh T-shirt with a back, a front and two half sleeves."""
+    """Return a fresh T-shirt with a back, a front and two half sleeves."""
     return _tee()

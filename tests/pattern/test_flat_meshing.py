@@ -26,7 +26,7 @@ def _edges(faces):
 
 
 def _topology(garment):
-    """Give Euler characteristic and number of boundary loops, after checking that the mesh is an oriented manifold."""
+    """Return Euler characteristic and number of boundary loops, and check that the mesh is an oriented manifold."""
     directed = _edges(garment.faces)
     assert len(np.unique(directed, axis=0)) == len(directed), "an edge is run twice the same way"
     edges, counts = np.unique(np.sort(directed, axis=1), axis=0, return_counts=True)

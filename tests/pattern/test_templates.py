@@ -40,12 +40,12 @@ CONTOURS = {
 
 
 def sewn_edges(pattern) -> set[EdgeRef]:
-    """Give every edge that is part of a seam."""
+    """Return every edge that is part of a seam."""
     return {ref for seam in pattern.seams for ref in (seam.a, seam.b)}
 
 
 def place(panel) -> np.ndarray:
-    """Give a panel's control points in the world [m]."""
+    """Return a panel's control points in the world [m]."""
     return np.c_[panel.points, np.zeros(len(panel.points))] @ panel.rotation.T + panel.translation
 
 

@@ -28,7 +28,7 @@ TURN, SHIFT = 0.6, np.array([0.3, 0.05, -0.2])
 
 @dataclass(frozen=True)
 class Dressed:
-    """Hold a dressed person: the mesh, which vertices are cloth, the body below, its joints, and the file."""
+    """Describe a dressed person: the mesh, which vertices are cloth, the body below, its joints, and the file."""
 
     vertices: np.ndarray
     faces: np.ndarray
@@ -110,7 +110,7 @@ def test_other_ways_to_tell_cut_the_same(dressed: Dressed, pieces: Pieces, tmp_p
 
 
 def refusal(scan: Scan, selection: Selection) -> BadInput:
-    """Give what refuses a selection."""
+    """Return what refuses a selection."""
     with pytest.raises(BadInput) as caught:
         select_vertices(scan, scan.labels, selection)
     return caught.value
@@ -167,7 +167,7 @@ def test_a_scan_without_labels_or_colours_is_refused() -> None:
 
 
 def grid(side: int = 60, step: float = 0.005) -> Scan:
-    """Give a flat square of triangles."""
+    """Return a flat square of triangles."""
     x, y = np.meshgrid(np.arange(side) * step, np.arange(side) * step, indexing="ij")
     vertices = np.stack([x, y, np.zeros_like(x)], axis=-1).reshape(-1, 3)
     i, j = (part.ravel() for part in np.meshgrid(np.arange(side - 1), np.arange(side - 1), indexing="ij"))

@@ -12,7 +12,7 @@ from garmentq.core.scan import find_units, find_up, load_pair, load_scan
 
 
 def shirt():
-    """Give the trunk and upper arms of the built-in body as a garment: an open surface with four contours."""
+    """Return the trunk and upper arms of the built-in body as a garment: an open surface with four contours."""
     body = builtin_body("builtin:female,height=1.70")
     parts = [0, 3, 6, 9, 13, 14, 16, 17]
     keep = np.isin(body.weights.argmax(axis=1), parts) & (body.vertices[:, 1] > body.joints[1, 1])

@@ -65,14 +65,14 @@ class Explodes:
 
 
 def header(shape: str, kind: str = "<i8") -> bytes:
-    """Give the start of an .npy file that claims what it likes."""
+    """Return the start of an .npy file that claims what it likes."""
     text = f"{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}"
     text += " " * (117 - len(text)) + "\n"
     return b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little") + text.encode()
 
 
 def hostile() -> dict[str, bytes]:
-    """Give files that want to be unpickled, to fill the memory, or that are not what they are called."""
+    """Return files that want to be unpickled, to fill the memory, or that are not what they are called."""
     pickled = io.BytesIO()
     np.save(pickled, np.array([Explodes(), 1], dtype=object), allow_pickle=True)
     packed = io.BytesIO()

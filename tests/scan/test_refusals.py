@@ -13,7 +13,7 @@ from garmentq.core.scan import Limits, load_pair, load_scan
 
 
 def tube(radius=0.2, height=0.6, around=24, rows=13):
-    """Give an open tube around y: a garment as simple as can be."""
+    """Return an open tube around y: a garment as simple as can be."""
     angle = 2 * np.pi * np.arange(around) / around
     y = np.linspace(0.0, height, rows)
     vertices = np.stack(
@@ -56,7 +56,7 @@ def glb(tree, binary=b"\0" * 64):
 
 
 def zipped():
-    """Give the bytes of a zip archive."""
+    """Return the bytes of a zip archive."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
         archive.writestr("3D/3dmodel.model", "<model/>")
@@ -64,7 +64,7 @@ def zipped():
 
 
 def gltf_tree(**changes):
-    """Give a small glTF tree with one triangle."""
+    """Return a small glTF tree with one triangle."""
     tree = {
         "asset": {"version": "2.0"},
         "buffers": [{"byteLength": 64}],

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 
 def tube(around=16, rows=9, radius=0.2, height=0.6):
-    """Give an open, outward tube around y."""
+    """Return an open, outward tube around y."""
     angle = 2 * np.pi * np.arange(around) / around
     ring = np.stack([radius * np.sin(angle), np.zeros(around), radius * np.cos(angle)], axis=1)
     vertices = np.concatenate([ring + [0, y, 0] for y in np.linspace(0, height, rows)])
@@ -22,7 +22,7 @@ def tube(around=16, rows=9, radius=0.2, height=0.6):
 
 
 def is_clean(vertices, faces):
-    """Tell whether every edge has one or two faces that run against each other, and every vertex one fan."""
+    """Return whether every edge has one or two faces that run against each other, and every vertex one fan."""
     edges = HalfEdges.of(faces)
     keys = edges.tail * len(vertices) + edges.head
     return edges.face_counts.max() <= 2 and len(np.unique(keys)) == len(keys)

@@ -59,7 +59,7 @@ def hang_tube(body, top, bottom, around=48, rows=20, wave=0.0):
 
 @pytest.fixture(scope="session")
 def wearers():
-    """Give the built-in body in three poses."""
+    """Return the built-in body in three poses."""
     return {
         "T": builtin_body("builtin:female,height=1.70,pose=T"),
         "A": builtin_body("builtin:male,height=1.82,pose=A"),
@@ -69,11 +69,11 @@ def wearers():
 
 @pytest.fixture(scope="session")
 def skin():
-    """Give the maker of garments cut out of a body's skin."""
+    """Return the maker of garments cut out of a body's skin."""
     return cut_skin
 
 
 @pytest.fixture(scope="session")
 def hung():
-    """Give the maker of tubes around the trunk."""
+    """Return the maker of tubes around the trunk."""
     return hang_tube

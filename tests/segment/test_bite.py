@@ -9,13 +9,13 @@ from garmentq.core.segment.bite import bridge_bays, bridge_bites
 
 
 def rim(count=160, radius=0.2):
-    """Give a hem seen from above, counter-clockwise: the garment lies above it."""
+    """Return a hem seen from above, counter-clockwise: the garment lies above it."""
     angle = -2 * np.pi * np.arange(count) / count
     return np.stack([radius * np.cos(angle), 0 * angle, radius * np.sin(angle)], axis=1)
 
 
 def torn(points, start=40, mouth=4, depth=0.12):
-    """Give a hem with a slit-shaped tear upward whose mouth spans a few points."""
+    """Return a hem with a slit-shaped tear upward whose mouth spans a few points."""
     up = np.linspace(0, depth, 13)[1:, None] * [0.0, 1.0, 0.0]
     first, last = points[start], points[start + mouth]
     tear = np.concatenate([first + up, last + up[::-1]])

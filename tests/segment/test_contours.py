@@ -20,7 +20,7 @@ NAMES = {
 
 
 def names_of(contours):
-    """Give the set of names."""
+    """Return the set of names."""
     return {contour.name for contour in contours}
 
 

@@ -9,7 +9,7 @@ AROUND = 48
 
 
 def trust(vertices, faces, body):
-    """Give each contour's trust by name."""
+    """Return each contour's trust by name."""
     contours, _ = name_contours(vertices, faces, body, scanned=True)
     return {contour.name: contour.trusted for contour in contours}
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 
 def grid(size):
-    """Give a flat square grid of counter-clockwise triangles, [size + 1] squared vertices."""
+    """Return a flat square grid of counter-clockwise triangles, [size + 1] squared vertices."""
     i, j = np.meshgrid(np.arange(size), np.arange(size), indexing="ij")
     a = (i * (size + 1) + j).ravel()
     b, c, d = a + 1, a + size + 1, a + size + 2
@@ -19,7 +19,7 @@ def grid(size):
 
 
 def signed_area(points):
-    """Give the area of a loop in the plane, positive when counter-clockwise."""
+    """Return the area of a loop in the plane, positive when counter-clockwise."""
     x, y = points[:, 0], points[:, 1]
     return 0.5 * float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
 
@@ -96,7 +96,7 @@ def test_loops_hold_every_boundary_edge_once(squares, seed):
 
 
 def circle(radius, count, tilt=0.0):
-    """Give points on a circle, tilted about x."""
+    """Return points on a circle, tilted about x."""
     angle = 2 * np.pi * np.arange(count) / count
     return radius * np.stack([np.cos(angle), np.sin(angle) * np.sin(tilt), np.sin(angle) * np.cos(tilt)], axis=1)
 

@@ -9,7 +9,7 @@ AROUND, UP, EDGE = 72, 43, 0.014
 
 
 def tube(fold: float = 0.005) -> tuple[np.ndarray, np.ndarray]:
-    """Give an open tube with edges of about 14 mm and folds of so many metres, 9 cm apart."""
+    """Return an open tube with edges of about 14 mm and folds of so many metres, 9 cm apart."""
     angle, height = np.meshgrid(2 * np.pi * np.arange(AROUND) / AROUND, EDGE * np.arange(UP))
     radius = EDGE * AROUND / (2 * np.pi) + fold * np.cos(11 * angle)
     vertices = np.stack([radius * np.sin(angle), height, radius * np.cos(angle)], axis=-1).reshape(-1, 3)
@@ -19,7 +19,7 @@ def tube(fold: float = 0.005) -> tuple[np.ndarray, np.ndarray]:
 
 
 def rms(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> float:
-    """Give the RMS distance of points to a surface [m]."""
+    """Return the RMS distance of points to a surface [m]."""
     return float(np.sqrt(igl.point_mesh_squared_distance(points, vertices, faces)[0].mean()))
 
 

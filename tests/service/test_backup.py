@@ -26,7 +26,7 @@ def database_kind():
 
 @pytest.fixture
 def filled(database, store, queue_job, tmp_path):
-    """Give the ids of a finished, a running and a queued job."""
+    """Return the ids of a finished, a running and a queued job."""
     done, running, queued = (queue_job(name) for name in ("done", "running", "queued"))
     request = type("R", (), {"scan": tmp_path / "done.ply", "settings": type("S", (), {"fabric": "x", "seed": 0})})
     files = tmp_path / "files"

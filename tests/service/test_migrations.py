@@ -27,7 +27,7 @@ from sqlalchemy import MetaData, Table, create_engine, insert, inspect, select, 
 
 
 def describe(engine):
-    """Give everything about the tables that the two ways could differ in."""
+    """Return everything about the tables that the two ways could differ in."""
     found = inspect(engine)
     tables = {}
     for name in sorted(set(found.get_table_names()) - {"alembic_version"}):

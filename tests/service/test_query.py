@@ -36,7 +36,7 @@ KNOWN = {
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory, blank_database, database_kind):
-    """Give one home to all these tests: none of them changes anything."""
+    """Return one home to all these tests: none of them changes anything."""
     home = tmp_path_factory.mktemp("results")
     shutil.copy(blank_database, home / "garmentq.db")
     return home
@@ -79,7 +79,7 @@ def results(database, store, folder):
 
 
 def names(rows):
-    """Give the scans' names."""
+    """Return the scans' names."""
     return [row.name for row in rows]
 
 

@@ -31,7 +31,7 @@ def server():
 
 @pytest.fixture(params=["folder", "s3", "s3 with a prefix"])
 def kept(request, tmp_path, monkeypatch):
-    """Give each kind of store, empty."""
+    """Return each kind of store, empty."""
     if request.param == "folder":
         opened = open_store(make_settings(tmp_path))
         opened.prepare()

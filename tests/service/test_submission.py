@@ -18,7 +18,7 @@ from garmentq_home import put_file
 
 @pytest.fixture
 def order(tmp_path):
-    """Give an order for a shirt."""
+    """Return an order for a shirt."""
     return Order(put_file(tmp_path, "shirt.ply"), put_file(tmp_path, "body.ply"))
 
 

@@ -9,7 +9,7 @@ from garmentq.core.simulate import BendingFriction, Energy, Fabric, Friction, In
 
 
 def make_sheet(columns: int, rows: int, width: float, height: float) -> tuple[np.ndarray, np.ndarray]:
-    """Give flat points [columns * rows, 2] and counter-clockwise faces of a rectangle of right triangles."""
+    """Return flat points [columns * rows, 2] and counter-clockwise faces of a rectangle of right triangles."""
     u, v = np.meshgrid(np.linspace(0, width, columns), np.linspace(0, height, rows), indexing="ij")
     i = np.arange(columns * rows).reshape(columns, rows)
     a, b, c, d = i[:-1, :-1].ravel(), i[1:, :-1].ravel(), i[1:, 1:].ravel(), i[:-1, 1:].ravel()

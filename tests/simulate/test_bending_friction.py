@@ -32,7 +32,7 @@ def strip(sheet):
 
 
 def droop(strip, cloth, moment: float) -> float:
-    """Give by how much the free end sinks [m]."""
+    """Return by how much the free end sinks [m]."""
     topology, nodes, pins = strip
     limp = replace(cloth, k=1e-7)
     folds = BendingFriction.at(topology, nodes, moment) if moment else None

@@ -96,7 +96,7 @@ def differ(sheet: Sheet, derivative, scene: Scene, nodes: np.ndarray, steps: np.
 
 
 def step_sizes(parameters: Parameters, shape_step: float, log_step: float) -> np.ndarray:
-    """Give a step for each parameter."""
+    """Return a step for each parameter."""
     first = parameters.shape.shape[1]
     return np.repeat([shape_step, log_step], [first, parameters.count - first])
 

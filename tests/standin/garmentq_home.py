@@ -46,7 +46,7 @@ SQLITE_BY_DAY = pytest.mark.parametrize(
 
 
 def make_settings(home: Path, **changes) -> ServiceSettings:
-    """Give settings with short times and the stand-in pipeline."""
+    """Return settings with short times and the stand-in pipeline."""
     quick = {
         "lease_seconds": 2.0,
         "poll_seconds": 0.2,
@@ -60,7 +60,7 @@ def make_settings(home: Path, **changes) -> ServiceSettings:
 
 
 def make_environment(settings: ServiceSettings) -> dict[str, str]:
-    """Give the environment of a command that uses these settings."""
+    """Return the environment of a command that uses these settings."""
     path = os.pathsep.join(part for part in (str(STANDIN), os.environ.get("PYTHONPATH", "")) if part)
     return {**os.environ, **settings.as_environment(), "PYTHONPATH": path, "COLUMNS": "200"}
 
@@ -133,7 +133,7 @@ def postgres(request: pytest.FixtureRequest) -> str:
 
 @pytest.fixture(scope="session")
 def postgres_server(postgres: str, request: pytest.FixtureRequest) -> PostgresServer:
-    """Give that server itself; whoever stops it must start it again."""
+    """Return that server itself; whoever stops it must start it again."""
     return request.config.stash[SERVER]
 
 
@@ -179,7 +179,7 @@ def database_kind() -> str:
 
 @pytest.fixture
 def database_url(database_kind: str, request: pytest.FixtureRequest) -> Iterator[str]:
-    """Give the address of a fresh database with all tables; empty for SQLite, which lives in the home."""
+    """Return the address of a fresh database with all tables; empty for SQLite, which lives in the home."""
     if database_kind == "sqlite":
         yield ""
         return
@@ -192,7 +192,7 @@ def database_url(database_kind: str, request: pytest.FixtureRequest) -> Iterator
 def settings(
     tmp_path: Path, blank_database: Path, database_url: str, monkeypatch: pytest.MonkeyPatch
 ) -> ServiceSettings:
-    """Give a fresh home."""
+    """Return a fresh home."""
     monkeypatch.syspath_prepend(str(STANDIN))
     home = tmp_path / "home"
     home.mkdir(mode=0o700)
@@ -217,13 +217,13 @@ def store(settings: ServiceSettings) -> Store:
 
 @pytest.fixture
 def cli(settings: ServiceSettings) -> Cli:
-    """Give the command line for the home."""
+    """Return the command line for the home."""
     return Cli(settings)
 
 
 @pytest.fixture
 def queue_job(settings: ServiceSettings, database: Database, store: Store, tmp_path: Path) -> Callable[..., str]:
-    """Give a function that queues a job for a scan of a name."""
+    """Return a function that queues a job for a scan of a name."""
 
     def queue(name: str = "shirt", **changes) -> str:
         body = put_file(tmp_path, "body.ply")

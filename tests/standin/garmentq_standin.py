@@ -71,7 +71,7 @@ def write(recovery: Recovery, folder: Path) -> list[Path]:
 
 
 def hold_gate(marks: Path, step: int) -> None:
-    """Hold back the gated jobs of a marks file before a step; it is replaced whole, so no reader sees half of it."""
+    """Stop the gated jobs of a marks file before a step; it is replaced whole, so no reader sees half of it."""
     fresh = marks.with_suffix(".fresh")
     fresh.write_text(str(step))
     fresh.replace(marks.with_suffix(".gate"))

@@ -47,7 +47,7 @@ class PostgresServer:
         shutil.rmtree(self.runtime, ignore_errors=True)
 
     def _options(self) -> str:
-        """Give the options of the first start, which the wheel passed on the command line."""
+        """Return the options of the first start, which the wheel passed on the command line."""
         lines = (self.data / "postmaster.opts").read_text().strip().split(" ", 1)
         return lines[1].replace('"', "'") if len(lines) > 1 else ""
 

@@ -19,7 +19,7 @@ TROUSERS = ("pelvis", "left_hip", "right_hip", "left_knee", "right_knee")
 
 @dataclass(frozen=True)
 class Shells:
-    """Hold a dressed person.
+    """Describe a dressed person.
 
     Attributes:
         points: Positions [m], shape [n, 3].

@@ -58,7 +58,7 @@ class Worker:
         self._nursery, self.pid, self.returncode = nursery, pid, None
 
     def poll(self) -> int | None:
-        """Give the exit status (minus the signal's number), or None while it runs."""
+        """Return the exit status (minus the signal's number), or None while it runs."""
         if self.returncode is None:
             self.returncode = self._nursery.ask({"poll": self.pid})
         return self.returncode

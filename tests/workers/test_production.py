@@ -22,7 +22,7 @@ BLOCK = re.search(r"## Production\n.*?```\n(.*?)```", (ROOT / "README.md").read_
 
 
 def read_block(values):
-    """Give what is typed in every shell, in the first, and in the second, with the addresses put in."""
+    """Return what is typed in every shell, in the first, and in the second, with the addresses put in."""
     parts = re.split(r"^# .*\n", BLOCK, flags=re.MULTILINE)
     assert len(parts) == 4 and parts[0] == ""
     exports = parts[1]

@@ -29,7 +29,7 @@ def environment(settings, monkeypatch, tmp_path):
 
 
 def read_marks(path):
-    """Give (step, process) of every step that was really done."""
+    """Return (step, process) of every step that was really done."""
     if not path.exists():
         return []
     return [(int(step), int(process)) for step, process in (line.split() for line in path.read_text().splitlines())]

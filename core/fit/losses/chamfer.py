@@ -56,7 +56,7 @@ class ChamferLoss:
         return cls(goal, weights, share, garment.faces, flat_shares(garment))
 
     def evaluate(self, nodes: np.ndarray) -> tuple[float, np.ndarray]:
-        """Give L [m2] and dL/dx [m], shape [node_count, 3], at nodes [m], shape [node_count, 3].
+        """Return L [m2] and dL/dx [m], shape [node_count, 3], at nodes [m], shape [node_count, 3].
 
         The closest points move with the nodes, but the distance is stationary in them (envelope theorem): the gradient
         is exact wherever the closest points are unique.
@@ -77,6 +77,6 @@ class ChamferLoss:
 
 
 def flat_shares(garment: Garment) -> np.ndarray:
-    """Give each node's share of the flat panels' area, shape [node_count]; sums to 1."""
+    """Return each node's share of the flat panels' area, shape [node_count]; sums to 1."""
     areas = np.abs(signed_areas(garment.rest))
     return lump(areas, garment.faces, len(garment.nodes)) / areas.sum()

@@ -48,7 +48,7 @@ class ContourLoss:
         return cls(tuple(loops), tuple(goals), tuple(lengths))
 
     def evaluate(self, nodes: np.ndarray) -> tuple[float, np.ndarray]:
-        """Give L [m2] and dL/dx [m], shape [node_count, 3]; exact where closest points are unique."""
+        """Return L [m2] and dL/dx [m], shape [node_count, 3]; exact where closest points are unique."""
         value, gradient = 0.0, np.zeros_like(nodes)
         for loop, goal, length in zip(self.loops, self.goals, self.lengths, strict=True):
             weight = length / (2.0 * sum(self.lengths))

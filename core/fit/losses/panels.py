@@ -60,7 +60,7 @@ class PanelLoss:
         return cls(map_controls(garment), garment.uv, garment.uv_faces, rows[:, 0], rows[:, 1], rows[:, 2], turns, arms)
 
     def evaluate(self, points: np.ndarray) -> tuple[float, np.ndarray]:
-        """Give L [m2] and dL/dc [m], shape [point_count, 2], at all control points [m], shape [point_count, 2]."""
+        """Return L [m2] and dL/dc [m], shape [point_count, 2], at all control points [m], shape [point_count, 2]."""
         value, gradient = self._folds(points)
         if len(self.here):
             one, two = points[self.here] - points[self.before], points[self.after] - points[self.here]
@@ -75,7 +75,7 @@ class PanelLoss:
         return value, gradient
 
     def _folds(self, points: np.ndarray) -> tuple[float, np.ndarray]:
-        """Give the first sum and its gradient."""
+        """Return the first sum and its gradient."""
         at = self.control.apply(points - self.control.points) + self.uv
         start = signed_areas(self.uv[self.uv_faces])
         corners = at[self.uv_faces]
@@ -121,7 +121,7 @@ def _centre_lines(like: Pattern, symmetry: Symmetry) -> set[tuple[str, int]]:
 
 
 def _tangent_turn(panel: Panel, index: int) -> float:
-    """Give by how much the drawn outline turns at a control point [rad], curves' own directions counted."""
+    """Return by how much the drawn outline turns at a control point [rad], curves' own directions counted."""
     segments = 64
     into = edge_points(panel, (index - 1) % len(panel.points), segments)
     out = edge_points(panel, index, segments)
@@ -129,7 +129,7 @@ def _tangent_turn(panel: Panel, index: int) -> float:
 
 
 def _turn(one: np.ndarray, two: np.ndarray) -> np.ndarray:
-    """Give the signed angle from directions to directions [rad], shape [n]."""
+    """Return the signed angle from directions to directions [rad], shape [n]."""
     cross = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
     return np.asarray(np.arctan2(cross, (one * two).sum(1)))
 
@@ -140,5 +140,5 @@ def _wrap(angle: np.ndarray) -> np.ndarray:
 
 
 def _slope(way: np.ndarray) -> np.ndarray:
-    """Give the derivative of directions' angles by them [1/m], shape [n, 2]."""
+    """Return the derivative of directions' angles by them [1/m], shape [n, 2]."""
     return np.stack([-way[:, 1], way[:, 0]], axis=1) / (way**2).sum(1, keepdims=True)

@@ -35,7 +35,7 @@ class PlaneLoss:
         return cls(TriangleSurface(vertices, faces), flat_shares(garment))
 
     def evaluate(self, nodes: np.ndarray) -> tuple[float, np.ndarray]:
-        """Give L [m2] and dL/dx [m], shape [node_count, 3]; exact where the nearest face stays the same."""
+        """Return L [m2] and dL/dx [m], shape [node_count, 3]; exact where the nearest face stays the same."""
         found = self.goal.closest(nodes)
         normal = self.goal.face_normals[found.face]
         inside = ~self.goal.border_faces[found.face]

@@ -46,7 +46,7 @@ class RangeLoss:
         return cls(np.minimum(low, own), np.maximum(high, own))
 
     def evaluate(self, logs: np.ndarray) -> tuple[float, np.ndarray]:
-        """Give L and its gradient, shape [5], at the logarithms of the stiffnesses, shape [5]."""
+        """Return L and its gradient, shape [5], at the logarithms of the stiffnesses, shape [5]."""
         below, above = np.maximum(self.low - logs, 0.0), np.maximum(logs - self.high, 0.0)
         coupled = max(float(logs[1] - 0.5 * (logs[0] + logs[2]) - np.log(COUPLING)), 0.0)
         gradient = 2.0 * (above - below)
@@ -55,5 +55,5 @@ class RangeLoss:
 
 
 def logarithms(fabric: Fabric) -> np.ndarray:
-    """Give ln of `STIFFNESSES`, shape [5]."""
+    """Return ln of `STIFFNESSES`, shape [5]."""
     return np.log([getattr(fabric, name) for name in STIFFNESSES])

@@ -45,18 +45,18 @@ class RegisteredLoss:
         return cls(garment.nodes, normals, weights)
 
     def value(self, nodes: np.ndarray) -> float:
-        """Give L [m2] at nodes [m], shape [node_count, 3]."""
+        """Return L [m2] at nodes [m], shape [node_count, 3]."""
         return 0.5 * float(((nodes - self.target) * self.gradient(nodes)).sum())
 
     def gradient(self, nodes: np.ndarray) -> np.ndarray:
-        """Give dL/dx [m], shape [node_count, 3]."""
+        """Return dL/dx [m], shape [node_count, 3]."""
         return np.einsum("vij,vj->vi", self.weights, nodes - self.target)
 
     def evaluate(self, nodes: np.ndarray) -> tuple[float, np.ndarray]:
-        """Give L [m2] and dL/dx [m], shape [node_count, 3]."""
+        """Return L [m2] and dL/dx [m], shape [node_count, 3]."""
         return self.value(nodes), self.gradient(nodes)
 
     def curvature(self, moves: np.ndarray) -> np.ndarray:
-        """Give J^T W J, shape [p, p], for the moves J of the nodes by p parameters, shape [node_count, 3, p]."""
+        """Return J^T W J, shape [p, p], for the moves J of the nodes by p parameters, shape [node_count, 3, p]."""
         weighted = np.einsum("vij,vjp->vip", self.weights, moves)
         return np.asarray(np.tensordot(moves, weighted, axes=((0, 1), (0, 1))))

@@ -45,14 +45,14 @@ class SeamLoss:
         return cls(starts, ends, factors, seam_ratios(like), pattern.gathered, counts)
 
     def best_ratios(self, points: np.ndarray) -> np.ndarray:
-        """Give the logarithms, for `evaluate`, that leave nothing of the gathered seams' loss, [gathered_count]."""
+        """Return the logarithms, for `evaluate`, that leave nothing of the gathered seams' loss, [gathered_count]."""
         sides = self.factors * np.linalg.norm(points[self.ends] - points[self.starts], axis=-1)
         return np.asarray(np.log(sides[:, 0] / (self.ratios * sides[:, 1]))[self.gathered])
 
     def evaluate(
         self, points: np.ndarray, ratio_logs: np.ndarray | None = None
     ) -> tuple[float, np.ndarray, np.ndarray]:
-        """Give L [m2], dL/dc [m], shape [point_count, 2], and dL/d(logarithms of the gathered ratios) [m2].
+        """Return L [m2], dL/dc [m], shape [point_count, 2], and dL/d(logarithms of the gathered ratios) [m2].
 
         Args:
             points: All control points [m], shape [point_count, 2].

@@ -79,7 +79,7 @@ def half_neck(cut: Cut, measures: BodyMeasures | None = None) -> float:
 
 
 def _divide(pattern: Pattern, cut: Cut) -> Pattern:
-    """Give waist and hem of a skirt without a band more control points, so that grading can open it to a circle."""
+    """Return waist and hem of a skirt without a band more control points, so that grading can open it to a circle."""
     if cut.waistband is Waistband.BAND or cut.skirt in SWEEP:
         return pattern
     if cut.panels == 4:

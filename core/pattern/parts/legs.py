@@ -216,7 +216,7 @@ def _half_suit(
 
 
 def _slack(start: Point, end: Point, at_start: float, at_end: float) -> tuple[Point, ...]:
-    """Give handles of an inseam that leaves the fork flat and arrives along the leg's line."""
+    """Return handles of an inseam that leaves the fork flat and arrives along the leg's line."""
     a, b = np.array(start), np.array(end)
     gap = b - a
     return (
@@ -226,7 +226,7 @@ def _slack(start: Point, end: Point, at_start: float, at_end: float) -> tuple[Po
 
 
 def _on_side(stroke: Stroke, side: str) -> Stroke:
-    """Tell front and back crotch seams apart: front sews to front."""
+    """Distinguish front and back crotch seams: front sews to front."""
     if not stroke.label.startswith("crotch"):
         return stroke
     return replace(stroke, label=stroke.label.replace("crotch", f"crotch.{side}"))

@@ -93,7 +93,7 @@ def draw_neckline(throat: Throat, neck: Point) -> list[Stroke]:
 
 
 def _bowed(start: Point, end: Point, bow: float) -> tuple[Point, Point]:
-    """Give the handles of a cubic that is a parabola of height `bow` chords over its chord; a line where that is 0."""
+    """Return the handles of a cubic that is a parabola of height `bow` chords over its chord; a line if that is 0."""
     (x, y), (u, v) = start, end
     along, left = (u - x, v - y), (-(v - y), u - x)
     lift = 4.0 / 3.0 * bow

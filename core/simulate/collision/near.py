@@ -39,7 +39,7 @@ class Candidates(NamedTuple):
 
 @dataclass(frozen=True)
 class Near:
-    """Hold the pairs that may touch while cloth goes from one place to another, or stays near that way.
+    """Describe the pairs that may touch while cloth goes from one place to another, or stays near that way.
 
     Attributes:
         pairs: Those of a node and a face first, then those of edges.
