@@ -20,7 +20,7 @@ from .markup import Html, html, join
 from .page_route import make_router
 from .session import VisitorOf
 from .shell import Visitor, draw_shell
-from .shown_meshes import MESHES, SCANS, WORN
+from .shown_meshes import MESHES, SCANS, TOGETHER, WORN
 from .stored_files import REPORT, find_file, list_pictures, read_json
 from .words import draw_family, draw_gates, draw_verdict
 
@@ -101,7 +101,7 @@ def _draw_views(rooms: Rooms, job: JobReport, names: set[str], person: str) -> H
     there = [name for name in MESHES if name in _list_shown(names)]
     cloth = [name for name in there if name not in ("body", *SCANS)]
     titles = [(name, MESHES[name]) for name in there] + ([("person", "The person's scan")] if person else [])
-    shown = {*cloth[:1], "body"} if cloth else {"scan"} if "scan" in there else {"body"}
+    shown = {*cloth[:1], *TOGETHER, "body"} if cloth else {"scan"} if "scan" in there else {"body"}
     boxes = join(
         html('<label><input type="checkbox" data-mesh="{}"{}> {}</label>', name,
              Html(" checked" if name in shown else ""), title) for name, title in titles

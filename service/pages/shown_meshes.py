@@ -23,11 +23,18 @@ MESHES = {
     "redrape": "Dressed anew",
     "graded": "Graded",
     "dressed": "Dressed",
+    "lower/dressed": "Lower",
+    "one-piece/dressed": "One-piece",
+    "upper/dressed": "Upper",
+    "outer/dressed": "Outer",
     "garment": "Garment",
     "body": "Body",
     "scan": "Scan",
 }
 """What is shown in 3D where the result has it as NAME.ply; the first of them is shown at first, and the body."""
+
+TOGETHER = tuple(name for name in MESHES if "/" in name)
+"""Those of one outfit, which are all shown at first."""
 
 SCANS = ("scan",)
 """Those that are large, and sent only when they are asked for."""

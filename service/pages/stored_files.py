@@ -21,7 +21,7 @@ REPORT = "report.html"
 PICTURE = re.compile(r'<img [^>]*?alt="([^"]*)"[^>]*? src="data:image/(png|gif);base64,([A-Za-z0-9+/=]+)"')
 """A picture as our reports hold it: what it shows, and its bytes."""
 
-SHOWN = ("Detail mesh, front", "both wearers", "contact sheet", "scan, body")
+SHOWN = ("Detail mesh, front", "both wearers", "all garments", "contact sheet", "scan, body")
 """What a result is best known by: the beginning of that picture's text in each kind's report."""
 
 THUMBNAIL = (112, 150)

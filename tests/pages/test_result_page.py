@@ -241,6 +241,25 @@ def test_an_animation_plays(page, site, whole_tube, tmp_path):
     assert np.allclose(np.reshape(page.evaluate(script, job), frames.shape), frames, atol=1e-6)
 
 
+def test_all_garments_of_an_outfit_are_shown(page, site, whole_tube, tmp_path):
+    """Broken where a garment of an outfit is missing in 3D or hidden at first, or the body is."""
+    recovery = whole_tube()
+    nodes, faces = recovery.garment.nodes, recovery.garment.faces
+    for name, way in (("lower/dressed", 0.0), ("upper/dressed", 0.3), ("body", 0.1)):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        write_ply(nodes + [0.0, way, 0.0], faces, tmp_path / f"{name}.ply")
+    job = site.queue("outfit")
+    held = claim(site.services.database, job, "test", 600.0)
+    store_result(site.services.database, site.services.store, held, Recover(), recovery, tmp_path)
+    page.goto(f"/results/{job}")
+    page.locator("#result[data-ready]").wait_for()
+    boxes = page.locator("input[data-mesh]")
+    shown = {boxes.nth(n).get_attribute("data-mesh"): boxes.nth(n).is_checked() for n in range(boxes.count())}
+    assert shown == {"lower/dressed": True, "upper/dressed": True, "body": True}
+    page.get_by_label("Upper").uncheck()
+    assert page.locator("#loading").inner_text() == "" and not page.locator("#pictures").is_visible()
+
+
 def test_without_webgl_there_are_pictures(chromium, site):
     """Broken where a machine without WebGL sees nothing, or the pattern cannot be measured there."""
     with chromium.new_context(base_url=site.url) as opened:

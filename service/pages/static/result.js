@@ -7,7 +7,7 @@ import { readFrames } from './ply.js';
 import { readShown } from './shown.js';
 import { Viewer, colourOf, linearOf, paint } from './viewer.js';
 
-const COLOURS = { detail: 0x6694bd, simulation: 0x7aa894, redrape: 0xb89e75, graded: 0x9a8fc0, dressed: 0x6694bd, garment: 0x6694bd, body: 0xe6d9cc, scan: 0x9ea8b3, person: 0x9ea8b3 };
+const COLOURS = { detail: 0x6694bd, simulation: 0x7aa894, redrape: 0xb89e75, graded: 0x9a8fc0, dressed: 0x6694bd, 'upper/dressed': 0x7aa894, 'outer/dressed': 0xb89e75, garment: 0x6694bd, body: 0xe6d9cc, scan: 0x9ea8b3, person: 0x9ea8b3 };
 const BARE = new Set(['body', 'scan', 'person']);
 
 /** Ends of the colours where the values themselves do not tell: the report's least range [m], 10 % of stretch, 3 kPa. */
