@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
+
 import pytest
+from garmentq.service.local import LocalBackend
+from garmentq.service.local_token import make_local_token
+from garmentq.service.remote import RemoteBackend
 from garmentq_family_home import family, persons, queue_person  # noqa: F401
 from garmentq_home import (  # noqa: F401
     DATABASES,
@@ -16,8 +22,24 @@ from garmentq_home import (  # noqa: F401
     store,
 )
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "api"))
+
+from api_client import serving
+
 
 @pytest.fixture(scope="session", params=DATABASES)
 def database_kind(request):
     """Choose both databases, one after the other."""
     return request.param
+
+
+@pytest.fixture(params=["local", "remote"])
+def backend(request, settings):  # noqa: F811
+    """Answer from the home, and from a service that serves it."""
+    if request.param == "local":
+        opened = LocalBackend(settings)
+        yield opened
+        opened.close()
+    else:
+        with serving(settings) as url, RemoteBackend(url, make_local_token(settings.home)) as there:
+            yield there

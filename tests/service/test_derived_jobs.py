@@ -16,11 +16,8 @@ from garmentq.core.simulate import Drape, Outcome, get_fabric, write_fabrics
 from garmentq.core.wear import Dressed, Worn, judge_wear, load_worn, measure_ease, measure_worn, save_worn
 from garmentq.service.derived import DerivedOrder, submit_derived
 from garmentq.service.jobs import find_job
-from garmentq.service.local import LocalBackend
-from garmentq.service.local_token import make_local_token
 from garmentq.service.models import PieceRow
 from garmentq.service.query import JobQuery
-from garmentq.service.remote import RemoteBackend
 from garmentq.service.results import export_files, list_files
 from garmentq.service.services import Services
 from garmentq_family_home import work_off
@@ -29,7 +26,6 @@ from sqlalchemy import select
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "api"))
 
-from api_client import serving  # noqa: E402
 from api_work import finish, make_key  # noqa: E402
 
 SPEC = "builtin:male,height=1.80"
@@ -82,18 +78,6 @@ def quick(monkeypatch):
     monkeypatch.setattr("garmentq.core.wear.dress_body", dress)
     monkeypatch.setattr("garmentq.core.wear.dress_over", dress_over)
     monkeypatch.setattr("garmentq.core.wear.make_to_measure", dress)
-
-
-@pytest.fixture(params=["local", "remote"])
-def backend(request, settings):
-    """Answer from the home, and from a service that serves it."""
-    if request.param == "local":
-        opened = LocalBackend(settings)
-        yield opened
-        opened.close()
-    else:
-        with serving(settings) as url, RemoteBackend(url, make_local_token(settings.home)) as there:
-            yield there
 
 
 @pytest.mark.parametrize("kind", ["dress", "refit"])

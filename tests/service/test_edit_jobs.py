@@ -64,18 +64,6 @@ def quick(monkeypatch):
     drape_at_once(monkeypatch)
 
 
-@pytest.fixture(params=["local", "remote"])
-def backend(request, settings):
-    """Answer from the home, and from a service that serves it."""
-    if request.param == "local":
-        opened = LocalBackend(settings)
-        yield opened
-        opened.close()
-    else:
-        with serving(settings) as url, RemoteBackend(url, make_local_token(settings.home)) as there:
-            yield there
-
-
 def lengthen(document: dict, panels: tuple[str, ...], by: float) -> dict:
     """Return a skirt's document with the lowest points of some panels lower by so much [its unit]."""
     changed = deepcopy(document)

@@ -15,10 +15,7 @@ from garmentq.core.simulate import Drape, Outcome, get_fabric
 from garmentq.core.wear import Worn, load_worn, save_worn
 from garmentq.service.derived import DerivedOrder, submit_derived
 from garmentq.service.jobs import find_job
-from garmentq.service.local import LocalBackend
-from garmentq.service.local_token import make_local_token
 from garmentq.service.query import JobQuery
-from garmentq.service.remote import RemoteBackend
 from garmentq.service.results import export_files
 from garmentq.service.services import Services
 from garmentq.workers.recovery import run_job
@@ -27,7 +24,6 @@ from garmentq_family_home import pieces, work_off
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "api"))
 
-from api_client import serving  # noqa: E402
 from api_work import finish, make_key  # noqa: E402
 
 SPEC = "builtin:male,height=1.80"
@@ -37,18 +33,6 @@ SPEC = "builtin:male,height=1.80"
 def database_kind():
     """Ask of SQLite only: outfits are made by the same functions as all derived jobs."""
     return "sqlite"
-
-
-@pytest.fixture(params=["local", "remote"])
-def backend(request, settings):
-    """Answer from the home, and from a service that serves it."""
-    if request.param == "local":
-        opened = LocalBackend(settings)
-        yield opened
-        opened.close()
-    else:
-        with serving(settings) as url, RemoteBackend(url, make_local_token(settings.home)) as there:
-            yield there
 
 
 @pytest.fixture
