@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
+import resource
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 
 from .hooks import SILENT, Hooks
+
+
+def peak_bytes() -> int:
+    """Return the largest resident memory so far [bytes]; Linux counts in KiB, macOS in bytes."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+
+
+def peak_mb() -> float:
+    """Return the largest resident memory of the process so far [MB]."""
+    return peak_bytes() / 2**20
 
 
 class Clock:

@@ -26,6 +26,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
+from .clock import peak_bytes
 from .errors import BadInput, Cancelled, GarmentqError, NotFound, keep_printable
 
 log = logging.getLogger(__name__)
@@ -236,7 +237,7 @@ def answer() -> None:
             traceback.print_exc()
             found = {"error": {"kind": "bad_input", "code": ReaderCrashed.code, "message": ReaderCrashed().message}}
         usage = resource.getrusage(resource.RUSAGE_SELF)
-        spent = {"cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_mb": _peak_bytes() / 1e6}
+        spent = {"cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_mb": peak_bytes() / 1e6}
         json.dump({**found, **spent}, out)
 
 
@@ -289,13 +290,8 @@ def limit_memory(size: int, by_system: bool = sys.platform != "darwin") -> None:
         return
 
     def measure() -> None:
-        while _peak_bytes() <= size:
+        while peak_bytes() <= size:
             time.sleep(0.02)
         os._exit(OVER)
 
     threading.Thread(target=measure, daemon=True).start()
-
-
-def _peak_bytes() -> int:
-    """Return the largest resident memory so far [bytes]; Linux counts in KiB, macOS in bytes."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)

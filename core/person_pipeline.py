@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import resource
 from dataclasses import dataclass, field
 
 from .body import Body, builtin_body, is_builtin, register_body
-from .clock import Clock
+from .clock import Clock, peak_mb
 from .hooks import SILENT, Hooks
 from .person.garments import cut_garment_of, find_surface
 from .person.given import Given
@@ -84,7 +83,7 @@ def take_apart(given: Given, wanted: Wanted, hooks: Hooks = SILENT) -> Apart:
     with clock.stage("garments", "cutting out the garments") as stage:
         if separation.problem is None:
             readings = _cut_garments(raw, separation, stage)
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+    peak = peak_mb()
     return Apart(raw, separation, readings, clock.seconds, clock.total, peak)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import platform
-import resource
 from dataclasses import dataclass, replace
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
@@ -13,7 +12,7 @@ import numpy as np
 from .body import Body, builtin_body, is_builtin, register_body
 from .case import Case, GradedDrape
 from .checkpoints import load, save
-from .clock import Clock
+from .clock import Clock, peak_mb
 from .drape import (
     DrapeSettings,
     WearerGeometry,
@@ -92,7 +91,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         warnings=tuple(dict.fromkeys((*remarks, *case.scan.repairs, *drape.warnings, *fit.warnings))),
         stage_seconds=clock.seconds,
         cpu_seconds=clock.total,
-        peak_mb=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
+        peak_mb=peak_mb(),
         manifest=describe(case),
         estimates=fit.estimates,
         nearest_fabrics=fit.nearest,

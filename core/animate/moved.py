@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import resource
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..clock import Clock
+from ..clock import Clock, peak_mb
 from ..motion import LeadIn, Pose, Recording, retarget
 from ..verdict import Gate
 from ..wear import Worn
@@ -75,7 +74,7 @@ def move_worn(worn: Worn, recording: Recording, name: str, settings: AnimateSett
         warnings=tuple(warnings),
         stage_seconds=clock.seconds,
         cpu_seconds=clock.total,
-        peak_mb=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
+        peak_mb=peak_mb(),
         manifest={
             "motion": name,
             "fps": settings.fps,

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import resource
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from ..clock import Clock
+from ..clock import Clock, peak_mb
 from ..drape import DrapeSettings, WearerGeometry, drape_graded, flat_length, redrape
 from ..hooks import Hooks
 from ..measure.patterns import measure_seams
@@ -119,7 +118,7 @@ def drape_edit(worn: Worn, pattern: Pattern, recovered: Pattern, clock: Clock) -
         warnings=tuple(warnings if start is not None else [COLD, *warnings]),
         stage_seconds=clock.seconds,
         cpu_seconds=clock.total,
-        peak_mb=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
+        peak_mb=peak_mb(),
         manifest={"fabric": worn.fabric.name, "template": worn.template, "category": worn.category},
     )
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import resource
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from ..body import Body, penetration_depth
-from ..clock import Clock
+from ..clock import Clock, peak_mb
 from ..drape import WearerGeometry, redrape
 from ..hooks import Hooks
 from ..mesh import self_intersections
@@ -152,7 +151,7 @@ def judge_dressed(
         warnings=tuple(warnings),
         stage_seconds=clock.seconds,
         cpu_seconds=clock.total,
-        peak_mb=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
+        peak_mb=peak_mb(),
         manifest={"body": body.source, "fabric": now.fabric.name, "template": now.template, "category": now.category},
     )
 

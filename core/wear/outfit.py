@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import itertools
-import resource
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ..body import Body
-from ..clock import Clock
+from ..clock import Clock, peak_mb
 from ..drape import WearerGeometry
 from ..simulate import Drape
 from ..verdict import Gate
@@ -119,6 +118,6 @@ def _gather(judged: Mapping[str, Dressed], body: Body, drape: Drape, clock: Cloc
         warnings=tuple(dict.fromkeys(told)),
         stage_seconds=clock.seconds,
         cpu_seconds=clock.total,
-        peak_mb=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
+        peak_mb=peak_mb(),
         manifest={"body": body.source, "garments": {word: one.manifest for word, one in judged.items()}},
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import resource
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -59,16 +58,16 @@ class Export(Kind):
 
     def store(self, session: Session, claim: Claim, result: Exported) -> Outcome:
         """Add the rows of the pieces and of their numbers."""
+        from ...core.clock import peak_mb
         from ...core.pieces import describe_pieces
 
         measured, lay = describe_pieces(result.pieces)
         add_pieces(session, claim.job, measured)
         add_metrics(session, claim.job, lay)
         seconds = {name: round(value, 3) for name, value in result.clock.seconds.items()}
-        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
         return Outcome({
             "gates": [], "warnings": list(result.pieces.missing), "stage_seconds": seconds,
-            "cpu_seconds": round(result.clock.total, 3), "peak_mb": round(peak, 1), "manifest": {},
+            "cpu_seconds": round(result.clock.total, 3), "peak_mb": round(peak_mb(), 1), "manifest": {},
         })  # fmt: skip
 
     def show(self, session: Session, row: JobRow) -> dict[str, Any]:
