@@ -9,7 +9,7 @@ from ..wear import Dressed, save_worn
 from .dressed_report import draw_wearers, report_dressed
 from .meshes import write_meshes, write_ply
 from .pattern_svg import write_svg
-from .result import describe_joints, write_json
+from .result import write_body, write_json
 
 
 def write_dressed(dressed: Dressed, folder: Path) -> list[Path]:
@@ -30,8 +30,7 @@ def write_dressed(dressed: Dressed, folder: Path) -> list[Path]:
         below = dressed.under.garment
         files += write_meshes(below, below.nodes, folder, "under", ("obj", "glb"))
         files.append(write_ply(below.nodes, below.faces, folder / "under.ply"))
-    files.append(write_ply(worn.body.vertices, worn.body.faces, folder / "body.ply"))
-    files.append(write_json(describe_joints(worn.body), folder / "body_joints.json"))
+    files += write_body(worn.body, folder)
     files.append(write_json(dressed.metrics, folder / "metrics.json"))
     files.append(write_json(dressed.manifest, folder / "manifest.json"))
     picture, report = folder / "picture.png", folder / "report.html"

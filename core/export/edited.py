@@ -11,7 +11,7 @@ from ..wear import save_worn
 from .edited_report import draw_versions, report_edited
 from .meshes import write_meshes, write_ply
 from .pattern_svg import write_svg
-from .result import describe_joints, write_json
+from .result import write_body, write_json
 
 
 def write_edited(edited: Edited, folder: Path) -> list[Path]:
@@ -31,8 +31,7 @@ def write_edited(edited: Edited, folder: Path) -> list[Path]:
     garment, loads = worn.garment, {"strain": edited.strain, "pressure": edited.pressure}
     files = write_meshes(garment, garment.nodes, folder, "edited", ("obj", "glb"))
     files.append(write_ply(garment.nodes, garment.faces, folder / "edited.ply", loads))
-    files.append(write_ply(worn.body.vertices, worn.body.faces, folder / "body.ply"))
-    files.append(write_json(describe_joints(worn.body), folder / "body_joints.json"))
+    files += write_body(worn.body, folder)
     files.append(write_json(write_pattern(worn.pattern), folder / "pattern.json"))
     write_svg(worn.pattern, folder / "pattern.svg")
     files.append(folder / "pattern.svg")

@@ -12,11 +12,10 @@ from ..wear import DressedOutfit
 from .dressed import write_garment
 from .dressed_report import TURNS, aim_at, ease_html
 from .judged_page import Heading, gates_html, head_html, manifest_html, numbers_html
-from .meshes import write_ply
 from .page import page_html
 from .person import on_white
 from .picture import ColouredMesh, draw, png_base64
-from .result import describe_joints, write_json
+from .result import write_body, write_json
 from .views import CLOTH, DRAPED, REDRAPED, SCANNED, SKIN
 
 COLOURS = (CLOTH, DRAPED, REDRAPED, SCANNED)
@@ -36,8 +35,7 @@ def write_outfit(outfit: DressedOutfit, folder: Path) -> list[Path]:
     """
     folder.mkdir(parents=True, exist_ok=True)
     files = [file for word, one in outfit.garments.items() for file in write_garment(one, folder / word)]
-    files.append(write_ply(outfit.body.vertices, outfit.body.faces, folder / "body.ply"))
-    files.append(write_json(describe_joints(outfit.body), folder / "body_joints.json"))
+    files += write_body(outfit.body, folder)
     files.append(write_json(outfit.metrics, folder / "metrics.json"))
     files.append(write_json(outfit.manifest, folder / "manifest.json"))
     picture, report = folder / "picture.png", folder / "report.html"

@@ -45,8 +45,7 @@ def write_recovery(recovery: Recovery, folder: Path) -> list[Path]:
         files += write_meshes(recovery.garment, nodes, folder, name, ("obj", "glb")) if name == "detail" else []
     shades = None if coloured is None else coloured.colours
     files.append(write_ply(recovery.scan.vertices, recovery.scan.faces, folder / "scan.ply", colours=shades))
-    files.append(write_ply(recovery.body.vertices, recovery.body.faces, folder / "body.ply"))
-    files.append(write_json(describe_joints(recovery.body), folder / "body_joints.json"))
+    files += write_body(recovery.body, folder)
     files.append(write_json(write_pattern(recovery.pattern), folder / "pattern.json"))
     write_svg(recovery.pattern, folder / "pattern.svg")
     files.append(folder / "pattern.svg")
@@ -102,6 +101,12 @@ def write_json(value: Any, path: Path) -> Path:
     """Write a value as `plain` JSON, and return the file."""
     path.write_text(json.dumps(plain(value), indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
     return path
+
+
+def write_body(body: Body, folder: Path) -> list[Path]:
+    """Write a body's mesh, body.ply, and its joints, body_joints.json, into a folder; returns both files."""
+    mesh = write_ply(body.vertices, body.faces, folder / "body.ply")
+    return [mesh, write_json(describe_joints(body), folder / "body_joints.json")]
 
 
 def describe_joints(body: Body) -> dict[str, Any]:
