@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..core.person.coat import Coat, find_coat
 from ..core.person.colour import link_alike
 from ..core.person.confidence import leave_foreign
 from ..core.person.crumbs import give_crumbs
@@ -64,14 +65,17 @@ def answer(shard: Path, described: Described, learners: Learners) -> dict[str, A
     above = above_waist(features.place, fit.body)
     answers = {name: Answer(NUMBERS[each.argmax(axis=1)], each.max(axis=1)) for name, each in found.items()}
     for name, each in found.items():
-        answers[f"{name}_told"] = tell(smooth_parts(each, points, features, links, tone), points, links, above)
+        smooth = smooth_parts(each, points, features, links, tone)
+        coat = find_coat(points, features, smooth, links, fit.body)
+        answers[f"{name}_told"] = tell(smooth, points, links, above, coat)
     return answers
 
 
-def tell(posterior: np.ndarray, points: PersonPoints, links: Links, above: np.ndarray) -> Answer:
+def tell(posterior: np.ndarray, points: PersonPoints, links: Links, above: np.ndarray, coat: Coat) -> Answer:
     """Return the labels and their confidence that a separation makes of a smoothed posterior of the samples."""
-    outfits = rank_outfits(posterior, above)
-    believed, read = read_all(posterior, outfits, above), read_as(posterior, outfits[0].parts, above)
+    outfits = rank_outfits(posterior, above, coat=coat)
+    believed = read_all(posterior, outfits, above, coat.over)
+    read = read_as(posterior, outfits[0].parts, above, coat.over)
     first = read.argmax(axis=1)
     column = give_crumbs(first, points.positions, np.full(len(first), points.spacing**2), links)
     # A crumb that was given away is as sure as what it was taken for.

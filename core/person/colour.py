@@ -106,10 +106,10 @@ def fit_colours(lab: np.ndarray, posterior: np.ndarray, sources: np.ndarray) -> 
         posterior: Probability of each part by geometry, shape [n, part_count].
         sources: Which points may speak for which part, bool, shape [n, part_count].
     """
-    everything = _histogram(lab, np.ones(len(lab)))
+    everything = histogram(lab, np.ones(len(lab)))
     believed = np.where((posterior >= SURE) & sources, posterior, 0.0)
     fitted = (believed > 0.0).sum(axis=0) >= LEAST
-    own = {int(k): _histogram(lab, believed[:, k]) for k in np.flatnonzero(fitted)}
+    own = {int(k): histogram(lab, believed[:, k]) for k in np.flatnonzero(fitted)}
     mass = believed.sum(axis=0)
     evidence = np.zeros((posterior.shape[1], *BINS))
     for group in _overlapping(own):
@@ -211,7 +211,7 @@ def is_painted(lab: np.ndarray, front: np.ndarray, posterior: np.ndarray, parts:
             sure = posterior[:, k] >= SURE
             if min((sure & front).sum(), (sure & ~front).sum()) < LEAST:
                 continue
-            a, b = (_histogram(lab, (sure & side).astype(float)) for side in (front, ~front))
+            a, b = (histogram(lab, (sure & side).astype(float)) for side in (front, ~front))
             if float(np.minimum(a, b).sum()) < DISAGREE:
                 return True
     return False
@@ -223,8 +223,8 @@ def cells_of(lab: np.ndarray) -> tuple[np.ndarray, ...]:
     return tuple(np.clip(cell, 0, np.array(BINS) - 1).T)
 
 
-def _histogram(lab: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Return the share of each cell, blurred, shape `BINS`."""
+def histogram(lab: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Return the share of each cell of the grid in weighed colours, shape [n, 3], blurred, shape `BINS`."""
     counts = np.bincount(np.ravel_multi_index(cells_of(lab), BINS), weight, int(np.prod(BINS))).reshape(BINS)
     blurred = gaussian_filter(counts, BLUR, mode="constant", truncate=3.0)
     return np.asarray(blurred / max(float(blurred.sum()), 1e-300))

@@ -165,7 +165,7 @@ def find_rings(
         neckline=_find_neckline(grids[Limb.NECK], cells[Limb.NECK]),
         waists=waists[0],
         waists_by_shape=waists[1],
-        tube=_tube(points, features),
+        tube=measure_tube(points, features),
         is_coloured=colours is not None,
     )
 
@@ -290,7 +290,7 @@ NORMALS_AROUND = 16
 """Samples whose normals are averaged: a disk of 1.5 cm radius."""
 
 
-def _tube(points: PersonPoints, features: Features) -> float:
+def measure_tube(points: PersonPoints, features: Features) -> float:
     """Measure how much of the height below the crotch has cloth from leg to leg, in front and behind.
 
     A sample spans where it is nearer to the middle between the legs than to either, and faces forward or backward.

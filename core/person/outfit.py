@@ -7,6 +7,7 @@ from itertools import product
 import numpy as np
 
 from ..body import JOINTS, Body
+from .coat import Coat
 from .confidence import temper
 from .limbs import BodyPlace
 from .part import GARMENTS, PARTS, Part
@@ -21,9 +22,6 @@ READINGS: tuple[tuple[tuple[Part, ...], float], ...] = (
 """What people wear below an outer layer, each with its log-probability before anything is seen, up to a constant: a top
 or a bottom alone is one person in twenty. How much oftener two pieces are than one is in the posterior already
 (`rules.two_piece_probability`)."""
-
-OUTER = -3.0
-"""Log-odds of an outer layer before anything is seen: people are scanned indoors."""
 
 WAIST = 0.10
 """Height of the waist line over the hip joints on the T-pose [m]: where a dress would be cut in two."""
@@ -44,11 +42,16 @@ FAINT = 0.05
 FLOOR = 0.01
 """Least probability of a point under a reading: a bag or a bad spot speaks against each alike."""
 
+UNTOLD = Coat()
+"""What is known of an outer layer before anything is seen."""
+
 COLUMN = {part: k for k, part in enumerate(PARTS)}
 """The column of each part in a posterior."""
 
 
-def read_as(posterior: np.ndarray, outfit: tuple[Part, ...], above: np.ndarray) -> np.ndarray:
+def read_as(
+    posterior: np.ndarray, outfit: tuple[Part, ...], above: np.ndarray, over: np.ndarray | None = None
+) -> np.ndarray:
     """Return the posterior where just these garments are worn, shape [n, part_count]; rows sum to 1 or less.
 
     What looked like a dress is the top above the waist and the skirt below it, and the other way round; other garments
@@ -58,8 +61,11 @@ def read_as(posterior: np.ndarray, outfit: tuple[Part, ...], above: np.ndarray) 
         posterior: Shape [n, part_count].
         outfit: The garments.
         above: Probability that a point lies above the waist line, shape [n].
+        over: Probability of each point's cloth to be the outer layer's where one is worn, shape [n], or None.
     """
     upper, lower, whole = (COLUMN[part] for part in (Part.UPPER, Part.LOWER, Part.ONE_PIECE))
+    if over is not None and Part.OUTER in outfit:
+        posterior = _lay_over(posterior, over)
     read = posterior.copy()
     if Part.ONE_PIECE in outfit:
         read[:, whole] = posterior[:, [upper, lower, whole]].sum(axis=1)
@@ -70,6 +76,14 @@ def read_as(posterior: np.ndarray, outfit: tuple[Part, ...], above: np.ndarray) 
         read[:, lower] += posterior[:, whole] * (1.0 - share)
     read[:, [COLUMN[part] for part in GARMENTS if part not in outfit]] = 0.0
     return read
+
+
+def _lay_over(posterior: np.ndarray, over: np.ndarray) -> np.ndarray:
+    """Return the posterior, shape [n, part_count], with a share of each garment given to the outer layer."""
+    laid, inner = posterior.copy(), [COLUMN[part] for part in GARMENTS if part is not Part.OUTER]
+    laid[:, COLUMN[Part.OUTER]] += over * posterior[:, inner].sum(axis=1)
+    laid[:, inner] *= (1.0 - over)[:, None]
+    return laid
 
 
 def above_waist(place: BodyPlace, body: Body) -> np.ndarray:
@@ -83,19 +97,22 @@ def rank_outfits(
     above: np.ndarray,
     wearing: tuple[Part, ...] | None = None,
     marked: tuple[Part, ...] = (),
+    coat: Coat = UNTOLD,
 ) -> tuple[Outfit, ...]:
     """Return the readings, the likeliest first.
 
-    score(H) = log p(H) + log p(one piece or several) + `PATCHES` mean_i log sum_k p(k | i, H), with p(k | i, H) as
-    `read_as`: what H has no place for speaks against it. Whether there is one piece or several is one fact of the whole
-    person, the mean over what is garment at all, and counts once, however many points repeat it. The difference of two
-    scores is therefore the log-odds of the readings.
+    score(H) = log p(H) + log p(outer layer or none) + log p(one piece or several)
+    + `PATCHES` mean_i log sum_k p(k | i, H), with p(k | i, H) as `read_as`: what H has no place for speaks against it.
+    Whether there is an outer layer is one fact of the whole person, and so is whether there is one piece or several,
+    the mean over what is garment at all: they count once, however many points repeat them. The difference of two scores
+    is therefore the log-odds of the readings.
 
     Args:
         posterior: Of the samples, which are even, shape [n, part_count].
         above: Probability that a point lies above the waist line, shape [n].
         wearing: The garments where they are known: then the only reading.
         marked: Garments that every reading must have.
+        coat: What is known of an outer layer.
     """
     if wearing is not None:
         return (Outfit(wearing, 0.0),)
@@ -103,9 +120,11 @@ def rank_outfits(
     found = []
     for (inner, prior), outer in product(READINGS, (False, True)):
         outfit = tuple(part for part in GARMENTS if part in inner or (outer and part is Part.OUTER))
-        allowed = read_as(posterior, outfit, above).sum(axis=1)
-        worn = 1.0 - several if Part.ONE_PIECE in outfit else several
-        score = prior + OUTER * outer + np.log(worn) + PATCHES * np.log(np.maximum(allowed, FLOOR)).mean()
+        allowed = read_as(posterior, outfit, above, coat.over).sum(axis=1)
+        two = several if not outer or coat.several is None else coat.several
+        worn = 1.0 - two if Part.ONE_PIECE in outfit else two
+        layered = -np.logaddexp(0.0, -coat.odds if outer else coat.odds)
+        score = prior + layered + np.log(worn) + PATCHES * np.log(np.maximum(allowed, FLOOR)).mean()
         found.append(Outfit(outfit, float(score)))
     fitting = [outfit for outfit in found if set(marked) <= set(outfit.parts)]
     return tuple(sorted(fitting or [Outfit(marked, 0.0)], key=lambda outfit: -outfit.score))
@@ -129,18 +148,20 @@ def outfit_probabilities(outfits: tuple[Outfit, ...]) -> np.ndarray:
     return np.asarray(likely / likely.sum())
 
 
-def read_all(posterior: np.ndarray, outfits: tuple[Outfit, ...], above: np.ndarray) -> np.ndarray:
+def read_all(
+    posterior: np.ndarray, outfits: tuple[Outfit, ...], above: np.ndarray, over: np.ndarray | None = None
+) -> np.ndarray:
     """Return the posterior over all readings, sum_H p(H) p(k | i, H), rows sum to 1, shape [n, part_count].
 
     Each reading's is tempered, and not the sum: smoothing blurs the parts, but not what is known of the outfit.
-    A label that only the best reading gives is no likelier than that reading. Nothing tells a coat from a top: where an
-    outer layer is worn, `COVERED` of what looks like a top, or like one piece above the waist, is it.
+    A label that only the best reading gives is no likelier than that reading. Where nothing tells an outer layer from a
+    top and one is worn, `COVERED` of what looks like a top, or like one piece above the waist, is it.
     """
     upper, whole, outer = (COLUMN[part] for part in (Part.UPPER, Part.ONE_PIECE, Part.OUTER))
     total = np.zeros_like(posterior)
     for outfit, likely in zip(outfits, outfit_probabilities(outfits), strict=True):
-        read = read_as(posterior, outfit.parts, above)
-        if Part.OUTER in outfit.parts and len(outfits) > 1:
+        read = read_as(posterior, outfit.parts, above, over)
+        if over is None and Part.OUTER in outfit.parts and len(outfits) > 1:
             hidden = COVERED * np.stack([read[:, upper], read[:, whole] * above], axis=1)
             read[:, [upper, whole]] -= hidden
             read[:, outer] += hidden.sum(axis=1)

@@ -161,13 +161,14 @@ WINDOW = (12, 17)
 compared: wider than stripes and most prints, so that they are no edge."""
 
 
-def contrasts(colours: np.ndarray) -> np.ndarray:
+def contrasts(colours: np.ndarray, window: tuple[int, int] = WINDOW) -> np.ndarray:
     """Compute the difference of mean colour before and beyond each cell, shape [rows, ANGLES].
 
     Args:
         colours: CIE Lab, shape [rows, ANGLES, 3].
+        window: Rows on either side and columns around whose colours are averaged.
     """
-    rows, columns = WINDOW
+    rows, columns = window
     kernel = np.concatenate([np.full(rows, 1 / rows), np.full(rows, -1 / rows)])
     difference = correlate1d(colours, kernel, axis=0, mode="nearest", origin=0)
     return np.asarray(np.linalg.norm(uniform_filter1d(difference, columns, axis=1, mode="wrap"), axis=2))
@@ -184,12 +185,12 @@ def edge_evidence(step: np.ndarray, ridge: np.ndarray, contrast: np.ndarray | No
         ridge: Convexity of the garment's side over the other's, times 2 cm.
         contrast: Difference of colour, or None where there is none.
     """
-    cues = [step / _noise(step, STEP_NOISE), ridge / _noise(ridge, RIDGE_NOISE)]
+    cues = [step / measure_noise(step, STEP_NOISE), ridge / measure_noise(ridge, RIDGE_NOISE)]
     if contrast is not None:
         cues.append(contrast / CONTRAST_NOISE)
     return np.asarray(sum(np.clip(2.0 * cue - 2.0, -1.5, 4.0) for cue in cues))
 
 
-def _noise(values: np.ndarray, least: float) -> float:
+def measure_noise(values: np.ndarray, least: float) -> float:
     """Measure a limb's noise: a normal's standard deviation that has the `QUIET` share of values where they are."""
     return max(float(np.quantile(np.abs(values), QUIET)) / 0.8416, least)

@@ -11,6 +11,7 @@ from ..body import Body, PersonFit, PointWeights, fit_person, refit_person
 from ..body.presence import SeveralPersons
 from ..hooks import SILENT, Hooks
 from ..scan.raw import RawScan
+from .coat import Coat, find_coat
 from .colour import link_alike, use_colours
 from .confidence import judge, leave_foreign, temper
 from .crumbs import give_crumbs
@@ -87,9 +88,10 @@ def separate(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT) ->
     )
     hooks.progress(STAGE, 0.8, "choosing the outfit")
     above = above_waist(features.place, fit.body)
-    outfits = rank_outfits(posterior, above, _worn(hints), garments_marked(hints.marks))
-    believed = read_all(posterior, outfits, above)
-    posterior = read_as(posterior, outfits[0].parts, above)
+    coat = Coat() if told is not None else find_coat(points, features, posterior, links, fit.body)
+    outfits = rank_outfits(posterior, above, _worn(hints), garments_marked(hints.marks), coat)
+    believed = read_all(posterior, outfits, above, coat.over)
+    posterior = read_as(posterior, outfits[0].parts, above, coat.over)
     posterior /= posterior.sum(axis=1, keepdims=True)
     area = np.full(len(posterior), points.spacing**2)
     column = posterior.argmax(axis=1)

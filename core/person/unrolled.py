@@ -116,6 +116,11 @@ def unroll(place: BodyPlace, body: Body, limb: Limb) -> UnrolledGrid:
     chart = _chart(place, body, limb)
     if not len(chart.members):
         return UnrolledGrid(chart, 0.0, chart.members, chart.members, np.zeros((1, ANGLES), dtype=np.int64))
+    return cut_chart(chart)
+
+
+def cut_chart(chart: Chart) -> UnrolledGrid:
+    """Return a chart, which has members, cut into cells."""
     first = float(chart.station.min())
     row = np.floor((chart.station - first) / STATION_STEP).astype(np.int64)
     column = np.floor(chart.angle / (2 * np.pi) * ANGLES).astype(np.int64) % ANGLES
