@@ -24,10 +24,10 @@ CLOSED = 0.25
 """Share of outer layers that do not show two edges: they are closed, or of the colour of what is below."""
 PANELLED = 0.003
 """Share of those who wear none and show two such edges all the same: a placket or a panel from neckline to hem."""
-EDGES = (30.0, 4.0)
+EDGES = (26.0, 3.0)
 """Score of two edges between cloths of different colours that says nothing, and by how much more it is e times as
-likely of an open front. Of simulated persons without an outer layer all but one have at most 4 (25), those whose front
-is open 39 to 108."""
+likely of an open front. Of simulated persons without an outer layer all but one (22) have at most 4, those whose front
+is open 25 to 102."""
 LEAST = 60
 """Fewest samples, 30 cm2, that show a cloth's colours."""
 MARGIN = 0.012
@@ -80,14 +80,14 @@ def find_coat(points: PersonPoints, features: Features, posterior: np.ndarray, l
         return Coat(OUTER if points.colours is None else OUTER + open_evidence(0.0))
     lab, sides = to_lab(points.colours), _place(edges, features.place, body)
     cloth = posterior[:, [PARTS.index(part) for part in GARMENTS]].sum(axis=1) > 0.5
-    told = tell_cloths(sides, lab, cloth, links)
-    if told is None:
+    over = tell_cloths(sides, lab, cloth, links)
+    if over is None:
         return Coat(OUTER + open_evidence(0.0))
-    over, shared = told
     inner = cloth & (over < 0.5) & (sides.aside < 0.0) | cloth & (over < 0.5) & (sides.below > 0.0)
     overlap = overlap_of_cloths(points.colours, features.place, body, inner)
     several = several_below(overlap, measure_tube(points, features))
-    return Coat(OUTER + open_evidence(edges.score * (1.0 - shared)), over, several)
+    odds = OUTER + open_evidence(edges.score * (1.0 - shared_colours(sides, lab, cloth)))
+    return Coat(odds, over, several)
 
 
 def open_evidence(shown: float) -> float:
@@ -104,11 +104,12 @@ def open_evidence(shown: float) -> float:
 
 @dataclass(frozen=True)
 class _Sides:
-    """How far each sample lies outside the front's edges, and below their ends [m]; whether it is on an arm."""
+    """How far each sample lies outside the edges and below their ends [m], and if on an arm; their length [m]."""
 
     aside: np.ndarray
     below: np.ndarray
     arm: np.ndarray
+    length: float
 
 
 def _place(edges: FrontEdges, place: BodyPlace, body: Body) -> _Sides:
@@ -118,10 +119,11 @@ def _place(edges: FrontEdges, place: BodyPlace, body: Body) -> _Sides:
     left, right = (np.interp(station, edges.stations, side) for side in (edges.left, edges.right))
     middle = np.interp(rest[:, 1], [pelvis[1], neck[1]], [pelvis[2], neck[2]])
     aside = np.where(rest[:, 2] > middle, np.maximum(rest[:, 0] - left, right - rest[:, 0]), np.inf)
-    return _Sides(aside, station - edges.stations[-1], np.isin(place.limb, (Limb.LEFT_ARM, Limb.RIGHT_ARM)))
+    arm = np.isin(place.limb, (Limb.LEFT_ARM, Limb.RIGHT_ARM))
+    return _Sides(aside, station - edges.stations[-1], arm, float(np.ptp(edges.stations)))
 
 
-def tell_cloths(sides: _Sides, lab: np.ndarray, cloth: np.ndarray, links: Links) -> tuple[np.ndarray, float] | None:
+def tell_cloths(sides: _Sides, lab: np.ndarray, cloth: np.ndarray, links: Links) -> np.ndarray | None:
     """Find out by place and colour what of the cloth beside and between a front's edges is the outer layer's.
 
     Args:
@@ -131,15 +133,14 @@ def tell_cloths(sides: _Sides, lab: np.ndarray, cloth: np.ndarray, links: Links)
         links: Neighbours.
 
     Returns:
-        The probability of each sample's cloth to be its, shape [n], and the overlap of both cloths' colours, as they
-        were learnt last; None where one of them is hardly seen.
+        The probability of each sample's cloth to be its, shape [n]; None where one of the two cloths is hardly seen.
     """
     outside = sides.aside > 0.0
     prior = np.where(outside, np.where(sides.below < 0.0, PLACED, HANGING), -PLACED)
     prior[sides.arm] = SLEEVED
     along = cloth & (sides.below < 0.0) & ~sides.arm
-    own, other = along & (sides.aside > MARGIN), along & (sides.aside < -MARGIN)
-    cells, told = cells_of(lab), None
+    own, other = _beside(sides, cloth)
+    cells, over = cells_of(lab), None
     for _ in range(ROUNDS):
         if min(own.sum(), other.sum()) < LEAST:
             break
@@ -147,9 +148,29 @@ def tell_cloths(sides: _Sides, lab: np.ndarray, cloth: np.ndarray, links: Links)
         ratio = np.clip(np.log((ours[cells] + RARE) / (theirs[cells] + RARE)), -RATIO, RATIO)
         chance = 1.0 / (1.0 + np.exp(-prior - ratio))
         over = diffuse(np.stack([chance, 1.0 - chance], axis=1), links.alike or links)[:, 0]
-        told = over, float(np.minimum(ours, theirs).sum())
         own, other = along & (over > SURE), along & (over < 1.0 - SURE)
-    return told
+    return over
+
+
+def _beside(sides: _Sides, cloth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return which samples of cloth lie beside the edges and which between them, bool, shape [n]."""
+    along = cloth & (sides.below < 0.0) & ~sides.arm
+    return along & (sides.aside > MARGIN), along & (sides.aside < -MARGIN)
+
+
+def shared_colours(sides: _Sides, lab: np.ndarray, cloth: np.ndarray) -> float:
+    """Return the overlap of the colours beside and between a front's edges, in that half of them where it is more.
+
+    A shirt that hangs beside the trousers it is tucked into differs from what lies between its sides only below.
+    """
+    own, other = _beside(sides, cloth)
+    upper = sides.below < -0.5 * sides.length
+    shared = []
+    for half in (upper, ~upper):
+        ours, theirs = own & half, other & half
+        if min(ours.sum(), theirs.sum()) >= LEAST // 2:
+            shared.append(np.minimum(*(histogram(lab, mine.astype(float)) for mine in (ours, theirs))).sum())
+    return float(max(shared, default=1.0))
 
 
 def several_below(overlap: float | None, tube: float) -> float:

@@ -120,6 +120,8 @@ def _find_problem(garments: tuple[FoundGarment, ...], outfits: tuple[Outfit, ...
     weak = [garment.part.word for garment in garments if garment.confidence < UNSURE_GARMENT]
     if weak:
         return Unsure(f"What was found of {', '.join(weak)} is unsure. {Unsure().message}")
+    if any(garment.part is Part.OUTER for garment in garments):
+        return Unsure(f"An outer layer seems to be open in front, as no base pattern is. {Unsure().message}")
     shapeless = [garment.part.word for garment in garments if not garment.category]
     if shapeless:
         return Unsure(f"The openings of {', '.join(shapeless)} could not be made out. {Unsure().message}")

@@ -32,7 +32,7 @@ class Fit:
 
 @dataclass(frozen=True)
 class Worn:
-    """What a person was told to wear: each sample's true part, what is known of a coat, the best reading and its labels."""
+    """What a person was told to wear: true parts of the samples, what is known of a coat, the outfit and its labels."""
 
     part: np.ndarray
     coat: Coat

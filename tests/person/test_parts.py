@@ -170,6 +170,8 @@ def test_what_is_unsure_is_not_recovered():
     assert isinstance(problem, Unsure) and "one-piece" in warnings[0]
     assert judge((sure, weak), outfits, told=True)[1] is None
     assert isinstance(judge((), outfits, told=False)[1], NoCloth)
+    coat = FoundGarment(Part.OUTER, 0.95, "long_sleeve_tshirt", (FoundContour("neck", 0.9, False),))
+    assert isinstance(judge((sure, coat), outfits[:1], told=False)[1], Unsure)  # recovered, it would be closed
     ends = tuple(FoundContour(f"armhole.{side}", 0.1, True) for side in ("left", "right"))
     guessed = FoundGarment(Part.UPPER, 0.95, "tank", ends)
     assert isinstance(judge((guessed,), outfits[:1], told=False)[1], Unsure)
