@@ -33,6 +33,7 @@ from garmentq.core.pattern import (
     panel_area,
     save_pattern,
 )
+from garmentq.core.pattern.editing import find_darts
 from garmentq.core.pipeline import recover
 from garmentq.core.recovery import Request
 from garmentq.core.segment import Target
@@ -70,7 +71,7 @@ def draw_pattern(name: str, rng: np.random.Generator) -> Pattern:
 
 
 def write_pack(folder: Path, name: str, pattern: Pattern, fabric: Fabric) -> None:
-    """Drape a pattern and write it as a target pack: mesh, body, base pattern, and apart from them the truth."""
+    """Drape a pattern and write it as a target pack: mesh, body, and apart from them the truth."""
     wearer = WearerGeometry(builtin_body(BODY))
     worn = drape_template(pattern, wearer)
     normals = vertex_normals(worn.nodes, worn.faces)
@@ -80,7 +81,6 @@ def write_pack(folder: Path, name: str, pattern: Pattern, fabric: Fabric) -> Non
     folder.mkdir(parents=True, exist_ok=True)
     trimesh.Trimesh(garment.nodes, garment.faces, process=False).export(folder / "garment.ply")
     trimesh.Trimesh(wearer.body.vertices, wearer.body.faces, process=False).export(folder / "body.ply")
-    save_pattern(load_template(name), folder / "template.json")
     panels: dict[str, Any] = {}
     for panel in pattern.panels:
         edges = [edge_points(panel, n, 100) for n in range(len(panel.edges))]
@@ -92,10 +92,10 @@ def write_pack(folder: Path, name: str, pattern: Pattern, fabric: Fabric) -> Non
     (folder / "meta.json").write_text(json.dumps(meta))
 
 
-def recover_pack(folder: Path, fabric: Fabric, drawn: Pattern) -> dict[str, Any]:
+def recover_pack(folder: Path, fabric: Fabric, drawn: Pattern, keep_cut: bool) -> dict[str, Any]:
     """Recover a pack by the hybrid method and hold pattern and cloth against the truth, the pattern that was drawn."""
     pack = read_packs(folder)[0]
-    settings = RecoverySettings(method="hybrid", fabric=fabric.name)
+    settings = RecoverySettings(method="hybrid", fabric=fabric.name, keep_cut=keep_cut or None)
     recovery = recover(Request(pack.garment, pack.body, pack.template, settings))
     metrics, _ = measure_recovery(recovery, pack, own_template=True)
     truth = read_true_pattern(pack)
@@ -111,10 +111,24 @@ def recover_pack(folder: Path, fabric: Fabric, drawn: Pattern) -> dict[str, Any]
         "k known": "k" in known and known["k"].identifiable,
         "H known": any(each.identifiable for key, each in known.items() if key.startswith("H")),
         "drape [mm]": metrics["sim.surface_rms_mm.s2t"],
+        "redrape [mm]": metrics["redrape.surface_rms_mm.s2t"],
+        "darts": _list_darts(recovery.pattern),
+        "true darts": _list_darts(drawn),
         "CPU [s]": recovery.cpu_seconds,
         "panels": {key: round(v["area_error"], 4) for key, v in measure_panels(recovery.pattern, truth).items()},
         "warnings": recovery.warnings,
     }
+
+
+def _list_darts(pattern: Pattern) -> list[str]:
+    """Return each dart's panel, intake, length and angle, and how far its mouth is from the panel's middle line."""
+    found = []
+    for dart in find_darts(pattern):
+        first, _, last = dart.ends(pattern)
+        width, length = dart.width(pattern), dart.length(pattern)
+        angle, away = np.degrees(2 * np.arctan(width / 2 / length)), 0.5 * (first + last)[0]
+        found.append(f"{dart.panel} {1e3 * width:.0f} x {1e3 * length:.0f} mm, {angle:.1f} deg, at {1e3 * away:+.0f}")
+    return found
 
 
 def main() -> None:
@@ -122,6 +136,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("templates", nargs="*", default=TEMPLATES)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--base", help="template that it is recovered from, cut otherwise; default: its own")
+    parser.add_argument("--keep-cut", action="store_true", help="add no dart, and close none")
     parser.add_argument("--stiffer", type=float, default=STIFFER)
     parser.add_argument("--out", type=Path, help="folder to keep the packs in; those that are there are not made again")
     chosen = parser.parse_args()
@@ -130,12 +146,13 @@ def main() -> None:
     for name in chosen.templates:
         # One stream for each template: its pattern does not depend on which others are asked for.
         pattern = draw_pattern(name, np.random.default_rng([chosen.seed, *name.encode()]))
-        base, folder = load_template(name), out / f"{name}_{chosen.seed}"
+        base, folder = load_template(chosen.base or name), out / f"{name}_{chosen.seed}"
         if not (folder / "meta.json").exists():
             write_pack(folder, name, pattern, replace(assumed, k=chosen.stiffer * assumed.k))
+        save_pattern(base, folder / "template.json")
         away = [panel_area(panel) / panel_area(base.panel(panel.name)) - 1.0 for panel in pattern.panels]
         print(f"{name}: panels {', '.join(f'{x:+.3f}' for x in away)} from the base pattern's", flush=True)
-        for key, value in recover_pack(folder, assumed, pattern).items():
+        for key, value in recover_pack(folder, assumed, pattern, chosen.keep_cut).items():
             print(f"  {key}: {round(value, 4) if isinstance(value, float) else value}", flush=True)
 
 

@@ -138,6 +138,7 @@ class OrderOptions:
     lock: tuple[str, ...]
     free: str | None
     part: tuple[str, ...]
+    keep_cut: bool
     method: str
     preset: str
     units: str | None
@@ -213,6 +214,7 @@ def order_options(function: Decorator) -> Decorator:
             metavar="[PART:]NAME=CHOICE",
             help="Part of the cut, overruling what the scan shows: neckline=v; see `templates list --parts`.",
         ),
+        click.option("--keep-cut", is_flag=True, help="Add no dart to the base pattern's panels, and close none."),
         *method_options(),
         click.option("--units", type=click.Choice(UNITS), help="Unit of the files.  [default: found]"),
         click.option("--up", type=click.Choice(AXES), help="Up axis of the files.  [default: found]"),

@@ -141,6 +141,7 @@ def make_settings(options: OrderOptions) -> RecoverySettings:
         colour_tolerance=options.colour_tolerance,
         cloth=",".join(options.cloth) or None,
         parts=split_lists(options.part).get(""),
+        keep_cut=options.keep_cut or None,
     )
 
 

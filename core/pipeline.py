@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import platform
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -70,6 +70,8 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     remarks = find_remarks(case.scan.vertices, case.body)
     drape = drape_to_scan(case, clock)
     fit = METHODS[request.settings.method].fit(case, drape, clock)
+    if fit.base is not None:
+        case = replace(case, base=fit.base)  # with the darts that were added, without those that were closed
     if fit.wearer is not None:
         case = replace(case, wearer=fit.wearer)  # from here on the body is where the cloth rests on it
     if fit.meshes.simulation is not None:
@@ -88,11 +90,21 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         meshes=fit.meshes,
         metrics=metrics,
         gates=judge(metrics),
-        warnings=tuple(dict.fromkeys((*remarks, *case.scan.repairs, *drape.warnings, *fit.warnings))),
+        warnings=tuple(
+            dict.fromkeys(
+                (
+                    *remarks,
+                    *case.scan.repairs,
+                    *drape.warnings,
+                    *fit.warnings,
+                    *(change.tell() for change in fit.changes),
+                )
+            )
+        ),
         stage_seconds=clock.seconds,
         cpu_seconds=clock.total,
         peak_mb=peak_mb(),
-        manifest=describe(case),
+        manifest=describe(case) | {"panel_changes": [asdict(change) for change in fit.changes]},
         estimates=fit.estimates,
         nearest_fabrics=fit.nearest,
         point_std=fit.point_std,

@@ -51,6 +51,8 @@ class RecoverySettings:
             that is cut symmetric is found better with symmetry kept: noise and folds are not.
         parts: Choices of parts of the cut that overrule what the scan shows, `neckline=v,sleeve=long`, or None. Left
             out of a stored request where it is None: equal orders of releases that did not have it are the same job.
+        keep_cut: True leaves every panel with the seams and darts of its base pattern; otherwise `hybrid` adds a dart
+            where a panel cannot be isometric to the scan, and closes a needless one. Left out as `parts` is.
         cloth: Labels of a dressed person's other clothes, separated by commas, or None: they hide the body as the
             garment does, and are not taken for skin.
     """
@@ -72,6 +74,7 @@ class RecoverySettings:
     free: str | None = None
     cloth: str | None = None
     parts: str | None = field(default=None, metadata={"is_left_out": True})
+    keep_cut: bool | None = field(default=None, metadata={"is_left_out": True})
 
     def __post_init__(self) -> None:
         """Check every value.

@@ -21,6 +21,7 @@ from .fairness import fair_garment
 from .isometry import fit_isometry
 from .locks import find_held, keep_held
 from .material import fit_bending, nearest_fabrics, posterior, refine_bending, state_density
+from .panel_change import change_panels
 from .result import Fit
 from .scene import FitScene
 from .settings import MaterialSettings, ShapeSettings
@@ -58,6 +59,10 @@ def fit_pattern(
     material, locks, rotation = MaterialSettings(), drape.locks(case.settings), drape.drape.rotation
     held = find_held(garment.pattern, like, locks)
     isometric = fit_isometry(garment, registered, target, wearer.body, like, hooks=hooks)
+    changed = change_panels(isometric, case, garment, registered, hooks)
+    if changed.changes:
+        isometric, like, garment = changed.garment, changed.base, changed.graded
+        held = find_held(garment.pattern, like, locks)
     pattern = isometric.pattern
     if held.any():
         pattern = keep_held(pattern, garment.pattern, like, held)
@@ -129,4 +134,6 @@ def fit_pattern(
         point_std=point_std,
         wearer=wearer,
         warnings=() if rest.converged else (f"the simulation mesh is {rest.outcome.advice}",),
+        base=like,
+        changes=changed.changes,
     )

@@ -46,13 +46,29 @@ def fit_isometry(
         A mesh of `settings.vertices` vertices of the fitted pattern, its nodes on the target.
     """
     settings = settings or STEPS
-    coarse = mesh_pattern(garment.pattern, min(settings.vertices, len(registered)))
-    fitted = coarse.at(resample(garment, registered, coarse))
-    strain = believed_strain(coarse, garment, settings.believed) @ hidden_folds(fitted, garment, registered)
-    strain = 0.5 * (strain + np.swapaxes(strain, 1, 2))
+    fitted, strain = lay_on_target(garment, registered, settings)
     problem = Isometry.of(fitted, target, body, like, strain, settings)
 
     def tell(step: int) -> None:
         hooks.progress("fit", 0.2 * step / settings.steps, "sliding the seams into place")
 
     return solve_isometry(problem, fitted, SETTLED, tell)
+
+
+def lay_on_target(
+    garment: Garment, registered: np.ndarray, settings: IsometrySettings = STEPS
+) -> tuple[Garment, np.ndarray]:
+    """Mesh a graded pattern coarsely, and say by how much its cloth on the target is believed to be strained.
+
+    Args:
+        garment: The graded pattern's mesh, nodes at its drape.
+        registered: The same nodes on the target [m], shape [node_count, 3].
+        settings: How.
+
+    Returns:
+        The coarse mesh with its nodes on the target, and the strain of its faces, shape [face_count, 2, 2].
+    """
+    coarse = mesh_pattern(garment.pattern, min(settings.vertices, len(registered)))
+    fitted = coarse.at(resample(garment, registered, coarse))
+    strain = believed_strain(coarse, garment, settings.believed) @ hidden_folds(fitted, garment, registered)
+    return fitted, 0.5 * (strain + np.swapaxes(strain, 1, 2))

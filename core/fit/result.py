@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..meshes import Meshes
-from ..pattern import Garment
+from ..pattern import Garment, Pattern
 from ..simulate import Fabric, FabricEstimate
 
 if TYPE_CHECKING:
     from ..drape import WearerGeometry
     from ..simulate import Drape
+    from .panel_change import PanelChange
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,8 @@ class Fit:
         wearer: The wearer with the body raised to where the cloth rests on it, if it was; None means the case's.
         redrape: The equilibrium behind `meshes.redraped`, or None.
         warnings: What the user should know, one sentence each.
+        base: The base pattern with the panels and darts of the recovered one, or None where they are the case's.
+        changes: Darts that were added or closed.
     """
 
     garment: Garment
@@ -41,3 +44,5 @@ class Fit:
     wearer: WearerGeometry | None = None
     redrape: Drape | None = None
     warnings: tuple[str, ...] = ()
+    base: Pattern | None = None
+    changes: tuple[PanelChange, ...] = ()

@@ -1,0 +1,237 @@
+"""Panels may change: a dart is added where a panel cannot be isometric to the scan, a needless one is closed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..case import Case
+from ..errors import Cancelled, GarmentqError
+from ..grade import Isometry, move_pattern, solve_isometry
+from ..hooks import SILENT, Hooks
+from ..pattern import Garment, Pattern, mesh_pattern
+from ..pattern.editing.darts import Dart, find_darts
+from ..pattern.editing.partners import mirror_corners
+from ..segment import name_contours
+from .dart_closing import asked_width, close_darts
+from .dart_cutting import CutGarment, cut_darts, relax_panels
+from .dart_search import propose_dart, relax_panel, rms_strain
+from .isometry import SETTLED, STEPS, lay_on_target
+from .wedge import wanted_strain
+
+LEAST_STRAIN = 0.01
+"""Root mean square over a panel of the strain that no flat shape of it takes, below which it gets no dart: woven cloth
+gives as much."""
+
+PROPOSED_SHARE = 0.45
+"""Share of the sum of squared strain that a dart has to take for it to be tried. On panels that were cut without one
+the best dart takes 0.36 at most where it is open by `LEAST_ANGLE`, on those that were cut with one 0.5 to 0.7."""
+
+KEPT_SHARE = 1.0 / 3.0
+"""The same of one that is kept, after the whole pattern was fitted with it: equal seams, symmetry and proportions leave
+some of the strain that the panel alone would be rid of."""
+
+LEAST_WIDTH = 0.01
+"""Of a dart's mouth [m]: a narrower one is sewn less than 5 mm from its fold; a maker eases it into the seam."""
+
+LEAST_ANGLE = np.radians(5.0)
+"""Of a dart at its apex [rad]: `LEAST_WIDTH` at a length of 11 cm, between those of front and back skirt darts."""
+
+ROUNDS = 2
+"""Times that darts open or close as their panels' strain asks for before they are judged: they change by less than
+1 mm in a third."""
+
+
+@dataclass(frozen=True)
+class PanelChange:
+    """Describe a dart that was added or closed, with the evidence for it.
+
+    Attributes:
+        kind: `added` or `closed`.
+        panel: Name of the panel.
+        edge: Label or contour of the edge that its mouth is on.
+        mouth, apex: In the panel's axes [m].
+        width: Of its mouth [m]; of one that was closed: what the scan asks for.
+        before, after: Root mean square over the panel of the strain that no flat shape takes.
+    """
+
+    kind: str
+    panel: str
+    edge: str
+    mouth: tuple[float, float]
+    apex: tuple[float, float]
+    width: float
+    before: float
+    after: float
+
+    def tell(self) -> str:
+        """Return the finding as one sentence with its evidence and its limit."""
+        strain = f"{100 * self.before:.1f} to {100 * self.after:.1f} %"
+        where = f"panel '{self.panel}' at '{self.edge}'"
+        if self.kind == "added":
+            length = float(np.linalg.norm(np.subtract(self.apex, self.mouth)))
+            return (
+                f"A dart of {1e3 * self.width:.0f} mm, {1e3 * length:.0f} mm long, was added to {where}: the strain "
+                f"that no flat panel takes falls from {strain} there; --keep-cut leaves it out."
+            )
+        return (
+            f"A dart of {where} was closed: the scan asks for {1e3 * self.width:.0f} mm, less than "
+            f"{1e3 * LEAST_WIDTH:.0f}, and without it strain goes from {strain}; --keep-cut leaves it."
+        )
+
+
+@dataclass(frozen=True)
+class FittedPanels:
+    """Describe a pattern fitted by isometry, whose panels may have changed.
+
+    Attributes:
+        garment: The coarse mesh of the fitted pattern, nodes on the target.
+        base: The base pattern with the same panels and darts.
+        strain: That the cloth of each face is believed to have, shape [face_count, 2, 2].
+        graded: The graded drape's mesh with its nodes, of the same panels and darts.
+        changes: What changed; empty where nothing did.
+    """
+
+    garment: Garment
+    base: Pattern
+    strain: np.ndarray
+    graded: Garment
+    changes: tuple[PanelChange, ...] = ()
+
+
+def change_panels(
+    garment: Garment, case: Case, graded: Garment, registered: np.ndarray, hooks: Hooks = SILENT
+) -> FittedPanels:
+    """Close darts that the scan has no use for, and add those that its panels cannot be isometric without.
+
+    Args:
+        garment: The pattern as `fit_isometry` left it.
+        case: The scan, the wearer and the base pattern; `keep_cut` and locked panels leave panels as they are.
+        graded: The graded drape.
+        registered: Its nodes on the target [m], shape [node_count, 3].
+        hooks: Cancellation.
+
+    Returns:
+        The fitted pattern; with nothing changed the one that was given, to the last digit.
+    """
+    _, strain = lay_on_target(graded, registered)
+    found = FittedPanels(garment, case.base, strain, graded)
+    if case.settings.keep_cut or any(word.startswith(("panel:", "point:")) for word in case.settings.locks):
+        return found
+    hooks.check()
+    try:
+        return _add(_close(found, case), case)
+    except Cancelled:
+        raise
+    except (GarmentqError, np.linalg.LinAlgError):  # changed panels that cannot be meshed or fitted are no better
+        return found
+
+
+def _close(found: FittedPanels, case: Case) -> FittedPanels:
+    """Close the darts for which the scan asks for less than `LEAST_WIDTH`, unless one would be proposed again."""
+    if not find_darts(found.garment.pattern):
+        return found
+    relaxed = _relax(found, case, {dart.panel for dart in find_darts(found.garment.pattern)})
+    wanted = wanted_strain(relaxed.garment, relaxed.strain)
+    widths = {dart: asked_width(relaxed.garment, wanted, dart) for dart in find_darts(relaxed.garment.pattern)}
+    needless = [dart for dart, width in widths.items() if width < LEAST_WIDTH]
+    needless = [dart for dart in needless if _images(relaxed.garment.pattern, dart) <= set(needless)]
+    if not needless:
+        return found
+    closed = _refit(relaxed, close_darts(relaxed.garment, wanted, relaxed.base, needless), case)
+    strains = _strains(found), _strains(closed)
+    changes = []
+    for dart in needless:
+        before, after = (each[dart.panel] for each in strains)
+        if 1.0 - (before / after) ** 2 > PROPOSED_SHARE and after > LEAST_STRAIN:
+            return found  # without it one would be proposed
+        changes.append(_describe(found.garment.pattern, dart, "closed", widths[dart], (before, after)))
+    return replace(closed, changes=tuple(changes))
+
+
+def _add(found: FittedPanels, case: Case) -> FittedPanels:
+    """Add the darts that take enough strain and come out wide enough; one that does not is taken back."""
+    wanted = wanted_strain(found.garment, found.strain)
+    before = _strains(found)
+    proposals = [
+        one
+        for index in range(len(found.garment.pattern.panels))
+        if (one := propose_dart(found.garment, wanted, index)) is not None
+        and one.before > LEAST_STRAIN
+        and one.share > PROPOSED_SHARE
+        and one.angle > LEAST_ANGLE
+    ]
+    while proposals:
+        cut = cut_darts(found.garment, wanted, found.base, tuple(proposals))
+        names = {dart.panel for dart in cut.darts}
+        added = _relax(_refit(found, cut, case), case, names)
+        after = _strains(added)
+        changes: dict[int, list[PanelChange]] = {}
+        for dart, number in zip(cut.darts, cut.owner, strict=True):
+            strain = before[dart.panel], after[dart.panel]
+            width = dart.width(added.garment.pattern)
+            if width >= LEAST_WIDTH and 1.0 - (strain[1] / strain[0]) ** 2 >= KEPT_SHARE:
+                change = _describe(added.garment.pattern, dart, "added", width, strain)
+                changes.setdefault(number, []).append(change)
+        if len(changes) == len(proposals):
+            every = tuple(change for number in sorted(changes) for change in changes[number])
+            return replace(added, changes=(*found.changes, *every))
+        proposals = [proposals[number] for number in sorted(changes)]
+    return found
+
+
+def _refit(found: FittedPanels, cut: CutGarment, case: Case) -> FittedPanels:
+    """Return the panels with other darts, meshed anew and fitted to the target by isometry."""
+    mesh = mesh_pattern(cut.pattern, len(found.garment.nodes))
+    start = mesh.at(cut.place(found.garment, found.garment.nodes, mesh))
+    strain = cut.carry_strain(found.strain, mesh)
+    fine = mesh_pattern(cut.pattern, len(found.graded.nodes))
+    graded = fine.at(cut.place(found.graded, found.graded.nodes, fine))
+    return FittedPanels(_fit(start, strain, cut.base, case), cut.base, strain, graded, found.changes)
+
+
+def _relax(found: FittedPanels, case: Case, panels: set[str]) -> FittedPanels:
+    """Let the darts of some panels open or close as strain asks for, and fit again, `ROUNDS` times."""
+    for _ in range(ROUNDS):
+        wanted = wanted_strain(found.garment, found.strain)
+        pattern, base = relax_panels(found.garment, wanted, found.base, panels)
+        fitted = _fit(move_pattern(found.garment, pattern), found.strain, base, case)
+        found = replace(found, garment=fitted, base=base)
+    return found
+
+
+def _fit(start: Garment, strain: np.ndarray, base: Pattern, case: Case) -> Garment:
+    """Fit a pattern and its place on the target to each other, from where a garment lies."""
+    named = start.at(start.nodes, name_contours(start.nodes, start.faces, case.body)[0])
+    problem = Isometry.of(named, case.target, case.body, base, strain, STEPS)
+    return solve_isometry(problem, named, SETTLED, lambda step: None)
+
+
+def _strains(found: FittedPanels) -> dict[str, float]:
+    """Return the root mean square of the strain that no flat shape takes, by the panel's name."""
+    wanted, strains = wanted_strain(found.garment, found.strain), {}
+    for index, panel in enumerate(found.garment.pattern.panels):
+        flat = relax_panel(found.garment, wanted, index)
+        strains[panel.name] = rms_strain(flat, float(flat.left @ flat.left))
+    return strains
+
+
+def _images(pattern: Pattern, dart: Dart) -> set[Dart]:
+    """Return the mirror images of a dart."""
+    darts = find_darts(pattern)
+    number = (dart.first + 1) % len(pattern.panel(dart.panel).points)
+    apexes = {(one.panel, (one.first + 1) % len(pattern.panel(one.panel).points)): one for one in darts}
+    images = mirror_corners(pattern).get((dart.panel, number), [])
+    return {apexes[corner] for corner, _ in images if corner in apexes}
+
+
+def _describe(pattern: Pattern, dart: Dart, kind: str, width: float, strain: tuple[float, float]) -> PanelChange:
+    """Return a change with its place."""
+    panel = pattern.panel(dart.panel)
+    edge = panel.edges[(dart.first - 1) % len(panel.edges)]
+    first, apex, last = dart.ends(pattern)
+    middle = 0.5 * (first + last)
+    where = edge.label or edge.contour or str((dart.first - 1) % len(panel.edges))
+    points = (float(middle[0]), float(middle[1])), (float(apex[0]), float(apex[1]))
+    return PanelChange(kind, panel.name, where, *points, width, *strain)

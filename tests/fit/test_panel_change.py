@@ -1,0 +1,214 @@
+"""Darts that a scan asks for, and darts that it does not, where the truth is known."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from garmentq.core.body import builtin_body
+from garmentq.core.clock import Clock
+from garmentq.core.drape import WearerGeometry, drape_graded, drape_template, remesh
+from garmentq.core.fit import METHODS, fit_isometry
+from garmentq.core.fit.dart_closing import asked_width, close_darts
+from garmentq.core.fit.dart_cutting import cut_darts
+from garmentq.core.fit.dart_search import propose_dart, relax_panel, rms_strain
+from garmentq.core.fit.panel_change import FittedPanels, change_panels
+from garmentq.core.fit.wedge import wanted_strain
+from garmentq.core.hooks import SILENT
+from garmentq.core.mesh import vertex_normals
+from garmentq.core.pattern import (
+    Edge,
+    EdgeRef,
+    Garment,
+    Panel,
+    Pattern,
+    Seam,
+    Severity,
+    edge_length,
+    find_faults,
+    load_template,
+    mesh_pattern,
+    save_pattern,
+    seam_mismatch,
+)
+from garmentq.core.pattern.editing.darts import close_dart, find_darts, insert_dart
+from garmentq.core.pipeline import complete_case, drape_to_scan, make_case
+from garmentq.core.recovery import Request
+from garmentq.core.segment import Target
+from garmentq.core.settings import RecoverySettings
+from garmentq.core.simulate import get_fabric
+
+ANGLE = np.radians(12.0)
+"""Of the dart whose cone is laid on a panel without one."""
+
+
+def two_panels(dart: bool = False) -> Pattern:
+    """Return two pieces of 40 by 30 cm sewn along their middle; the upper one with a dart there, or without."""
+    corners = np.array([[0.0, 0.0], [0.4, 0.0], [0.4, 0.3], [0.0, 0.3]])
+    lower = Panel("lower", corners - [0.0, 0.3], tuple(Edge() for _ in range(4)))
+    upper = Panel("upper", corners, tuple(Edge() for _ in range(4)))
+    pattern = Pattern("two", (lower, upper), (Seam(EdgeRef("lower", 2), EdgeRef("upper", 0)),), symmetric=False)
+    if not dart:
+        return pattern
+    pattern, found = insert_dart(pattern, EdgeRef("upper", 0), 0.45, np.array([0.18, 0.13]))
+    points = pattern.panel("upper").points.copy()
+    points[: found.first + 1, 0] -= 0.015
+    points[-1, 0] -= 0.015
+    points[found.first + 2 : -1, 0] += 0.015
+    return pattern.with_points({"upper": points})
+
+
+def lay_on_cone(pattern: Pattern, apex: np.ndarray, angle: float) -> Garment:
+    """Return a mesh whose upper panel lies on the cone of a dart of some angle, as near as a panel without one can."""
+    garment = mesh_pattern(pattern, 900)
+    away = garment.uv - apex
+    radius = np.linalg.norm(away, axis=1)
+    turn = np.arctan2(away[:, 0], away[:, 1])  # 0 upwards; the dart opens downwards, at pi
+    share = 1.0 - angle / (2.0 * np.pi)
+    # the flat panel closes the gap by turning: the cone's surface has 2 pi - angle around its apex, the panel 2 pi
+    height = radius * np.sqrt(1.0 - share**2)
+    place = np.stack([share * radius * np.sin(turn), share * radius * np.cos(turn), -height], axis=1)
+    nodes = np.zeros((len(garment.nodes), 3))
+    nodes[garment.uv_node] = place
+    return garment.at(nodes)
+
+
+def test_a_dart_is_cut_into_both_sides_of_a_seam_and_closed_again() -> None:
+    """Breaks where a seam loses its partner, a notch its place, or closing leaves a point or an edge behind."""
+    plain, pattern = two_panels(), two_panels(dart=True)
+    (dart,) = find_darts(pattern)
+    assert dart.width(pattern) == pytest.approx(0.03)
+    assert dart.length(pattern) == pytest.approx(0.13)
+    assert np.abs(seam_mismatch(pattern)).max() < 1e-9
+    assert not [fault for fault in find_faults(pattern) if fault.severity is Severity.ERROR]
+    assert [len(panel.points) for panel in pattern.panels] == [5, 7]
+    assert len(mesh_pattern(pattern, 600).nodes) > 500
+    closed = close_dart(pattern, dart)
+    assert not find_darts(closed)
+    assert [len(panel.points) for panel in closed.panels] == [5, 5]
+    assert sum(edge_length(closed.panel("upper"), i) for i in range(5)) > sum(
+        edge_length(plain.panel("upper"), i) for i in range(4)
+    )
+    assert np.abs(seam_mismatch(closed)).max() < 0.016  # the mouth closed at its middle: half its width to either side
+
+
+def test_the_cone_of_a_dart_is_found_on_a_panel_without_one() -> None:
+    """Breaks where the apex is off by more than the mesh's edge, the angle by a sixth, or the sign is turned round."""
+    apex = np.array([0.19, 0.12])
+    garment = lay_on_cone(two_panels(), apex, ANGLE)
+    strain = wanted_strain(garment, np.broadcast_to(np.eye(2), (len(garment.faces), 2, 2)))
+    found = propose_dart(garment, strain, 1)
+    assert found is not None
+    assert np.linalg.norm(found.wedge.apex - apex) < 0.018
+    assert found.angle == pytest.approx(ANGLE, rel=1 / 6)
+    assert found.share > 0.8
+    assert found.mouth.edge == 0, "the seam, and no open edge"
+    cut = cut_darts(garment, strain, two_panels(), (found,))
+    (dart,) = cut.darts
+    assert np.abs(seam_mismatch(cut.pattern)).max() < 1e-6
+    assert dart.width(cut.pattern) == pytest.approx(found.width, rel=0.15)
+    mesh = mesh_pattern(cut.pattern, 900)
+    opened = mesh.at(cut.place(garment, garment.nodes, mesh))
+    left = relax_panel(opened, wanted_strain(opened, np.broadcast_to(np.eye(2), (len(mesh.faces), 2, 2))), 1)
+    assert rms_strain(left, float(left.left @ left.left)) < 0.6 * found.before
+
+
+def test_a_flat_panel_gets_no_dart() -> None:
+    """Breaks where rounding is taken for strain."""
+    garment = mesh_pattern(two_panels(), 900)
+    garment = garment.at(np.pad(_flat_nodes(garment), ((0, 0), (0, 1))))
+    strain = wanted_strain(garment, np.broadcast_to(np.eye(2), (len(garment.faces), 2, 2)))
+    found = propose_dart(garment, strain, 1)
+    assert found is None or found.before < 1e-9
+
+
+def _flat_nodes(garment: Garment) -> np.ndarray:
+    nodes = np.zeros((len(garment.nodes), 2))
+    nodes[garment.uv_node] = garment.uv
+    return nodes
+
+
+def test_a_dart_on_a_flat_surface_asks_to_be_closed() -> None:
+    """Breaks where the width that is asked for has the wrong sign, or closing moves the panel's other edges."""
+    pattern = two_panels(dart=True)
+    (dart,) = find_darts(pattern)
+    garment = mesh_pattern(pattern, 900)
+    plain = garment.uv.copy()
+    upper, side = garment.panel_of_uv == 1, np.sign(garment.uv[:, 0] - 0.18)
+    wedge = np.clip(1.0 - garment.uv[:, 1] / 0.13, 0.0, 1.0)
+    plain[upper, 0] -= (side * 0.015 * wedge)[upper]
+    nodes = np.zeros((len(garment.nodes), 3))
+    nodes[garment.uv_node, :2] = plain
+    garment = garment.at(nodes)
+    strain = wanted_strain(garment, np.broadcast_to(np.eye(2), (len(garment.faces), 2, 2)))
+    assert asked_width(garment, strain, dart) < 0.006
+    cut = close_darts(garment, strain, pattern, [dart])
+    assert not find_darts(cut.pattern) and not find_darts(cut.base)
+    mesh = mesh_pattern(cut.pattern, 900)
+    assert np.abs(cut.place(garment, nodes, mesh)[:, 2]).max() < 1e-12
+    assert np.abs(seam_mismatch(cut.pattern)).max() < 1e-6
+
+
+DARTED, PLAIN = "pencil_skirt+shaping=darts", "pencil_skirt"
+
+
+def fit_panels(folder: Path, true: str, base: str, keep_cut: bool | None = None) -> FittedPanels:
+    """Drape a cut on the built-in body, and fit another to that drape as a recovery does, up to its panels."""
+    wearer, fabric = WearerGeometry(builtin_body("builtin:female,height=1.70")), get_fabric("cotton_poplin")
+    worn = drape_template(load_template(true), wearer)
+    hangs = Target(worn.nodes, worn.faces, vertex_normals(worn.nodes, worn.faces), worn.contours, (), "skirt")
+    garment, _ = drape_graded(remesh(worn, 5000), wearer, fabric, hangs)
+    trimesh.Trimesh(garment.nodes, garment.faces, process=False).export(folder / "garment.ply")
+    trimesh.Trimesh(wearer.body.vertices, wearer.body.faces, process=False).export(folder / "body.ply")
+    save_pattern(load_template(base), folder / "base.json")
+    settings = RecoverySettings(method="deform", keep_cut=keep_cut)
+    request = Request(folder / "garment.ply", folder / "body.ply", folder / "base.json", settings)
+    clock = Clock(SILENT)
+    case = complete_case(make_case(request, clock), clock)
+    drape = drape_to_scan(case, clock)
+    registered = METHODS["deform"].fit(case, drape, clock).meshes.detail
+    fitted = fit_isometry(drape.garment, registered, case.target, case.body, case.base)
+    return change_panels(fitted, case, drape.garment, registered)
+
+
+@pytest.mark.nightly
+def test_a_skirt_with_darts_gets_them_back(tmp_path: Path) -> None:
+    """Breaks where the back's darts are not found, or further than 2 cm or 5 degrees from where they were sewn."""
+    found, true = fit_panels(tmp_path, DARTED, PLAIN), load_template(DARTED)
+    sewn = {dart.panel: dart for dart in find_darts(true) if dart.ends(true)[1][0] > 0.0}
+    assert found.changes and {change.kind for change in found.changes} == {"added"}
+    pattern = found.garment.pattern
+    for dart in find_darts(pattern):
+        truth = sewn[dart.panel]
+        middles = [0.5 * (one.ends(each)[0] + one.ends(each)[2]) for one, each in ((dart, pattern), (truth, true))]
+        assert abs(abs(middles[0][0]) - abs(middles[1][0])) < 0.02
+        angles = [
+            2.0 * np.arctan(one.width(each) / 2.0 / one.length(each)) for one, each in ((dart, pattern), (truth, true))
+        ]
+        assert abs(np.degrees(angles[0] - angles[1])) < 5.0
+    assert np.abs(seam_mismatch(pattern)).max() < 1e-6
+    assert not [fault for fault in find_faults(pattern) if fault.severity is Severity.ERROR]
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(
+    ("true", "base", "keep_cut"), [(PLAIN, PLAIN, None), (DARTED, PLAIN, True), (PLAIN, DARTED, True)]
+)
+def test_panels_stay_where_nothing_asks_for_another_cut(
+    tmp_path: Path, true: str, base: str, keep_cut: bool | None
+) -> None:
+    """Breaks where a skirt without darts gets some, or `keep_cut` is not obeyed."""
+    found = fit_panels(tmp_path, true, base, keep_cut)
+    assert not found.changes
+    assert len(find_darts(found.garment.pattern)) == len(find_darts(load_template(base)))
+
+
+@pytest.mark.nightly
+def test_needless_darts_are_closed(tmp_path: Path) -> None:
+    """Breaks where a skirt that was sewn without darts keeps those of its base pattern in front."""
+    found = fit_panels(tmp_path, PLAIN, DARTED)
+    assert {(change.kind, change.panel) for change in found.changes} >= {("closed", "front")}
+    assert not [dart for dart in find_darts(found.garment.pattern) if dart.panel == "front"]
+    assert np.abs(seam_mismatch(found.garment.pattern)).max() < 1e-6
