@@ -180,7 +180,7 @@ def _open_parts(cut: Cut) -> Mapping[str, list[str]]:
     """Return the choices of each part that shows in girths; a bodice's only where neither skirt nor legs are below."""
     found: dict[str, list[str]] = {}
     if cut.skirt is not Skirt.NONE:
-        found["skirt"] = [word for word in PARTS["skirt"] if word != "none"]
+        found["skirt"] = [word for word in PARTS["skirt"] if word not in ("none", "pleated")]
     if cut.legs not in (Legs.NONE, Legs.SHORT):
         found["legs"] = [word for word in PARTS["legs"] if word not in ("none", "short")]
     if cut.bodice is not Bodice.NONE and cut.skirt is Skirt.NONE and cut.legs is Legs.NONE:

@@ -92,6 +92,8 @@ def hang(name: str, gender: str, poses: tuple[str, ...]) -> None:
         "pencil_skirt+skirt=tiered",
         "skirt+skirt=full-circle,yoke=hip",
         "trousers+legs=wide,waistband=band",
+        "skirt+skirt=pleated,yoke=hip",
+        "long_sleeve_tshirt+sleeve_head=set-in,sleeve_pieces=two",
     ],
 )
 def test_a_cut_hangs(name: str) -> None:

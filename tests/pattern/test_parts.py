@@ -10,6 +10,7 @@ from garmentq.core.pattern import (
     BodyMeasures,
     EdgeRef,
     check_outline,
+    edge_length,
     find_cut,
     find_symmetry,
     load_template,
@@ -18,6 +19,7 @@ from garmentq.core.pattern import (
     panel_area,
     seam_lengths,
 )
+from garmentq.core.pattern.editing import find_darts
 from garmentq.core.pattern.parts import (
     CUTS,
     Bodice,
@@ -32,6 +34,7 @@ from garmentq.core.pattern.parts import (
     Skirt,
     Sleeve,
     SleeveHead,
+    SleevePieces,
     Throat,
     Waist,
     Waistband,
@@ -41,7 +44,9 @@ from garmentq.core.pattern.parts import (
     neckline_points,
     parse_parts,
 )
+from garmentq.core.pattern.parts.pleats import DEPTH, PLEATS
 from garmentq.core.pattern.parts.sleeves import CAP_EASE, CUFF_FULLNESS
+from garmentq.core.pieces import measure_pieces
 from garmentq.core.segment import CATEGORIES, CONTOUR_NAMES, find_loops
 
 CURVY = BodyMeasures(bust=1.08, waist=0.86, hip=1.12)
@@ -75,6 +80,9 @@ def many_cuts() -> dict[str, Cut]:
     found["suit stand"] = Cut(Bodice.SHIFT, legs=Legs.STRAIGHT, collar=Collar.STAND)
     for sleeve, head in product(Sleeve, SleeveHead):
         found[f"{sleeve} {head} cuff"] = Cut(Bodice.SHIFT, sleeve=sleeve, sleeve_head=head, cuff=Cuff.BAND)
+    for sleeve, head, yoke in product(Sleeve, SleeveHead, (Yoke.NONE, Yoke.BACK)):
+        cut = Cut(Bodice.SHIFT, sleeve=sleeve, sleeve_head=head, yoke=yoke, sleeve_pieces=SleevePieces.TWO)
+        found[f"{sleeve} {head} {yoke} two pieces"] = cut
     for skirt, shaping, waist in product(Skirt, Shaping, Waist):
         found[f"shift {shaping} {skirt} {waist}"] = Cut(Bodice.SHIFT, skirt=skirt, shaping=shaping, waist=waist)
     for skirt, band, yoke, shaping in product(Skirt, Waistband, (Yoke.NONE, Yoke.HIP), (Shaping.NONE, Shaping.DARTS)):
@@ -207,3 +215,29 @@ def test_parts_that_cannot_be_sewn_are_refused(cut):
     """Breaks where a garment is drafted without one of its parts."""
     with pytest.raises(PartsConflict):
         draft_cut(cut)
+
+
+def test_pleats_fold_twice_their_depth_away():
+    """Breaks where a pleat is not sewn to itself, its depth is lost, or what shows is not the yoke's edge."""
+    pattern = draft_cut(Cut(skirt=Skirt.PLEATED, yoke=Yoke.HIP), CURVY)
+    own = [seam for seam in pattern.seams if seam.a.panel == seam.b.panel]
+    assert len(own) == 4 * PLEATS
+    lengths = {panel.name: [edge_length(panel, i) for i in range(len(panel.edges))] for panel in pattern.panels}
+    for face in ("front", "back"):
+        panel = pattern.panel(face)
+        upper = sum(
+            lengths[face][i] for i, edge in enumerate(panel.edges) if edge.label.startswith(("hipyoke", "pleat"))
+        )
+        yoke = pattern.panel(f"yoke_{face}")
+        lower = sum(lengths[yoke.name][i] for i, edge in enumerate(yoke.edges) if edge.label.startswith("hipyoke"))
+        assert upper - lower == pytest.approx(2 * 2 * PLEATS * DEPTH)
+    assert not find_darts(pattern), "a pleat is no dart"
+
+
+def test_a_sleeve_of_two_pieces_is_cut_as_two():
+    """Breaks where the halves of the top or the under sleeve cannot be joined over the arm, or its seams differ."""
+    name = "long_sleeve_tshirt+sleeve_head=set-in,sleeve_pieces=two"
+    pieces = [piece.name for piece in measure_pieces(load_template(name)).pieces]
+    assert sorted(pieces) == ["BACK", "FRONT", "SLEEVE", "UNDERSLEEVE"]
+    sides = {edge.label for panel in load_template(name).panels for edge in panel.edges}
+    assert {"forearm.left", "hindarm.left", "forearm.right", "hindarm.right"} <= sides

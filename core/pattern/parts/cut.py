@@ -58,6 +58,13 @@ class SleeveHead(StrEnum):
     RAGLAN = "raglan"
 
 
+class SleevePieces(StrEnum):
+    """Of how many pieces a sleeve is cut."""
+
+    ONE = "one"
+    TWO = "two"
+
+
 class Cuff(StrEnum):
     """What finishes a sleeve."""
 
@@ -100,6 +107,7 @@ class Skirt(StrEnum):
     FULL_CIRCLE = "full-circle"
     GATHERED = "gathered"
     TIERED = "tiered"
+    PLEATED = "pleated"
 
 
 class Legs(StrEnum):
@@ -145,6 +153,7 @@ class Cut:
         yoke: Across the back of a bodice, or around the hips above a skirt.
         collar: On the neckline.
         cuff: On each sleeve.
+        sleeve_pieces: Of each sleeve.
         neck_depth, back_depth: Of a neckline below the side neck point [m]; None: as the neckline is usually cut.
     """
 
@@ -164,6 +173,7 @@ class Cut:
     yoke: Yoke = Yoke.NONE
     collar: Collar = Collar.NONE
     cuff: Cuff = Cuff.NONE
+    sleeve_pieces: SleevePieces = SleevePieces.ONE
 
     @property
     def category(self) -> str:
@@ -208,7 +218,7 @@ class Cut:
 
     def has_place_for(self, part: str) -> bool:
         """Check whether a garment of the cut's kind can have another choice of a part: trousers have no neckline."""
-        if part in ("neckline", "back_neckline", "sleeve", "sleeve_head", "collar", "cuff"):
+        if part in ("neckline", "back_neckline", "sleeve", "sleeve_head", "sleeve_pieces", "collar", "cuff"):
             return self.bodice is not Bodice.NONE
         if part == "waist":
             return self.bodice is not Bodice.NONE and self.skirt is not Skirt.NONE
@@ -235,6 +245,7 @@ PARTS: dict[str, type[StrEnum]] = {
     "yoke": Yoke,
     "collar": Collar,
     "cuff": Cuff,
+    "sleeve_pieces": SleevePieces,
 }
 """The parts of a cut by name, each with its choices."""
 

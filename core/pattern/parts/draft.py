@@ -19,6 +19,7 @@ from .cut import (
     Skirt,
     Sleeve,
     SleeveHead,
+    SleevePieces,
     Waist,
     Waistband,
     Yoke,
@@ -50,6 +51,13 @@ def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None =
         raise PartsConflict("a hip yoke is a skirt's; choose a skirt, below a bodice with waist=seam.")
     if cut.cuff is not Cuff.NONE and cut.sleeve in (Sleeve.NONE, Sleeve.CAP):
         raise PartsConflict("a cuff needs a sleeve that goes round the arm; choose sleeve=short, elbow or long.")
+    if cut.sleeve_pieces is SleevePieces.TWO:
+        if cut.sleeve is not Sleeve.LONG or cut.sleeve_head is not SleeveHead.SET_IN or cut.cuff is not Cuff.NONE:
+            raise PartsConflict(
+                "a sleeve of two pieces is long, set in and without a cuff: sleeve=long,sleeve_head=set-in."
+            )
+        if cut.yoke is Yoke.BACK:
+            raise PartsConflict("a back yoke and a sleeve of two pieces would cut one armhole in three; leave one out.")
     if cut.bodice is Bodice.NONE and (cut.collar is not Collar.NONE or cut.sleeve_head is not SleeveHead.FLAT):
         raise PartsConflict("a collar and a sleeve's head need a bodice; choose one, or leave them out.")
     if cut.waist is Waist.SEAM and (cut.bodice is Bodice.NONE or cut.skirt is Skirt.NONE):

@@ -29,6 +29,7 @@ from ..outline import (
 )
 from ..pattern import Panel
 from .cut import Bodice, Cut, PartsConflict, Shaping, Skirt, Waistband, Yoke
+from .pleats import draw_pleats, yoke_strokes
 from .shaping import MIDDLE_SHARE, Waistline
 
 BAND = 0.04
@@ -103,12 +104,14 @@ def draw_skirt(cut: Cut, m: BodyMeasures) -> list[Panel]:
         panels = [draw_band(face, waist, edge.height, edge.divided) for face in ("front", "back")]
     if cut.yoke is Yoke.HIP:
         low = waist + YOKE_REACH * ((m.hip + 0.04) / 4 - waist)
-        panels = [_hip_yoke(face, edge, low) for face in ("front", "back")] + panels
+        panels = [_hip_yoke(face, edge, low, cut.skirt) for face in ("front", "back")] + panels
         edge = UpperEdge("hipyoke", low, False, edge.height - YOKE_DEPTH)
     if cut.skirt in SWEEP:
         return _circle(SWEEP[cut.skirt], edge) + panels
     if cut.skirt is Skirt.TIERED:
         return _tiers(edge) + panels
+    if cut.skirt is Skirt.PLEATED:
+        return draw_pleats(edge.quarter, edge.height) + panels
     if cut.skirt is Skirt.GORED:
         return _six_gores(edge, cut, m) + panels
     return (_two_panels if cut.panels == 2 else _four_panels)(edge, cut, m) + panels
@@ -119,14 +122,16 @@ def _check(cut: Cut) -> None:
     sewn = cut.waistband is Waistband.BAND or cut.bodice is not Bodice.NONE
     if cut.panels not in (2, 4):
         raise PartsConflict(f"a skirt of {cut.panels} panels is not drafted; choose 2 or 4.")
-    if cut.skirt in (*SWEEP, Skirt.TIERED) and cut.panels != 2:
+    if cut.skirt in (*SWEEP, Skirt.TIERED, Skirt.PLEATED) and cut.panels != 2:
         raise PartsConflict(f"a {cut.skirt} skirt is drafted of 2 panels.")
     if cut.skirt in (Skirt.GATHERED, Skirt.TIERED) and not sewn and cut.yoke is not Yoke.HIP:
         raise PartsConflict(
             f"a {cut.skirt} skirt needs something to be gathered into; add waistband=band, waist=seam or yoke=hip."
         )
+    if cut.skirt is Skirt.PLEATED and cut.yoke is not Yoke.HIP:
+        raise PartsConflict("a pleated skirt is drafted on a yoke; add yoke=hip.")
     if cut.yoke is Yoke.HIP and cut.skirt in (*DARTED, Skirt.GORED):
-        raise PartsConflict(f"a {cut.skirt} skirt is not drafted on a yoke; choose a gathered, tiered or circle one.")
+        raise PartsConflict(f"a {cut.skirt} skirt has no yoke; choose a gathered, tiered, pleated or circle one.")
     if cut.bodice is Bodice.NONE and cut.yoke is Yoke.BACK:
         raise PartsConflict("a back yoke is a bodice's; choose yoke=hip.")
     if cut.bodice is not Bodice.NONE:
@@ -308,10 +313,11 @@ def _tiers(edge: UpperEdge) -> list[Panel]:
     return panels
 
 
-def _hip_yoke(face: str, edge: UpperEdge, low: float) -> Panel:
-    """Draw front or back of a hip yoke, whose lower quarter is `low` [m]."""
+def _hip_yoke(face: str, edge: UpperEdge, low: float, skirt: Skirt) -> Panel:
+    """Draw front or back of a hip yoke, whose lower quarter is `low` [m], divided where a skirt's pleats meet it."""
+    plain = (Stroke((low, -YOKE_DEPTH), label=f"hipyoke.{face}.left"),)
     strokes = (
-        Stroke((low, -YOKE_DEPTH), label=f"hipyoke.{face}.left"),
+        *(yoke_strokes(face, low, -YOKE_DEPTH) if skirt is Skirt.PLEATED else plain),
         Stroke((edge.quarter, 0.0), label="yokeside.left"),
         *edge.strokes(face, (edge.quarter, 0.0), Stroke((0.0, 0.0))),
     )

@@ -4,6 +4,7 @@ A flat sleeve is the front or back of a T-shirt's laid beside the bodice, its ca
 block of W. Aldrich, Metric Pattern Cutting for Women's Wear, for jersey and easy-fitting garments). A set-in sleeve has
 a cap of its own, a third of the armhole high and eased into it (her one-piece sleeve block). A raglan sleeve goes on to
 the neck: the bodice ends at a line from the neckline to the underarm, and what lies above it belongs to the sleeve.
+A sleeve of two pieces (her two-piece sleeve block) has a top and an under sleeve, with a forearm and a hindarm seam.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..outline import Outline, Point, Stroke, length, mirror, place_panel
+from ..outline import Outline, Point, Stroke, length, mirror, place_panel, to_point
 from ..pattern import Panel
 from .cut import PartsConflict, Sleeve
 
@@ -27,6 +28,13 @@ CUFF = 0.06
 
 CUFF_FULLNESS = 1.25
 """Width of a sleeve by that of the cuff that it is gathered into: 6 cm of pleats in a shirt's."""
+
+UNDER_CUFF = 0.45
+"""Share of half a cuff that belongs to the under sleeve of a sleeve of two pieces: it is the narrower one."""
+
+ELBOW_BOW = 0.008
+"""By how much each side of the forearm seam is hollowed, and of the hindarm seam rounded, at their middle [m]: the
+sleeve then follows an arm that hangs slightly bent, as the two-piece block's elbow line does."""
 
 FULL_CAP = 0.6
 """Length of the handles of a set-in cap by its half width: the cap then rises over the shoulder's end like a bell."""
@@ -90,9 +98,9 @@ class SleeveEnd:
         low, top = self.at(end, CUFF_FULLNESS * self.cut.cuff_half), self.at(end, 0.0)
         return Stroke(low, label="undersleeve.left"), Stroke(top, label=f"cuffseam.{self.side}.left")
 
-    def place(self, outline: Outline, height: float) -> list[Panel]:
+    def place(self, outline: Outline, height: float, name: str = "sleeve") -> list[Panel]:
         """Place the left half sleeve, its mirror image, and the halves of both cuffs."""
-        panels = self._place("sleeve", outline, height)
+        panels = self._place(name, outline, height)
         if self.banded:
             end, wide = self.cut.length - CUFF, self.cut.cuff_half
             start = self.at(end, 0.0)
@@ -122,6 +130,46 @@ def half_sleeves(end: SleeveEnd, cap: tuple[Stroke, ...], height: float) -> list
         height: Of the draft's origin [m].
     """
     return end.place(Outline(end.top, (*cap, *end.strokes(), Stroke(end.top, label="oversleeve.left"))), height)
+
+
+def two_piece_sleeves(end: SleeveEnd, cap: tuple[Stroke, ...], height: float) -> list[Panel]:
+    """Draw the left halves of a top and an under sleeve and mirror them.
+
+    Both sides of the seam between them mirror each other at its chord, so that they are equal in length.
+
+    Args:
+        end: What lies below the cap.
+        cap: From its top at the shoulder to the seam, and on to the underarm.
+        height: Of the draft's origin [m].
+    """
+    over, under = cap
+    lower, cuff = end.strokes()
+    wrist = end.at(end.cut.length, (1.0 - UNDER_CUFF) * end.cut.cuff_half)
+    label = f"{'forearm' if end.side == 'front' else 'hindarm'}.left"
+    hollow = ELBOW_BOW if end.side == "front" else -ELBOW_BOW
+    top = (
+        over,
+        Stroke(wrist, _bow(over.end, wrist, hollow), label=label),
+        cuff,
+        Stroke(end.top, label="oversleeve.left"),
+    )
+    below = (
+        under,
+        lower,
+        Stroke(wrist, contour="cuff.left"),
+        Stroke(over.end, _bow(wrist, over.end, hollow), label=label),
+    )
+    return [
+        *end.place(Outline(end.top, top), height),
+        *end.place(Outline(over.end, below), height, "undersleeve"),
+    ]
+
+
+def _bow(start: Point, end: Point, left: float) -> tuple[Point, Point]:
+    """Return the handles of a cubic whose middle is so far to the left of its chord [m]."""
+    way = np.subtract(end, start)
+    across = np.array([-way[1], way[0]]) / np.linalg.norm(way) * left * 4.0 / 3.0
+    return to_point(start + way / 3.0 + across), to_point(start + 2.0 * way / 3.0 + across)
 
 
 def raglan_sleeves(end: SleeveEnd, neck: Point, upper: tuple[Stroke, ...], height: float) -> list[Panel]:

@@ -23,11 +23,25 @@ from ..outline import (
 )
 from ..pattern import Panel
 from .collars import collar_stand, sew_collar
-from .cut import Bodice, Collar, Cuff, Cut, Legs, PartsConflict, Shaping, Skirt, Sleeve, SleeveHead, Waist, Yoke
+from .cut import (
+    Bodice,
+    Collar,
+    Cuff,
+    Cut,
+    Legs,
+    PartsConflict,
+    Shaping,
+    Skirt,
+    Sleeve,
+    SleeveHead,
+    SleevePieces,
+    Waist,
+    Yoke,
+)
 from .necklines import Throat, draw_neckline, side_neck
 from .shaping import APEX_BELOW, GODET, Waistline, draw_princess
 from .skirts import half_waist
-from .sleeves import SLEEVES, SleeveEnd, half_sleeves, raglan_sleeves, set_in_caps
+from .sleeves import SLEEVES, SleeveEnd, half_sleeves, raglan_sleeves, set_in_caps, two_piece_sleeves
 
 FACES = ("front", "back")
 
@@ -37,6 +51,10 @@ PLACED_INWARD = 0.09
 RAGLAN_SHARE = (0.35, 0.5)
 """Share of half a neckline, in front and behind, that a raglan sleeve takes: its seam then runs to the underarm at a
 slant, from the hollow of the collarbone in front and from beside the nape behind."""
+
+UNDER_SHARE = 0.35
+"""Share of each armhole that the under sleeve of a sleeve of two pieces is sewn to: its seams then begin at the front
+and back pitch points, a third of the armhole above the underarm."""
 
 YOKE_SHARE = 0.6
 """Share of the back's armhole below its yoke: 8 to 9 cm below the shoulder, as shirts have it."""
@@ -89,6 +107,8 @@ class Shoulder:
                 neck, line = self._raglan(face)
                 upper = (neck[0], *walk_back(Outline(self.under, (line,))))
                 panels += raglan_sleeves(end, self.neck, upper, height)
+            elif cut.sleeve_pieces is SleevePieces.TWO:
+                panels += two_piece_sleeves(end, caps[face], height)
             else:
                 panels += half_sleeves(end, caps[face], height)
         return panels
@@ -156,6 +176,11 @@ def draw_shoulder(cut: Cut, m: BodyMeasures) -> Shoulder:
         _check_yoke(cut)
         labels = ("scye.back.left", "scye.back.yoke.left") if sleeved else ("", "")
         armholes[1] = cut_stroke(under, armholes[1][0], YOKE_SHARE, labels)
+    if cut.sleeve_pieces is SleevePieces.TWO:
+        armholes = [
+            cut_stroke(under, whole[0], UNDER_SHARE, (f"scye.{side}.under.left", f"scye.{side}.left"))
+            for side, whole in zip(FACES, armholes, strict=True)
+        ]
     necklines = [tuple(draw_neckline(throat, neck)) for throat in throats]
     if cut.collar is Collar.STAND:
         necklines = [sew_collar(cut, face, line) for face, line in zip(FACES, necklines, strict=True)]

@@ -1,0 +1,71 @@
+"""Draft a pleated skirt on a hip yoke.
+
+Unpressed pleats (H. Joseph-Armstrong, Patternmaking for Fashion Design, pleats; W. Aldrich, Metric Pattern Cutting for
+Women's Wear, pleated skirts): the cloth is folded double between two marks that are sewn onto each other at the upper
+edge, and hangs free below. Of each pleat twice its depth is added to what shows.
+"""
+
+from __future__ import annotations
+
+from ..outline import Outline, Stroke, place_panel, unfold
+from ..pattern import Panel
+
+PLEATS = 3
+"""Pleats in each quarter of the skirt: 7 to 8 cm of cloth show between two of them at the hip bones."""
+
+DEPTH = 0.03
+"""Depth of a pleat [m]: two of these are folded away, less than the 7 cm that show, so that folds do not overlap."""
+
+HEM = 0.45
+"""Length of the pleated part [m]: as long below its yoke as a gathered skirt is."""
+
+SEAM = "hipyoke"
+"""What the seam between yoke and pleats is called."""
+
+
+def shown_widths(quarter: float) -> tuple[float, ...]:
+    """Return the widths that show, from the middle to the side [m]: half of one at both ends.
+
+    Args:
+        quarter: Length of a quarter of the yoke's lower edge [m].
+    """
+    whole = quarter / PLEATS
+    return (whole / 2, *([whole] * (PLEATS - 1)), whole / 2)
+
+
+def yoke_strokes(face: str, quarter: float, height: float) -> tuple[Stroke, ...]:
+    """Draw half of the lower edge of a yoke from the middle to the side, divided where pleats meet it.
+
+    Args:
+        face: `front` or `back`.
+        quarter: Its length [m].
+        height: In the draft's axes [m].
+    """
+    strokes, at = [], 0.0
+    for number, width in enumerate(shown_widths(quarter)):
+        at += width
+        strokes.append(Stroke((at, height), label=f"{SEAM}.{face}.{number}.left"))
+    return tuple(strokes)
+
+
+def draw_pleats(quarter: float, height: float) -> list[Panel]:
+    """Draw front and back of the pleated part.
+
+    Args:
+        quarter: Length of a quarter of the yoke's lower edge [m].
+        height: Of that edge above the feet [m].
+    """
+    panels = []
+    for face in ("front", "back"):
+        wide = quarter + 2 * DEPTH * PLEATS
+        strokes, at = [Stroke((wide, 0.0), label="side.left")], wide
+        widths = shown_widths(quarter)
+        for number in range(PLEATS, -1, -1):
+            at -= widths[number]
+            end = 0.0 if number == 0 else at
+            strokes.append(Stroke((end, 0.0), label=f"{SEAM}.{face}.{number}.left"))
+            for _ in range(2 if number else 0):
+                at -= DEPTH
+                strokes.append(Stroke((at, 0.0), label=f"pleat.{face}.{number}.left"))
+        panels.append(place_panel(face, unfold(Outline((wide, -HEM), tuple(strokes)), "hem"), height))
+    return panels
