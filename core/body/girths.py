@@ -101,7 +101,7 @@ class Tape:
         if name == "thigh":
             return self.thighs(crotch_height(self.body) - BELOW_CROTCH)
         shoulder, elbow = (self.body.joint(f"left_{joint}")[0] for joint in ("shoulder", "elbow"))
-        return self._limbs(0, float(shoulder + ALONG_ARM * (elbow - shoulder)))
+        return self.arms(float(shoulder + ALONG_ARM * (elbow - shoulder)))
 
     @property
     def waist_span(self) -> tuple[float, float]:
@@ -117,6 +117,10 @@ class Tape:
     def thighs(self, height: float) -> Girth:
         """Return the mean girth of both thighs at a height [m] below the crotch."""
         return self._limbs(1, height)
+
+    def arms(self, level: float) -> Girth:
+        """Return the mean girth of both arms where x is a level [m], and as far from the middle on the other side."""
+        return self._limbs(0, level)
 
     def _best(self, span: tuple[float, float], least: bool) -> Girth:
         """Return the least or the largest girth of the trunk in a span of heights [m]."""

@@ -17,10 +17,10 @@ APART = 0.5
 
 
 HAND = (0.0, 0.02, 0.04, 0.06)
-"""Distances over a hand's breadth [m], in which cloth is looked for below the body's level at chest and thigh: a wide
-sleeve joins the line of the chest's level, so the shortest line counts; a crotch that hangs low joins both legs, so the
-first line that is one leg's does. Above the hips' level the least ease counts: where the garment binds. At a fork the
-line's length jumps, and says little of that."""
+"""Distances over a hand's breadth [m], in which cloth is looked for: below the body's level at chest and thigh, above
+it at the hips, further out along the arm. A wide sleeve joins the line of the chest's level, so the shortest line
+counts. Elsewhere the least ease does, where the garment binds: a line at a fork (a crotch that hangs low, the end of an
+armhole) is longer than those beside it, and jumps when the cloth moves by a millimetre."""
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ class ClothCut:
     """Describe the closed lines along which a plane cuts cloth.
 
     Attributes:
-        lengths: Length of each line in the flat pattern [m], shape [line_count].
+        lengths: Length of each line in the flat pattern [m], straight across each panel, shape [line_count].
         middles: Mean place of each on the other of x and y [m], shape [line_count].
     """
 
@@ -148,16 +148,59 @@ def cut_cloth(garment: Garment, nodes: np.ndarray, axis: int, level: float) -> C
     share = (level - nodes[faces, axis]) / np.where(crossed, nodes[ahead, axis] - nodes[faces, axis], 1.0)
     points = flat + share[..., None] * (np.roll(flat, -1, axis=1) - flat)
     ends = points[crossed].reshape(-1, 2, 2)
-    keys = (np.sort(np.stack([faces, ahead], axis=2), axis=2) @ [len(nodes), 1])[crossed].reshape(-1, 2)
-    edges, number = np.unique(keys, return_inverse=True)
-    number = number.reshape(-1, 2)
-    count, part = find_components(len(edges), number[:, 0], number[:, 1])
+    number, part = _join(faces, crossed, len(nodes))
     of_face = part[number[:, 0]]
-    lengths = np.bincount(of_face, np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1), count)
+    count = int(part.max()) + 1
+    lengths = np.zeros(count)
+    for line, length in _rule(ends, garment.uv_faces[cut], crossed, len(garment.uv), of_face):
+        lengths[line] += length
     beside = nodes[faces, 1 - axis].mean(axis=1)
     middles = np.bincount(of_face, beside, count) / np.maximum(np.bincount(of_face), 1)
     closed = np.bincount(of_face, minlength=count) == np.bincount(part, minlength=count)
     return ClothCut(lengths[closed], middles[closed])
+
+
+def _join(corners: np.ndarray, crossed: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the numbers of the two cut edges of each cut face, [face_count, 2], and the line of each edge.
+
+    Args:
+        corners: Corners of the faces, shape [face_count, 3], numbers below `count`.
+        crossed: Which of a face's edges, each from its corner, are cut: two of three.
+        count: Of corners.
+    """
+    sides = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2), axis=2)
+    edges, number = np.unique((sides @ [count, 1])[crossed], return_inverse=True)
+    number = number.reshape(-1, 2)
+    return number, find_components(len(edges), number[:, 0], number[:, 1])[1]
+
+
+def _rule(
+    ends: np.ndarray, corners: np.ndarray, crossed: np.ndarray, count: int, of_face: np.ndarray
+) -> list[tuple[int, float]]:
+    """Return the line and the length [m] of each piece of a line in one panel: straight from border to border.
+
+    Worn cloth bags and folds, and a level line then runs to and fro in the panel; round the body counts what is between
+    the seams, as a ruler tells. A piece that ends at no border has its own length.
+
+    Args:
+        ends: Where each face is cut, in the flat pattern [m], shape [face_count, 2, 2].
+        corners: Corners of the faces in the flat pattern, shape [face_count, 3], numbers below `count`.
+        crossed: Which of a face's edges are cut.
+        count: Of corners.
+        of_face: The line of each face.
+    """
+    number, piece = _join(corners, crossed, count)
+    times = np.bincount(number.ravel())
+    at_border = times[number] == 1
+    of_piece = piece[number[:, 0]]
+    along = np.bincount(of_piece, np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
+    found = []
+    for each in range(len(along)):
+        own = of_piece == each
+        tips = ends[own][at_border[own]]
+        length = float(np.linalg.norm(tips[1] - tips[0])) if len(tips) == 2 else float(along[each])
+        found.append((int(of_face[own][0]), length))
+    return found
 
 
 def _round_trunk(garment: Garment, nodes: np.ndarray, figure: Figure, place: str) -> Ease | None:
@@ -191,24 +234,29 @@ def _line(garment: Garment, nodes: np.ndarray, figure: Figure, level: float) -> 
 
 
 def _round_arms(garment: Garment, nodes: np.ndarray, figure: Figure, place: str) -> Ease | None:
-    """Return the ease of the sleeves, the mean of both, or None where one of the arms has none."""
-    taken = figure.taken[place]
-    off = taken.level - figure.centre
+    """Return the least ease of the sleeves there and further out, the mean of both, or None where an arm has none."""
     above = 0.5 * (figure.taken["chest"].level + figure.taken["waist"].level)  # lower lines go round wide hips
-    cuts = [cut_cloth(garment, nodes, 0, figure.centre + sign * off) for sign in (1.0, -1.0)]
-    length = _mean([cut.length(cut.middles > above) for cut in cuts])
-    return None if length is None else Ease(place, length, taken.value)
+    found = []
+    for out in HAND:
+        level = figure.taken[place].level + out
+        off = level - figure.centre
+        cuts = [cut_cloth(garment, nodes, 0, figure.centre + sign * off) for sign in (1.0, -1.0)]
+        length = _mean([cut.length(cut.middles > above) for cut in cuts])
+        if length is not None:
+            found.append(Ease(place, length, figure.tape.arms(level).value))
+    return min(found, key=lambda ease: ease.value, default=None)
 
 
 def _round_thighs(garment: Garment, nodes: np.ndarray, figure: Figure, place: str) -> Ease | None:
-    """Return the ease at the thighs, the mean of both, or None where a leg has no cloth of its own."""
+    """Return the least ease at the thighs and below, the mean of both, or None where a leg has no cloth of its own."""
+    found = []
     for down in HAND:
         level = figure.taken[place].level - down
         cut = cut_cloth(garment, nodes, 1, level)
         length = _mean([cut.length(sign * (cut.middles - figure.centre) > figure.apart) for sign in (1.0, -1.0)])
-        if length is not None:
-            return Ease(place, length, figure.tape.thighs(level).value)
-    return None
+        if length is not None:  # else the crotch hangs lower
+            found.append(Ease(place, length, figure.tape.thighs(level).value))
+    return min(found, key=lambda ease: ease.value, default=None)
 
 
 def _mean(lengths: list[float | None]) -> float | None:

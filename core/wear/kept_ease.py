@@ -67,8 +67,11 @@ class Laid:
         figure, nodes = Figure.of(body), carry_back(garment.nodes, wearer)
         ease = {one.place: one.value for one in measure_ease(garment, wearer)}
         height = None
-        if waist is not None and garment.contour("waist") is not None:
-            height = float(carry_back(carry_curve(waist, wearer, body), body)[:, 1].mean())
+        contour = garment.contour("waist")
+        if waist is not None and contour is not None:
+            # the curve's points lie closer on one side than on another: how much higher the cloth's mean is stays so
+            above = nodes[contour.vertices, 1].mean() - carry_back(waist, wearer)[:, 1].mean()
+            height = float(carry_back(carry_curve(waist, wearer, body), body)[:, 1].mean() + above)
         return cls(garment, nodes, ease, figure, figure.centre - float(wearer.rest_joints[0, 0]), height)
 
     def lay(self, pattern: Pattern) -> Garment:

@@ -6,15 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..body import Body, Tape, builtin_body
+from ..body import Body, Tape
 from ..clock import Clock
 from ..drape import measure_wearer
-from ..drape.shipped import WEARER
+from ..hooks import SILENT, Hooks
 from ..pattern import (
     Pattern,
     TemplateUnknown,
-    draft_template,
-    load_draped_template,
     mesh_pattern,
     move_by_drafts,
     scale_panels,
@@ -22,6 +20,7 @@ from ..pattern import (
 from ..simulate import Fabric
 from .dressing import Dressed, dress_body
 from .ease import Ease, measure_ease
+from .fitting import fit_draft
 from .kept_ease import Laid, keep_ease, largest_change
 from .widening import widen_rules
 from .worn import Worn
@@ -49,49 +48,38 @@ class Refitted:
     is_drafted: bool
 
 
-def refit_pattern(worn: Worn, body: Body) -> Refitted:
+def refit_pattern(worn: Worn, body: Body, hooks: Hooks = SILENT) -> Refitted:
     """Return a worn garment's pattern made to the measures of another body.
 
     Control points move by what the draft changes, p + D(b1) - D(b0) with b0 the wearer, b1 the other body, and D the
     template's draft fitted to a body (`fit_draft`), as grade rules do; handles are relative and follow. There and back
     is therefore where it was. Where a pattern is of so much another form than its draft that more than `KEPT` of the
-    ease is foreseen to be lost, it is widened itself. Seams are equalised. On a body of the wearer's own measures
-    nothing moves.
+    ease is foreseen to be lost beyond what is foreseen for the draft, it is widened itself. Seams are equalised. On a
+    body of the wearer's own measures nothing moves.
 
     Args:
         worn: The garment on its wearer.
         body: Who it is made for.
+        hooks: Progress and cancellation.
+
+    Raises:
+        Cancelled: as soon as the hooks say so.
     """
     pattern = worn.pattern
     if measure_wearer(worn.body) == measure_wearer(body):
         return Refitted(pattern, True)
     try:
-        drafts = [fit_draft(worn.template, each) for each in (worn.body, body)]
+        old, new = (fit_draft(worn.template, each, hooks) for each in (worn.body, body))
     except TemplateUnknown:
-        drafts = []
-    moved = move_by_drafts(pattern, *drafts) if drafts else None
+        return Refitted(_scale(worn, body), False)
+    moved = move_by_drafts(pattern, old.pattern, new.pattern)
     if moved is None:
         return Refitted(_scale(worn, body), False)
-    laid = Laid.of(worn.garment, worn.body, worn.waist, body)
+    laid, error = Laid.of(worn.garment, worn.body, worn.waist, body), old.foresee(new)
+    laid = replace(laid, ease={place: ease + error.get(place, 0.0) for place, ease in laid.ease.items()})
     if largest_change(laid, moved) > KEPT:
         moved = keep_ease(moved, laid, widen_rules(worn.template))
     return Refitted(moved, True)
-
-
-def fit_draft(template: str, body: Body) -> Pattern:
-    """Return a template drafted for a body, and widened until its ease is that on the body of the library.
-
-    A draft alone does not know every girth: the sleeves', the thighs', the girth where a waistband sits.
-
-    Raises:
-        TemplateUnknown: where there is no template of that name.
-    """
-    drafted, shipped = draft_template(template, measure_wearer(body)), load_draped_template(template)
-    if shipped is None:
-        return drafted
-    waist = shipped.contour("waist")
-    laid = Laid.of(shipped, builtin_body(WEARER), None if waist is None else shipped.nodes[waist.vertices], body)
-    return keep_ease(drafted, laid, widen_rules(template))
 
 
 def make_to_measure(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:
@@ -106,8 +94,8 @@ def make_to_measure(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock)
     Raises:
         Cancelled: as soon as the clock's hooks say so.
     """
-    with clock.stage("refit", "making the pattern to measure"):
-        found, before = refit_pattern(worn, body), measure_ease(worn.garment, worn.body)
+    with clock.stage("refit", "making the pattern to measure") as hooks:
+        found, before = refit_pattern(worn, body, hooks), measure_ease(worn.garment, worn.body)
         made = worn
         if found.pattern is not worn.pattern:
             mesh = mesh_pattern(found.pattern, len(worn.garment.nodes))

@@ -88,6 +88,7 @@ def _round_body(
         middles, widths = _chords(pattern, placed, levels[index])
         moves = np.zeros_like(placed)
         moves[:, 0] = weights * (placed[:, 0] - middles) / widths
+        moves *= 2.0 if name == "thigh" else 1.0  # all panels together are two lines there
         rules[name] = np.where(sleeve[:, None], 0.0, moves)
     return rules
 

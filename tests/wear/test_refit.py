@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from dataclasses import replace
 
 import numpy as np
@@ -20,10 +21,18 @@ from garmentq.core.pattern import (
 from garmentq.core.simulate import get_fabric
 from garmentq.core.wear import Worn, carry_curve, measure_ease, refit_pattern
 from garmentq.core.wear.ease import Figure, ease_at
+from garmentq.core.wear.fitting import foresee_draft
 from garmentq.core.wear.kept_ease import Laid
 from garmentq.core.wear.widening import widen_rules
 
 OLD, NEW = "builtin:female,height=1.70", "builtin:female,height=1.60,weight=80"
+
+
+@pytest.fixture(autouse=True)
+def foreseen(monkeypatch):
+    """Take drafts as they are foreseen: drapes are tested in `test_fitting.py`."""
+    module = importlib.import_module("garmentq.core.wear.refit")
+    monkeypatch.setattr(module, "fit_draft", lambda template, body, hooks: foresee_draft(template, body))
 
 
 OTHERS = [info.name for info in list_templates() if info.name != "tshirt"]

@@ -26,8 +26,11 @@ CREASE_FROM_MIDDLE = 0.12
 _EASED = ("inseam.0", "outseam.1", "outseam.2")
 """Seams of the trousers whose back is fitted to the front."""
 
-KNEE, ANKLE = 0.47, 0.08
-"""Heights above the feet of the cuts across a long leg [m]."""
+KNEE = 0.47 / 0.79
+"""Height of the knee above the feet as a share of the crotch's height: on the body of the drafts 47 cm."""
+
+ANKLE = 0.08
+"""Height above the feet of a long leg's hem [m]: clear of the floor, however long the leg."""
 
 ROUND_LEG = {
     Legs.STRAIGHT: (0.45, 0.40),
@@ -57,7 +60,7 @@ def draw_legs(cut: Cut, m: BodyMeasures) -> list[Panel]:
         ends = ((m.crotch_height - 0.205, 0.1475),)
     else:
         knee, hem = ROUND_LEG[cut.legs]
-        ends = ((KNEE, knee / 4), (ANKLE, hem / 4))
+        ends = ((KNEE * m.crotch_height, knee / 4), (ANKLE, hem / 4))
     base = m.waist_height
     crotch = m.crotch_height - 0.015 - base
     top = -0.06
@@ -188,7 +191,7 @@ def _half_suit(
     base, side = m.nape_height, FACES[face]
     hip, waist, crotch = m.hip_height + 0.04 - base, m.waist_height - base, m.crotch_height - 0.04 - base
     fork_tip = (-fork, crotch - fork_drop)
-    knee, ankle = KNEE - base, ANKLE - base
+    knee, ankle = KNEE * m.crotch_height - base, ANKLE - base
     sides = [
         (0.245 + wider[1], ankle),
         (0.25 + wider[0], knee),
