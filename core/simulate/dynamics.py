@@ -88,14 +88,37 @@ def move_on(
 def _step(
     energy: Energy, solver: Solver, nodes: np.ndarray, settings: SolveSettings
 ) -> tuple[Energy, Solver, np.ndarray]:
-    """Take the Newton iterations of one time step from nodes [m], shape [node_count, 3], with the PSD Hessian."""
-    for _ in range(settings.newton_per_step):
-        energy, solver = couple(energy, solver, nodes)
-        start, gradient, blocks = energy.hessian(nodes, False)
-        if factor_regularised(energy, solver, nodes, blocks, 0.0) < 0:
+    """Take the Newton iterations of one time step from nodes [m], shape [node_count, 3], with the PSD Hessian.
+
+    Where no two parts of the cloth are near each other at the start, the step is looked over once, at its end; what
+    came near on the way cuts it there, and the iterations that are left look over each of their own ways.
+    """
+    left, watching = settings.newton_per_step, energy.watch(nodes)
+    if watching.near is not None and not len(watching.near.pairs.kinds):
+        path = [nodes]
+        held, solver = _iterate(watching.hold(nodes), solver, path, settings, left, False)
+        energy, good = held.look_back(np.stack(path))
+        nodes, left = path[good], (left - good if good < len(path) - 1 else 0)
+    path = [nodes]
+    energy, solver = _iterate(energy, solver, path, settings, left, True)
+    return energy, solver, path[-1]
+
+
+def _iterate(
+    energy: Energy, solver: Solver, path: list[np.ndarray], settings: SolveSettings, most: int, looks_back: bool
+) -> tuple[Energy, Solver]:
+    """Take `most` Newton iterations from the last place of a path [m], [node_count, 3] each, and add theirs to it."""
+    for _ in range(most):
+        energy, solver = couple(energy, solver, path[-1])
+        start, gradient, blocks = energy.hessian(path[-1], False)
+        if factor_regularised(energy, solver, path[-1], blocks, 0.0) < 0:
             break
-        leg = descend(energy, solver, nodes, start, gradient, steps=1, residual=0.0, max_step=settings.max_step)
-        energy, nodes = leg.energy, leg.nodes
+        leg = descend(
+            energy, solver, path[-1], start, gradient,
+            steps=1, residual=0.0, max_step=settings.max_step, looks_back=looks_back,
+        )  # fmt: skip
+        energy = leg.energy
+        path.append(leg.nodes)
         if leg.motion < settings.still:
             break
-    return energy, solver, nodes
+    return energy, solver

@@ -55,6 +55,7 @@ def descend(
     steps: int,
     residual: float,
     max_step: float = SolveSettings.max_step,
+    looks_back: bool = True,
 ) -> Leg:
     """Take up to `steps` descent steps with the matrix that `solver` has factored; stop at the residual.
 
@@ -74,9 +75,10 @@ def descend(
         steps: Most steps.
         residual: Largest force, relative to the mean weight of a node, at which to stop.
         max_step: Largest displacement of a node in a step [m].
+        looks_back: Whether the leg is looked over; otherwise who called does so.
     """
     path = [_Place(nodes, start, gradient)]
-    touches = energy.scene.self_contact is not None
+    touches = looks_back and energy.scene.self_contact is not None
     for turn in range(_TURNS + 1):
         checked = len(path) - 1
         energy = energy.hold(path[-1].nodes)
