@@ -13,7 +13,7 @@ from .energy import Energy, Inertia
 from .factorisation import factor_regularised
 from .friction import lag_friction
 from .pins import move_pins
-from .quasi_newton import descend
+from .quasi_newton import descend, step_held
 from .scene import Scene
 from .settings import SolveSettings
 from .solver import Solver, make_solver
@@ -113,10 +113,10 @@ def _iterate(
         start, gradient, blocks = energy.hessian(path[-1], False)
         if factor_regularised(energy, solver, path[-1], blocks, 0.0) < 0:
             break
-        leg = descend(
-            energy, solver, path[-1], start, gradient,
-            steps=1, residual=0.0, max_step=settings.max_step, looks_back=looks_back,
-        )  # fmt: skip
+        if looks_back:
+            leg = descend(energy, solver, path[-1], start, gradient, steps=1, residual=0.0, max_step=settings.max_step)
+        else:
+            leg = step_held(energy, solver, path[-1], start, gradient, settings.max_step)
         energy = leg.energy
         path.append(leg.nodes)
         if leg.motion < settings.still:

@@ -55,7 +55,6 @@ def descend(
     steps: int,
     residual: float,
     max_step: float = SolveSettings.max_step,
-    looks_back: bool = True,
 ) -> Leg:
     """Take up to `steps` descent steps with the matrix that `solver` has factored; stop at the residual.
 
@@ -75,10 +74,9 @@ def descend(
         steps: Most steps.
         residual: Largest force, relative to the mean weight of a node, at which to stop.
         max_step: Largest displacement of a node in a step [m].
-        looks_back: Whether the leg is looked over; otherwise who called does so.
     """
     path = [_Place(nodes, start, gradient)]
-    touches = looks_back and energy.scene.self_contact is not None
+    touches = energy.scene.self_contact is not None
     for turn in range(_TURNS + 1):
         checked = len(path) - 1
         energy = energy.hold(path[-1].nodes)
@@ -93,8 +91,31 @@ def descend(
         if checked + good == len(path) - 1:
             break
         del path[checked + good + 1 :]
+    return _end_leg(energy, path)
+
+
+def step_held(
+    energy: Energy, solver: Solver, nodes: np.ndarray, start: float, gradient: np.ndarray, max_step: float
+) -> Leg:
+    """Take one descent step as `descend` does that is not looked over: who holds the pairs looks back on it.
+
+    Args:
+        energy: What is minimised; it holds the pairs of cloth that it knows.
+        solver: Holds the factors of a positive definite matrix.
+        nodes: Where to start [m], shape [node_count, 3].
+        start: Energy there [J].
+        gradient: Gradient there [N], shape [node_count, 3].
+        max_step: Largest displacement of a node [m].
+    """
+    path = [_Place(nodes, start, gradient)]
+    place, energy = _step(energy, solver, path, max_step, False)
+    return _end_leg(energy, path if place is None else [*path, place])
+
+
+def _end_leg(energy: Energy, path: list[_Place]) -> Leg:
+    """Return the leg of a path."""
     end = path[-1]
-    motion = float(np.sqrt(((end.nodes - nodes) ** 2).sum(1).max()))
+    motion = float(np.sqrt(((end.nodes - path[0].nodes) ** 2).sum(1).max()))
     return Leg(end.nodes, energy.scene.relative_residual(end.gradient), motion, len(path) - 1, energy)
 
 
