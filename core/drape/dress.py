@@ -8,10 +8,11 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial import ConvexHull
 
-from ..body import Body, SignedDistance
+from ..body import Body, SignedDistance, armpit_height, rest_body
 from ..hooks import SILENT, Hooks
 from ..mesh import HalfEdges, factor_symmetric
 from ..pattern import Garment
+from ..pattern.parts.tops import STRAPLESS_DROP
 from ..segment import find_loops
 from .follow import FollowSettings, PbdState, Threads, follow, lay_threads
 from .ironing import iron_crossings
@@ -85,11 +86,23 @@ def place(garment: Garment, body: Body, *, waist_height: float | None = None, fl
     nodes[:, 2] = middle + flatten * _side(garment)
     waist = waist_loop(garment)
     if waist is not None:
-        height = waist_height if waist_height is not None else natural_height(flat_length(garment, waist), body)
+        height = waist_height if waist_height is not None else _natural_edge(garment, waist, body)
         nodes[:, 1] += height - nodes[waist, 1].mean()
     else:
         nodes[:, 1] += _shoulder_shift(nodes, garment.faces, body)
     return spread_legs(nodes, garment.faces, body)
+
+
+def _natural_edge(garment: Garment, loop: np.ndarray, body: Body) -> float:
+    """Return the height of a garment's upper edge [m]: below the arms where its pattern has a neck there, no waist."""
+    edges = [
+        garment.pattern.panel(ref.panel).edges[ref.edge].contour
+        for ref, line in garment.edge_uv.items()
+        if np.isin(garment.uv_node[line], loop).all()
+    ]
+    if "neck" in edges:
+        return armpit_height(rest_body(body)) - STRAPLESS_DROP
+    return natural_height(flat_length(garment, loop), body)
 
 
 def natural_height(girth: float, body: Body) -> float:

@@ -184,7 +184,7 @@ def _open_parts(cut: Cut) -> Mapping[str, list[str]]:
     if cut.legs not in (Legs.NONE, Legs.SHORT):
         found["legs"] = [word for word in PARTS["legs"] if word not in ("none", "short")]
     if cut.bodice is not Bodice.NONE and cut.skirt is Skirt.NONE and cut.legs is Legs.NONE:
-        found["bodice"] = [word for word in PARTS["bodice"] if word != "none"]
+        found["bodice"] = [word for word in PARTS["bodice"] if word not in ("none", "strapless")]
     for part in ("waist", "waistband"):
         if cut.has_place_for(part):
             found[part] = list(PARTS[part])

@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from garmentq.core.body import Body, DistanceGrid, ExposedSurface, builtin_body, project_outside
+from garmentq.core.body import Body, DistanceGrid, ExposedSurface, armpit_height, builtin_body, project_outside
 from garmentq.core.drape import Way, dress, lay_threads, size_template, take_pose, waist_loop
 from garmentq.core.mesh import self_intersections
 from garmentq.core.pattern import find_cut, load_template, mesh_pattern, name_cut
@@ -93,12 +93,27 @@ def hang(name: str, gender: str, poses: tuple[str, ...]) -> None:
         "skirt+skirt=full-circle,yoke=hip",
         "trousers+legs=wide,waistband=band",
         "skirt+skirt=pleated,yoke=hip",
+        "tank+bodice=strapless",
+        "dress+bodice=strapless",
         "long_sleeve_tshirt+sleeve_head=set-in,sleeve_pieces=two",
     ],
 )
 def test_a_cut_hangs(name: str) -> None:
     """Breaks where a part is placed through its neighbour or the body, or a seam is sewn the wrong way round."""
     hang(name, "female", ("A",))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("gender", sorted(STATURES))
+def test_a_strapless_top_is_worn_below_the_arms(gender: str) -> None:
+    """Breaks where its upper edge, which no arm passes, is taken for a waist and hung from the hips."""
+    body, grid, _ = wearer(gender, "T")
+    garment = mesh_pattern(size_template("tank+bodice=strapless", body), NODES)
+    nodes = dress(garment, body, grid, threads=lay_threads(garment))
+    edge = waist_loop(garment)
+    assert edge is not None
+    below = armpit_height(body) - nodes[edge, 1]
+    assert 0.0 < below.min() and below.max() < 0.08
 
 
 @pytest.mark.nightly

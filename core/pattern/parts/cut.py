@@ -28,6 +28,7 @@ class Bodice(StrEnum):
     BOXY = "boxy"
     SHIFT = "shift"
     SKIMMING = "skimming"
+    STRAPLESS = "strapless"
 
 
 class Neckline(StrEnum):

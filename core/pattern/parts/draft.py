@@ -51,6 +51,13 @@ def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None =
         raise PartsConflict("a hip yoke is a skirt's; choose a skirt, below a bodice with waist=seam.")
     if cut.cuff is not Cuff.NONE and cut.sleeve in (Sleeve.NONE, Sleeve.CAP):
         raise PartsConflict("a cuff needs a sleeve that goes round the arm; choose sleeve=short, elbow or long.")
+    if cut.bodice is Bodice.STRAPLESS:
+        if cut.sleeve is not Sleeve.NONE or cut.collar is not Collar.NONE or cut.yoke is Yoke.BACK:
+            raise PartsConflict(
+                "a strapless bodice has no shoulders; choose sleeve=none, collar=none and no back yoke."
+            )
+        if cut.legs is not Legs.NONE:
+            raise PartsConflict("legs are not drafted in one with a strapless bodice; choose another bodice.")
     if cut.sleeve_pieces is SleevePieces.TWO:
         if cut.sleeve is not Sleeve.LONG or cut.sleeve_head is not SleeveHead.SET_IN or cut.cuff is not Cuff.NONE:
             raise PartsConflict(

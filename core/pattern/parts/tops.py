@@ -52,6 +52,9 @@ RAGLAN_SHARE = (0.35, 0.5)
 """Share of half a neckline, in front and behind, that a raglan sleeve takes: its seam then runs to the underarm at a
 slant, from the hollow of the collarbone in front and from beside the nape behind."""
 
+STRAPLESS_DROP = 0.03
+"""How far below the armpit a strapless bodice ends [m]: as a sleeveless armhole does."""
+
 UNDER_SHARE = 0.35
 """Share of each armhole that the under sleeve of a sleeve of two pieces is sewn to: its seams then begin at the front
 and back pitch points, a third of the armhole above the underarm."""
@@ -201,6 +204,8 @@ def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
     Raises:
         PartsConflict: where the bodice cannot be shaped, or divided by a yoke, as it is asked for.
     """
+    if cut.bodice is Bodice.STRAPLESS:
+        return _draw_strapless(cut, m)
     shoulder = draw_shoulder(cut, m)
     line = Waistline.of(cut, shoulder.under[0], half_waist(cut, m) / 2)
     side = _side_seam(cut, m, shoulder.under, line)
@@ -214,11 +219,8 @@ def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
             panels.append(place_panel("back_yoke", yoke, m.nape_height))
         if cut.shaping is Shaping.PRINCESS:
             outlines = draw_princess(name, line, side, upper, apex, cut.waist is Waist.SEAM)
-        elif cut.waist is Waist.SEAM:
-            waist = line.strokes(name, side[0].end[1], apex)
-            outlines = [(name, unfold_closed(Outline((0.0, side[0].end[1]), (*waist, *side[1:], *upper))))]
         else:
-            outlines = [(name, unfold(Outline(side[0].end, (*side[1:], *upper)), "hem"))]
+            outlines = [(name, _whole(cut, name, line, side, upper, apex))]
         panels += [place_panel(part, outline, m.nape_height, across=_inward(part)) for part, outline in outlines]
     if cut.collar is Collar.STAND:
         panels += collar_stand(shoulder.neck, shoulder.necklines, m.nape_height)
@@ -226,6 +228,32 @@ def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
     if not sleeves:
         return panels
     return sorted([*panels, *sleeves], key=lambda panel: (panel.name not in FACES, panel.name))
+
+
+def _whole(cut: Cut, face: str, line: Waistline, side: list[Stroke], upper: list[Stroke], apex: float) -> Outline:
+    """Draw a front or back in one piece, with darts where it has them."""
+    if cut.waist is Waist.SEAM:
+        waist = line.strokes(face, side[0].end[1], apex)
+        return unfold_closed(Outline((0.0, side[0].end[1]), (*waist, *side[1:], *upper)))
+    return unfold(Outline(side[0].end, (*side[1:], *upper)), "hem")
+
+
+def _draw_strapless(cut: Cut, m: BodyMeasures) -> list[Panel]:
+    """Draw front and back of a bodice that ends in a level line below the arms (H. Joseph-Armstrong, strapless).
+
+    It is held by its upper edge, which is as long as the body there is round: bust without ease, 3 cm below the armpit.
+    """
+    under = (m.bust / 4, m.armpit_height - STRAPLESS_DROP - m.nape_height)
+    line = Waistline.of(cut, under[0], half_waist(cut, m) / 2)
+    side, upper = _side_seam(cut, m, under, line), [Stroke((0.0, under[1]), contour="neck")]
+    if cut.shaping is not Shaping.NONE:
+        _check_shaping(cut)
+    if cut.shaping is Shaping.PRINCESS:
+        raise PartsConflict("a princess seam begins at the shoulder seam; choose another bodice or shaping=darts.")
+    return [
+        place_panel(name, _whole(cut, name, line, side, upper, under[1] - APEX_BELOW[face]), m.nape_height)
+        for face, name in enumerate(FACES)
+    ]
 
 
 def _inward(part: str) -> float:
@@ -276,7 +304,7 @@ def _side_seam(cut: Cut, m: BodyMeasures, under: Point, line: Waistline) -> list
         hip = waist = max(hip, under[0])
     knee = m.crotch_height - 0.29
     widths = {Skirt.A_LINE: 0.34, Skirt.STRAIGHT: hip, Skirt.PENCIL: hip - 0.015}
-    if cut.skirt is Skirt.NONE and cut.bodice is Bodice.SKIMMING:
+    if cut.skirt is Skirt.NONE and cut.bodice in (Bodice.SKIMMING, Bodice.STRAPLESS):
         sides = [((m.hip + 0.02) / 4, m.hip_height + 0.05), ((m.waist + 0.12) / 4, m.waist_height)]
     elif cut.skirt is Skirt.NONE:
         sides = [(hip, m.hip_height), (waist, m.waist_height)]
