@@ -26,8 +26,7 @@ PANELLED = 0.003
 """Share of those who wear none and show two such edges all the same: a placket or a panel from neckline to hem."""
 EDGES = (26.0, 3.0)
 """Score of two edges between cloths of different colours that says nothing, and by how much more it is e times as
-likely of an open front. Of simulated persons without an outer layer all but one (22) have at most 4, those whose front
-is open 25 to 102."""
+likely of an open front. Simulated persons without an outer layer have at most 11, in an open one 20 to 99."""
 LEAST = 60
 """Fewest samples, 30 cm2, that show a cloth's colours."""
 MARGIN = 0.012
@@ -161,9 +160,10 @@ def _beside(sides: _Sides, cloth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def shared_colours(sides: _Sides, lab: np.ndarray, cloth: np.ndarray) -> float:
     """Return the overlap of the colours beside and between a front's edges, in that half of them where it is more.
 
-    A shirt that hangs beside the trousers it is tucked into differs from what lies between its sides only below.
+    A shirt that hangs beside the trousers it is tucked into differs from what lies between its sides only below. The
+    back is left out: a scan made of one photograph may have another colour there.
     """
-    own, other = _beside(sides, cloth)
+    own, other = _beside(sides, cloth & np.isfinite(sides.aside))
     upper = sides.below < -0.5 * sides.length
     shared = []
     for half in (upper, ~upper):
