@@ -1,6 +1,8 @@
 """Self-contact's cost: sheets with and without it in turns, where nothing is near and where sheets lie on sheets.
 
-python benchmarks/self_contact.py [--side 1K|3K|8K] [--layers N]
+python benchmarks/self_contact.py [--side 1K|3K|8K] [--layers N] [--garment NAME]...
+
+A garment is a shipped template, which comes to rest in denim from where it hangs in poplin.
 """
 
 from __future__ import annotations
@@ -9,9 +11,11 @@ from dataclasses import replace
 
 import click
 import numpy as np
+from garmentq.core.drape import WearerGeometry, pin_waist
 from garmentq.core.mesh import self_intersections
-from garmentq.core.simulate import Scene, SelfContact, State, Topology, equilibrium, move_on
+from garmentq.core.simulate import Scene, SelfContact, State, Topology, equilibrium, get_fabric, move_on
 from garmentq.core.simulate.collision.near import find_near
+from garmentq.core.wear import wear_template
 from sheet import SIDES, cpu, quickest, sheet_on_ball
 
 STEPS = 10
@@ -54,11 +58,25 @@ def compare(name: str, scene: Scene, nodes: np.ndarray) -> None:
     )
 
 
+def hang(name: str) -> tuple[Scene, np.ndarray]:
+    """Return the scene of a shipped garment in denim, and where it hangs in poplin [m]."""
+    worn = wear_template(name, get_fabric("denim"))
+    if worn is None:
+        raise SystemExit("no drape is shipped for this machine's triangulation")
+    grid = WearerGeometry(worn.body).grid
+    return Scene(Topology.from_garment(worn.garment), worn.fabric, grid, pin_waist(worn.garment)), worn.garment.nodes
+
+
 @click.command()
 @click.option("--side", type=click.Choice(list(SIDES)), default="1K", help="Nodes of a sheet.")
 @click.option("--layers", default=3, help="Sheets of the stack.")
-def main(side: str, layers: int) -> None:
-    """Compare one sheet, where nothing is near, and a stack."""
+@click.option("--garment", multiple=True, help="A shipped template, in place of the sheets.")
+def main(side: str, layers: int, garment: tuple[str, ...]) -> None:
+    """Compare one sheet, where nothing is near, and a stack; or garments."""
+    for name in garment:
+        compare(name, *hang(name))
+    if garment:
+        return
     scene, nodes, _ = sheet_on_ball(SIDES[side])
     compare("sheet", scene, nodes)
     compare("stack", *stack(scene, nodes, layers))
