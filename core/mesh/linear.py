@@ -28,7 +28,13 @@ class Factor(Protocol):
 
 
 class Solver(Factor, Protocol):
-    """Factor and solve one symmetric matrix after another, all with the same pattern."""
+    """Factor and solve one symmetric matrix after another, all with the same pattern.
+
+    Attributes:
+        single: In single precision.
+    """
+
+    single: bool
 
     def factor(self, data: np.ndarray) -> bool:
         """Factor the matrix with these entries, in the order of the pattern; False where it is singular."""
@@ -36,6 +42,8 @@ class Solver(Factor, Protocol):
 
 class SuperLU:
     """Factor with scipy's SuperLU: minimum degree of A^T + A, pivots on the diagonal; also indefinite matrices."""
+
+    single = False
 
     def __init__(self, indptr: np.ndarray, indices: np.ndarray) -> None:
         """Take the full symmetric pattern, columns ascending; SuperLU orders it anew in each factorisation."""

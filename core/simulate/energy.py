@@ -9,7 +9,7 @@ import numpy as np
 from .bending import bending
 from .bending_friction import FoldFriction
 from .block_pattern import Derivatives
-from .collision.barrier import barrier
+from .collision.barrier import barrier, find_shut
 from .collision.look_back import look_back
 from .collision.near import Near, find_near
 from .collision.rubbing import Rubbing, lag_rubbing, rub
@@ -108,6 +108,18 @@ class Energy:
         """Return the same energy whose contact waits where faces cross at nodes [m], pushed so that they part."""
         scene, push = pull_apart(self.scene, nodes)
         return replace(self, scene=scene, push=push, near=self.near if scene is self.scene else None)
+
+    def let_shut(self, nodes: np.ndarray) -> Energy:
+        """Return the same energy whose contact also waits around pairs of cloth without any room at nodes [m]."""
+        watching = self.watch(nodes)
+        cloth, near = watching.scene.self_contact, watching.near
+        if cloth is None or near is None:
+            return self
+        shut = find_shut(nodes, near.pairs)
+        if not len(shut):
+            return watching
+        waiting = cloth.wait(np.flatnonzero(cloth.crossed | np.isin(cloth.faces, shut).any(axis=1)))
+        return replace(watching, scene=replace(watching.scene, self_contact=waiting), near=None)
 
     def lag_rubbing(self, nodes: np.ndarray, before: Rubbing | None = None) -> Energy:
         """Return the same energy with the friction of cloth on cloth that follows from nodes [m], [node_count, 3].

@@ -35,6 +35,7 @@ class Leg:
         residual: Largest force there, relative to the mean weight of a node.
         motion: Largest displacement of a node over all of them [m].
         steps: Steps that lowered the energy.
+        cut: Whether cloth that would have touched cut a step short.
         energy: What was minimised; it knows the pairs of cloth near its end.
     """
 
@@ -42,6 +43,7 @@ class Leg:
     residual: float
     motion: float
     steps: int
+    cut: bool
     energy: Energy
 
 
@@ -76,12 +78,13 @@ def descend(
         max_step: Largest displacement of a node in a step [m].
     """
     path = [_Place(nodes, start, gradient)]
-    touches = energy.scene.self_contact is not None
+    touches, cut = energy.scene.self_contact is not None, False
     for turn in range(_TURNS + 1):
         checked = len(path) - 1
         energy = energy.hold(path[-1].nodes)
         while len(path) <= steps and energy.scene.relative_residual(path[-1].gradient) > residual:
-            place, energy = _step(energy, solver, path, max_step, turn == _TURNS)
+            place, energy, free = _step(energy, solver, path, max_step, turn == _TURNS)
+            cut = cut or free < 1.0
             if place is None:
                 break
             path.append(place)
@@ -91,7 +94,7 @@ def descend(
         if checked + good == len(path) - 1:
             break
         del path[checked + good + 1 :]
-    return _end_leg(energy, path)
+    return _end_leg(energy, path, cut)
 
 
 def step_held(
@@ -108,15 +111,15 @@ def step_held(
         max_step: Largest displacement of a node [m].
     """
     path = [_Place(nodes, start, gradient)]
-    place, energy = _step(energy, solver, path, max_step, False)
-    return _end_leg(energy, path if place is None else [*path, place])
+    place, energy, free = _step(energy, solver, path, max_step, False)
+    return _end_leg(energy, path if place is None else [*path, place], free < 1.0)
 
 
-def _end_leg(energy: Energy, path: list[_Place]) -> Leg:
+def _end_leg(energy: Energy, path: list[_Place], cut: bool) -> Leg:
     """Return the leg of a path."""
     end = path[-1]
     motion = float(np.sqrt(((end.nodes - path[0].nodes) ** 2).sum(1).max()))
-    return Leg(end.nodes, energy.scene.relative_residual(end.gradient), motion, len(path) - 1, energy)
+    return Leg(end.nodes, energy.scene.relative_residual(end.gradient), motion, len(path) - 1, cut, energy)
 
 
 class _Place(NamedTuple):
@@ -129,21 +132,22 @@ class _Place(NamedTuple):
 
 def _step(
     energy: Energy, solver: Solver, path: list[_Place], max_step: float, wary: bool
-) -> tuple[_Place | None, Energy]:
+) -> tuple[_Place | None, Energy, float]:
     """Return the place that the next step leads to, or None where none lowers the energy.
 
-    `wary` looks along the step before it is taken.
+    With it come the energy that knows the pairs on the way, and the share of it, 0 to 1, that is free of touch. `wary`
+    looks along the step before it is taken.
     """
     here = path[-1]
     direction = -_apply(solver, _corrections(path), here.gradient.ravel()).reshape(-1, 3)
     slope = float((here.gradient * direction).sum())
     if not np.isfinite(direction).all() or slope >= 0:
-        return None, energy
+        return None, energy, 1.0
     share = min(1.0, max_step / max(float(np.sqrt((direction**2).sum(1).max())), 1e-300))
     if wary and energy.scene.self_contact is not None:
         energy = replace(energy, near=None).watch(here.nodes, here.nodes + share * direction).hold(here.nodes)
     energy, free = energy.free_share(here.nodes, share * direction)
-    return _search(energy, here, direction, slope, share * free), energy
+    return _search(energy, here, direction, slope, share * free), energy, free
 
 
 def _corrections(path: list[_Place]) -> list[tuple[np.ndarray, np.ndarray]]:

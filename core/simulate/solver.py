@@ -8,12 +8,12 @@ from .block_pattern import BlockPattern
 __all__ = ["Solver", "SuperLU", "make_solver"]
 
 
-def make_solver(pattern: BlockPattern) -> Solver:
-    """Return the quickest solver for definite matrices of a pattern, analysed.
+def make_solver(pattern: BlockPattern, single: bool = False) -> Solver:
+    """Return the quickest solver for definite matrices of a pattern, analysed; in single precision where asked for.
 
     It refuses an indefinite matrix, as descent must; an adjoint at an equilibrium with an indefinite Hessian takes
     `SuperLU`.
     """
     from ..mesh.multifrontal import Cholesky
 
-    return Cholesky(pattern.indptr, pattern.indices, block=3)
+    return Cholesky(pattern.indptr, pattern.indices, block=3, single=single)

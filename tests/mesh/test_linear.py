@@ -45,6 +45,22 @@ def test_random_positive_definite_matrices(seed, count, block):
     assert not solver.factor(matrix.data) and not solver.is_positive_definite()
 
 
+def test_a_factor_of_single_precision_solves_to_its_digits():
+    """A part of the factor left in another precision, or a result handed back in single precision, breaks this."""
+    near, _ = graph(30)
+    matrix = sparse.csr_matrix(near.shape[0] * sparse.identity(900) - near)
+    matrix.sort_indices()
+    right = np.random.default_rng(1).normal(size=900)
+    exact = spsolve(sparse.csc_matrix(matrix), right)
+    coarse = Cholesky(matrix.indptr, matrix.indices, single=True)
+    assert coarse.factor(matrix.data) and coarse.is_positive_definite()
+    found = coarse.solve(right)
+    assert found.dtype == np.float64
+    assert 1e-9 < np.abs(found - exact).max() / np.abs(exact).max() < 1e-5
+    matrix.setdiag(-1.0)
+    assert not coarse.factor(matrix.data) and not coarse.is_positive_definite()
+
+
 def test_the_doors_agree():
     """A door that solves another system, or forgets part of a pattern, breaks this."""
     near, edges = graph(20)

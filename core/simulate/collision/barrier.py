@@ -11,6 +11,11 @@ from ..block_pattern import ABSENT, add_block
 from .closest import EDGE_EDGE, curve_cross, curve_distance, mollify, span, weigh
 
 
+SHUT = 1e-4
+"""Share of its reach under which a pair has no room: 0.2 micrometres. Its barrier is ten thousand times as stiff as where
+cloth begins to touch, and a step goes by fifths of what is left."""
+
+
 @njit(cache=True, inline="always")
 def bar(ratio):  # type: ignore[no-untyped-def]
     """Return b = -(1 - s)^2 ln s, b' and b'' at s in 0 .. 1: infinite at 0, two continuous derivatives at 1."""
@@ -115,3 +120,16 @@ def measure_pairs(x, pairs):  # type: ignore[no-untyped-def]
         weigh(x, nodes[n], kinds[n], shares[n], rates)
         distances[n] = span(x, nodes[n], shares[n], vector)
     return distances, shares
+
+
+def find_shut(nodes: np.ndarray, pairs: tuple[np.ndarray, np.ndarray, np.ndarray]) -> np.ndarray:
+    """Return the nodes of pairs that have no room left at nodes [m], shape [node_count, 3]: contact cannot part them.
+
+    Two nodes may lie in one place without a face that crosses another, where cloth was taken out of the crease of a
+    body. `pairs` are `PairElements`.
+    """
+    if not len(pairs[0]):
+        return np.zeros(0, np.int64)
+    distances, weights = measure_pairs(nodes, pairs)
+    shut = distances <= SHUT * pairs[2][:, 1]
+    return np.unique(pairs[1][shut][weights[shut] != 0.0])

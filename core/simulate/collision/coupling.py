@@ -36,4 +36,4 @@ def couple(energy: Energy, solver: Solver, nodes: np.ndarray, missing: float = _
         return energy, solver
     wide = energy.near.within(nodes, cloth.margin)
     coupled = topology.couple(wide.nodes)
-    return replace(energy, scene=replace(energy.scene, topology=coupled)), make_solver(coupled.pattern)
+    return replace(energy, scene=replace(energy.scene, topology=coupled)), make_solver(coupled.pattern, solver.single)
