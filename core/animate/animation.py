@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..body import penetration_depth, project_outside, skin, unskin
+from ..body import penetration_depth, skin, unskin
 from ..checkpoints import load, save
 from ..hooks import SILENT, Hooks
 from ..mesh import self_intersections
@@ -226,7 +226,7 @@ def _take(
 def _judge(stage: Stage, state: State, now: Moment, tally: _Tally, begun: float) -> tuple[np.ndarray, Verdict]:
     """Return a frame's nodes outside the wearer, and its verdict."""
     faces = stage.worn.garment.faces
-    nodes = project_outside(state.nodes, now.surface, faces)
+    nodes = stage.deliver(state.nodes, now)
     depth, crossed = penetration_depth(nodes, faces, now.surface), len(self_intersections(nodes, faces))
     seconds = time.process_time() - begun
     return nodes, Verdict(tally.converged, depth, crossed, tally.steps, tally.factors, seconds)

@@ -14,6 +14,7 @@ from ..motion import LeadIn, MovingBody
 from ..simulate import BendingFriction, Pins, Scene, SelfContact, State, Topology, soften
 from ..simulate.motion_step import Layout, Step, step_in_motion
 from ..wear import Worn
+from .deliver import take_outside
 from .moving_skin import MovingSkin
 from .ride import carry_anchors
 from .settings import AnimateSettings
@@ -111,6 +112,12 @@ class Stage:
             return None
         points = skin(self._waist, self.weights[pins.nodes], moment.transforms)
         return replace(pins, points=project_outside(points, moment.surface))
+
+    def deliver(self, nodes: np.ndarray, moment: Moment) -> np.ndarray:
+        """Return a frame's nodes outside the wearer [m], shape [node_count, 3]; see `take_outside`."""
+        if self.scene.self_contact is None:
+            return project_outside(nodes, moment.surface, self.worn.garment.faces)
+        return take_outside(nodes, moment.surface, self.scene)
 
     def count_steps(self, now: Moment, later: np.ndarray, nodes: np.ndarray, seconds: float) -> int:
         """Return in how many steps the wearer goes from a moment to where the vertices [m] are `later`."""

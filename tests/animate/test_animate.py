@@ -9,13 +9,15 @@ import pytest
 from garmentq.core.animate import AnimateBad, AnimateSettings, animate, judge_animation, list_times, measure_animation
 from garmentq.core.animate.moving_skin import MovingSkin
 from garmentq.core.animate.stage import Cloth, Stage
-from garmentq.core.body import JOINTS, ExposedSurface, builtin_body
+from garmentq.core.body import JOINTS, ExposedSurface, builtin_body, penetration_depth
 from garmentq.core.errors import Cancelled
 from garmentq.core.hooks import Hooks
 from garmentq.core.mesh import self_intersections
 from garmentq.core.motion import LeadIn, Pose, Track
 from garmentq.core.simulate import Scene, SelfContact, State, Topology, get_fabric
 from garmentq.core.simulate.carry_step import carry_free
+from garmentq.core.simulate.collision.barrier import find_shut
+from garmentq.core.simulate.collision.near import find_near
 from garmentq.core.simulate.energy import Energy
 from garmentq.core.simulate.motion_step import StepSettings
 from scipy.spatial.transform import Rotation
@@ -95,6 +97,37 @@ def test_only_what_meets_is_held_back():
     assert reached[side**2 :][(grid > 0.12).any(axis=1)].all()
     assert not reached[corner].any()
     assert (found[corner, 1] < 0.004).all()
+
+
+def test_a_frame_is_taken_out_of_the_wearer_and_not_through_itself(worn):
+    """Broken where what is inside stays there, or layers that go out to one place pass through each other."""
+    stage = Stage(worn, stand(worn), AnimateSettings())
+    moment, faces = stage.at(0.0), worn.garment.faces
+    pressed = worn.garment.nodes + [0.0, 0.0, 0.006]
+    assert penetration_depth(pressed, faces, moment.surface) > 4e-3
+    found = stage.deliver(pressed, moment)
+    assert penetration_depth(found, faces, moment.surface) < 2e-4
+    assert len(self_intersections(found, faces)) == 0
+    far = moment.surface.measure(pressed)[0] > 0.03
+    np.testing.assert_array_equal(found[far], pressed[far])
+
+
+def test_cloth_without_room_is_let_go_and_what_is_stuck_has_not_converged(worn):
+    """Broken where two nodes in one place hold all of the cloth, or a step that was cut short passes for converged."""
+    stage = Stage(worn, stand(worn), AnimateSettings(lead=0.0))
+    now, nodes = stage.at(0.0), np.array(worn.garment.nodes)
+    faces = worn.garment.faces
+    ring = np.unique(faces[(faces == 40).any(axis=1)])
+    other = int(np.unique(faces[np.isin(faces, ring).any(axis=1)][:, 0])[-1])
+    assert other not in ring
+    nodes[other] = nodes[40]
+    velocities = np.tile([0.0, 0.0, 0.3], (len(nodes), 1))
+    step = stage.step(Cloth(State(nodes, velocities, nodes), stage.layout), now, now, 1 / 30.0)
+    assert step.converged and step.residual < 1.0
+    held = stage.scene.self_contact
+    pairs = find_near(held, nodes).pairs
+    assert {40, other} <= set(find_shut(nodes, pairs).tolist())
+    assert not len(find_shut(np.array(worn.garment.nodes), find_near(held, worn.garment.nodes).pairs))
 
 
 def test_forces_that_are_no_numbers_end_a_step_where_they_were(worn, monkeypatch):

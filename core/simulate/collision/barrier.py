@@ -10,10 +10,9 @@ from numba import njit
 from ..block_pattern import ABSENT, add_block
 from .closest import EDGE_EDGE, curve_cross, curve_distance, mollify, span, weigh
 
-
 SHUT = 1e-4
-"""Share of its reach under which a pair has no room: 0.2 micrometres. Its barrier is ten thousand times as stiff as where
-cloth begins to touch, and a step goes by fifths of what is left."""
+"""Share of its reach under which a pair has no room: 0.2 micrometres. Its barrier is ten thousand times as stiff as
+where cloth begins to touch, and a step goes by fifths of what is left."""
 
 
 @njit(cache=True, inline="always")
