@@ -76,6 +76,9 @@ def _push(nodes: np.ndarray, skin: ExposedSurface, faces: np.ndarray, clearance:
             _keep_larger(push, faces[at_faces[inside]], outward[inside])
             at_faces = at_faces[depth < NEAR]
         at_nodes = at_nodes[distance < NEAR]
+        # what has not moved is no lower than it was, and it was not low
+        moved = (push != 0).any(axis=1)
+        at_nodes, at_faces = at_nodes[moved[at_nodes]], at_faces[moved[faces[at_faces]].any(axis=1)]
         if not (push != 0).any() or (worst < 1e-4 and float(distance.min(initial=1.0)) >= clearance - 1e-5):
             break
         nodes += push
