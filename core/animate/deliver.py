@@ -64,7 +64,9 @@ def take_outside(nodes: np.ndarray, skin: ExposedSurface, scene: Scene) -> np.nd
         singles[own[distance < 0.0]] = sheets[middles[depth < 0.0]] = True
     if low > LEFT:
         for origin in (start, nodes):
-            through = untangle_outside(project_outside(origin, skin, cloth.faces), skin, cloth.faces)
+            through = untangle_outside(
+                project_outside(origin, skin, cloth.faces), skin, cloth.faces, allowed=LEFT, limit=LEFT
+            )
             if not len(self_intersections(through, cloth.faces)) and (
                 penetration_depth(through, cloth.faces, skin) < penetration_depth(nodes, cloth.faces, skin)
             ):

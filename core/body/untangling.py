@@ -19,25 +19,29 @@ DEEPEST = 1e-3
 """Depth to which cloth that came no deeper is left where that is what takes it apart [m]: what a result may have."""
 
 
-def untangle_outside(nodes: np.ndarray, skin: ExposedSurface, faces: np.ndarray) -> np.ndarray:
+def untangle_outside(
+    nodes: np.ndarray, skin: ExposedSurface, faces: np.ndarray, allowed: float = ALLOWED, limit: float = DEEPEST
+) -> np.ndarray:
     """Take cloth that crosses itself out of itself, and out of the body again where that led into it.
 
     Args:
         nodes: Positions outside the body [m], shape [node_count, 3].
         skin: The body's exposed skin.
         faces: Shape [face_count, 3].
+        allowed: Depth in the body that is left as it is [m].
+        limit: Depth to which cloth that came no deeper is left where that is what takes it apart [m].
 
     Returns:
-        Positions [m], no deeper in the body than `DEEPEST` or than before; the given ones, the same array, where
+        Positions [m], no deeper in the body than `limit` or than before; the given ones, the same array, where
         nothing crosses or no fewer faces could be made to.
     """
     best, least = nodes, len(self_intersections(nodes, faces))
     if not least:
         return nodes
-    deepest, moved = max(DEEPEST, penetration_depth(nodes, faces, skin)), nodes
+    deepest, moved = max(limit, penetration_depth(nodes, faces, skin)), nodes
     for turn in range(TURNS):
         moved = untangle(moved, faces, (1 + turn) * STEP)  # further apart, lest they meet on the way out of the body
-        if penetration_depth(moved, faces, skin) > ALLOWED:
+        if penetration_depth(moved, faces, skin) > allowed:
             moved = project_outside(moved, skin, faces)
         crossed = len(self_intersections(moved, faces))
         if crossed < least and penetration_depth(moved, faces, skin) <= deepest:
