@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..body import ExposedSurface, penetration_depth, project_outside, untangle_outside
+from ..body import ExposedSurface, penetration_depth, project_outside, untangle_outside, ways_out
 from ..mesh import self_intersections
 from ..simulate import Energy, Scene
 from ..simulate.carry_step import carry_free
@@ -48,9 +48,9 @@ def take_outside(nodes: np.ndarray, skin: ExposedSurface, scene: Scene) -> np.nd
     singles, sheets = np.ones(len(nodes), dtype=bool), np.ones(len(cloth.faces), dtype=bool)
     for turn in range(ROUNDS):
         push, (own, middles) = np.zeros_like(nodes), (np.flatnonzero(each) for each in (singles, sheets))
-        distance, push[own] = _ways_out(nodes[own], skin, CLEARANCE if turn == 0 else 0.0)
+        distance, push[own] = ways_out(nodes[own], skin, CLEARANCE if turn == 0 else 0.0)
         corners = cloth.faces[middles]
-        depth, way = _ways_out(nodes[corners].mean(axis=1), skin, 0.0)
+        depth, way = ways_out(nodes[corners].mean(axis=1), skin, 0.0)
         for k in range(3):
             node = corners[:, k]
             further = (way**2).sum(axis=1) > (push[node] ** 2).sum(axis=1)
@@ -72,18 +72,3 @@ def take_outside(nodes: np.ndarray, skin: ExposedSurface, scene: Scene) -> np.nd
             ):
                 return through
     return nodes
-
-
-def _ways_out(points: np.ndarray, skin: ExposedSurface, clearance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the signed distances of points [m], and the moves that take those that are low to a clearance, [n, 3].
-
-    What is inside goes to the nearest skin in the open and on along its normal: in a crease that skin ends, and its
-    own direction leads from one part of the wearer into the other.
-    """
-    distance, normal = skin.measure(points)
-    move = np.maximum(clearance - distance, 0.0)[:, None] * normal
-    inside = np.flatnonzero(distance < 0.0)
-    if len(inside):
-        found = skin.closest(points[inside])
-        move[inside] = found.foot + clearance * skin.normals[found.face] - points[inside]
-    return distance, move

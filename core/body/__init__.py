@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from .model import BodyModel
     from .person import PersonFit, PersonSettings, PointWeights, fit_person, refit_person
     from .posing import check_wearer, pose_body
-    from .projection import project_outside
+    from .projection import project_outside, ways_out
     from .registration import NotHuman, register_body
     from .resizing import resize_body
     from .signed_distance import SignedDistance
@@ -74,6 +74,7 @@ _LAZY = {
     "skin": "skinning",
     "unskin": "skinning",
     "untangle_outside": "untangling",
+    "ways_out": "projection",
     "weights_at": "skinning",
 }
 # Modules with compiled kernels or heavy libraries: imported on first use, so that the room itself stays light.
@@ -128,6 +129,7 @@ __all__ = [
     "skin",
     "unskin",
     "untangle_outside",
+    "ways_out",
     "weights_at",
 ]
 

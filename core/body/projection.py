@@ -66,11 +66,11 @@ def _push(nodes: np.ndarray, skin: ExposedSurface, faces: np.ndarray, clearance:
     at_nodes, at_faces = np.arange(len(nodes)), np.arange(len(faces))
     for _ in range(ROUNDS):
         push = np.zeros_like(nodes)
-        distance, way = _ways_out(nodes[at_nodes], skin, clearance)
+        distance, way = ways_out(nodes[at_nodes], skin, clearance)
         push[at_nodes] = way
         worst = 0.0
         if len(at_faces):
-            depth, outward = _ways_out(nodes[faces[at_faces]].mean(1), skin, 1e-4)
+            depth, outward = ways_out(nodes[faces[at_faces]].mean(1), skin, 1e-4)
             inside = depth < 0
             worst = float(-depth.min(initial=0.0))
             _keep_larger(push, faces[at_faces[inside]], outward[inside])
@@ -89,11 +89,16 @@ def _push(nodes: np.ndarray, skin: ExposedSurface, faces: np.ndarray, clearance:
     return nodes
 
 
-def _ways_out(points: np.ndarray, skin: ExposedSurface, clearance: float) -> tuple[np.ndarray, np.ndarray]:
+def ways_out(points: np.ndarray, skin: ExposedSurface, clearance: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the signed distances of points [m], and the moves that take those that are low to a clearance, [n, 3].
 
     What is inside goes to the nearest skin in the open and on along its normal. In a crease that skin ends, and going
     on in the same direction leads from one part of the body into the other, and back in the next round.
+
+    Args:
+        points: Shape [n, 3].
+        skin: The wearer.
+        clearance: Distance from the skin to which what is nearer goes [m].
     """
     distance, normal = skin.measure(points)
     move = np.maximum(clearance - distance, 0.0)[:, None] * normal
