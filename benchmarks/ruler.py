@@ -48,18 +48,25 @@ def _width(worn: Worn, nodes: np.ndarray, tape: Tape, place: str, level: float) 
     centre = float(tape.body.joint("pelvis")[0])
     heights = np.abs(nodes[:, 0] - centre) + centre if sleeves else nodes[:, 1]
     open_nodes = np.concatenate([contour.vertices for contour in garment.contours])
+    labels = {panel.name: panel.label for panel in worn.pattern.panels}
+    tops = [garment.uv_node[uv] for ref, uv in garment.edge_uv.items() if labels[ref.panel] == "sleeve"]
+    sleeve_nodes = np.unique(np.concatenate(tops)) if tops and not sleeves else np.zeros(0, dtype=int)
     crossings: dict[str, list[np.ndarray]] = {}
     for ref, along in garment.edge_uv.items():
         at, flat = heights[garment.uv_node[along]], garment.uv[along]
         for n in np.flatnonzero((at[:-1] > level) != (at[1:] > level)):
             if np.isin(garment.uv_node[along], open_nodes).all():
                 return 0.0
+            if np.isin(garment.uv_node[along], sleeve_nodes).all():  # through an armhole
+                return 0.0
             share = (level - at[n]) / (at[n + 1] - at[n])
             crossings.setdefault(ref.panel, []).append(flat[n] + share * (flat[n + 1] - flat[n]))
     total = 0.0
     for panel in worn.pattern.panels:
-        if (panel.label == "sleeve") == sleeves and len(crossings.get(panel.name, ())) % 2 == 0:
+        if (panel.label == "sleeve") == sleeves:
             points = np.array(crossings.get(panel.name, np.zeros((0, 2))))
+            if len(points) % 2:
+                return 0.0  # the level ends within this panel: no line to lay a ruler along
             across = (points @ panel.rotation[:2, :2].T)[:, 1 if sleeves else 0]
             points = points[np.argsort(across)]
             total += float(np.linalg.norm(points[1::2] - points[::2], axis=1).sum())

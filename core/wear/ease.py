@@ -71,6 +71,12 @@ class Figure:
         """Return x of the body's middle [m]."""
         return float(self.tape.body.joint("pelvis")[0])
 
+    def arm(self, side: str, level: float) -> np.ndarray:
+        """Return the middle of an arm [m], shape [3], where it is as far from the body's middle as a level's x."""
+        shoulder, elbow = (self.tape.body.joint(f"{side}_{joint}") for joint in ("shoulder", "elbow"))
+        share = (abs(level - self.centre) - abs(shoulder[0] - self.centre)) / abs(elbow[0] - shoulder[0])
+        return shoulder + share * (elbow - shoulder)
+
 
 def measure_ease(garment: Garment, body: Body) -> tuple[Ease, ...]:
     """Measure the ease of a worn garment wherever cloth goes round the body.
@@ -118,14 +124,24 @@ class ClothCut:
     Attributes:
         lengths: Length of each line in the flat pattern [m], straight across each panel, shape [line_count].
         middles: Mean place of each on the other of x and y [m], shape [line_count].
+        pieces: The segments of each line in the plane [m], the other of x and y first, then z; shape [n, 2, 2] each.
     """
 
     lengths: np.ndarray
     middles: np.ndarray
+    pieces: tuple[np.ndarray, ...] = ()
 
     def length(self, chosen: np.ndarray) -> float | None:
         """Return the length of the longest of chosen lines [m], or None where there is none."""
         return float(self.lengths[chosen].max()) if chosen.any() else None
+
+    def goes_round(self, point: np.ndarray) -> np.ndarray:
+        """Check which lines go round a point of the plane [m], shape [2]: a ray from it crosses them an odd time.
+
+        Returns:
+            Shape [line_count].
+        """
+        return np.array([_crosses_ray(piece - point) % 2 == 1 for piece in self.pieces], dtype=bool)
 
 
 def cut_cloth(garment: Garment, nodes: np.ndarray, axis: int, level: float) -> ClothCut:
@@ -157,7 +173,19 @@ def cut_cloth(garment: Garment, nodes: np.ndarray, axis: int, level: float) -> C
     beside = nodes[faces, 1 - axis].mean(axis=1)
     middles = np.bincount(of_face, beside, count) / np.maximum(np.bincount(of_face), 1)
     closed = np.bincount(of_face, minlength=count) == np.bincount(part, minlength=count)
-    return ClothCut(lengths[closed], middles[closed])
+    within = nodes[faces][..., [1 - axis, 2]]
+    worn = (within + share[..., None] * (np.roll(within, -1, axis=1) - within))[crossed].reshape(-1, 2, 2)
+    pieces = tuple(worn[of_face == line] for line in np.flatnonzero(closed))
+    return ClothCut(lengths[closed], middles[closed], pieces)
+
+
+def _crosses_ray(pieces: np.ndarray) -> int:
+    """Return how many segments, shape [n, 2, 2], cross the ray from the origin along the first axis."""
+    start, end = pieces[:, 0], pieces[:, 1]
+    rises = (start[:, 1] > 0.0) != (end[:, 1] > 0.0)
+    start, end = start[rises], end[rises]
+    along = start[:, 0] - start[:, 1] * (end[:, 0] - start[:, 0]) / (end[:, 1] - start[:, 1])
+    return int((along > 0.0).sum())
 
 
 def _join(corners: np.ndarray, crossed: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -235,13 +263,15 @@ def _line(garment: Garment, nodes: np.ndarray, figure: Figure, level: float) -> 
 
 def _round_arms(garment: Garment, nodes: np.ndarray, figure: Figure, place: str) -> Ease | None:
     """Return the least ease of the sleeves there and further out, the mean of both, or None where an arm has none."""
-    above = 0.5 * (figure.taken["chest"].level + figure.taken["waist"].level)  # lower lines go round wide hips
     found = []
     for out in HAND:
         level = figure.taken[place].level + out
-        off = level - figure.centre
-        cuts = [cut_cloth(garment, nodes, 0, figure.centre + sign * off) for sign in (1.0, -1.0)]
-        length = _mean([cut.length(cut.middles > above) for cut in cuts])
+        lengths = []
+        for side in ("left", "right"):
+            middle = figure.arm(side, level)
+            cut = cut_cloth(garment, nodes, 0, float(middle[0]))
+            lengths.append(cut.length(cut.goes_round(middle[1:])))  # cloth of the hips beside a hand is carried along
+        length = _mean(lengths)
         if length is not None:
             found.append(Ease(place, length, figure.tape.arms(level).value))
     return min(found, key=lambda ease: ease.value, default=None)

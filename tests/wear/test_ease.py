@@ -15,6 +15,7 @@ from garmentq.core.export.meshes import write_ply
 from garmentq.core.pattern import edge_length, load_draped_template, panel_outline
 from garmentq.core.simulate import get_fabric
 from garmentq.core.wear import Worn, cut_cloth, judge_wear, measure_ease, measure_pressure, measure_strain
+from garmentq.core.wear.ease import Figure, carry_back, ease_at
 
 SPEC = "builtin:female,height=1.70"
 
@@ -91,6 +92,18 @@ def test_loads_are_those_of_the_cloth(shirt, body, tmp_path):
     rows = read.metadata["_ply_raw"]["vertex"]["data"]
     np.testing.assert_array_equal(rows["pressure"].ravel(), pressure)
     np.testing.assert_array_equal(read.faces, shirt.faces)
+
+
+def test_cloth_beside_an_arm_is_no_sleeve(body, shirt):
+    """Broken where any closed line of cloth at the arm counts: cloth of the hips beside a hand is carried with it."""
+    figure = Figure.of(body)
+    around = {one.place for one in ease_at(shirt, carry_back(shirt.nodes, body), figure)}
+    assert "upper_arm" in around
+    # the shirt's own cloth a hand's length below the arms: every line is as long, and none goes round an arm
+    fallen = carry_back(shirt.nodes, body) - [0.0, 0.35, 0.0]
+    at = cut_cloth(shirt, fallen, 0, figure.arm("left", figure.taken["upper_arm"].level)[0])
+    assert len(at.lengths) > 0 and not at.goes_round(figure.arm("left", figure.taken["upper_arm"].level)[1:]).any()
+    assert "upper_arm" not in {one.place for one in ease_at(shirt, fallen, figure)}
 
 
 def chord(pattern, height: float) -> float:
