@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh import self_intersections, undo_crossings
+from ..mesh import face_boxes, self_intersections, undo_crossings
 from .signed_distance import SignedDistance
 
 STEP = 2e-3
@@ -73,7 +73,8 @@ def _undo_near(moved: np.ndarray, before: np.ndarray, faces: np.ndarray) -> None
         return
     corners = np.concatenate([moved[faces[stirred]], before[faces[stirred]]]).reshape(-1, 3)
     low, high = corners.min(axis=0), corners.max(axis=0)
-    around = (before[faces].max(axis=1) >= low).all(axis=1) & (before[faces].min(axis=1) <= high).all(axis=1)
+    least, most = face_boxes(before, faces)
+    around = (most >= low).all(axis=1) & (least <= high).all(axis=1)
     near = faces[around | stirred]
     undo_crossings(moved, before, near, self_intersections(before, near))
 

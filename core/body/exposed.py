@@ -18,6 +18,14 @@ WITHIN = 0.9
 """Share of the way from a face's middle to its corners at which it is asked whether it is in the open. At the corners
 themselves the lift of a face of a hollow ends in the face beside it."""
 
+CLEAR = 0.97
+"""Cosine between the way to a point and its foot's normal above which it is outside without a further question, away
+from creases: the nearest skin is seen from behind by what is inside."""
+
+RINGS = 3
+"""Edges around swallowed skin within which that is asked of every point: beside a crease the skin of one part that lies
+in front of a point may be in the open while the part that the point is in is taken for swallowed there."""
+
 
 class ExposedSurface:
     """The outside of a body mesh, and signed distances to it, positive outside, as often as is asked.
@@ -59,6 +67,19 @@ class ExposedSurface:
         solid = self._solid
         inside = ~self._bare_middles(solid.vertices, solid.faces)
         return TriangleSurface(solid.vertices, solid.faces[inside]) if inside.any() else None
+
+    @cached_property
+    def _creased(self) -> np.ndarray:
+        """Return which faces in the open are beside swallowed skin, shape [n]; all of them where creases are cut."""
+        solid = self._solid
+        if self.vertices is not solid.vertices:
+            return np.ones(len(self.faces), dtype=bool)
+        count = len(solid.vertices)
+        degree, kept = (np.bincount(each.ravel(), minlength=count) for each in (solid.faces, self.faces))
+        beside = kept < degree
+        for _ in range(RINGS):
+            beside[self.faces[beside[self.faces].any(axis=1)]] = True
+        return np.asarray(beside[self.faces].any(axis=1))
 
     def _keep_open(self, splits: int) -> tuple[np.ndarray, np.ndarray]:
         """Drop swallowed faces, and of those that are so in part what is; give vertices and faces."""
@@ -114,8 +135,11 @@ class ExposedSurface:
         found = self.closest(points)
         offset = points - found.foot
         distance = np.linalg.norm(offset, axis=1)
-        sign = np.where(self.contains(points), -1.0, 1.0)
-        gradient = self.normals[found.face]
+        gradient, sign = self.normals[found.face], np.ones(len(points))
+        doubtful = np.flatnonzero(
+            self._creased[found.face] | ((offset * gradient).sum(axis=1) < CLEAR * distance)
+        )  # the winding number of a point costs more than its foot
+        sign[doubtful] = np.where(self.contains(points[doubtful]), -1.0, 1.0)
         # Below a nanometre the difference of two positions of about 1 m has no direction left in float64.
         far = distance > 1e-9
         gradient[far] = offset[far] * (sign[far] / distance[far])[:, None]

@@ -36,7 +36,7 @@ from .surface import Closest, TriangleSurface, barycentric_coordinates
 if TYPE_CHECKING:
     from .collapse import CollapsedMesh, collapse_edges
     from .contour import measure_contour
-    from .intersections import intersecting_pairs, self_intersections, undo_crossings
+    from .intersections import face_boxes, intersecting_pairs, self_intersections, undo_crossings
     from .linear import Factor, NotDefinite, Solver, SuperLU, analyse, factor_general, factor_symmetric
     from .multifrontal import Cholesky
     from .untangling import contract_contours, untangle
@@ -53,6 +53,7 @@ _LAZY = {
     "contract_contours": "untangling",
     "factor_general": "linear",
     "factor_symmetric": "linear",
+    "face_boxes": "intersections",
     "intersecting_pairs": "intersections",
     "measure_contour": "contour",
     "self_intersections": "intersections",
@@ -87,6 +88,7 @@ __all__ = [
     "deformation_gradients",
     "edge_curvature",
     "face_areas",
+    "face_boxes",
     "face_normals",
     "factor_general",
     "factor_symmetric",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
-from garmentq.core.body import ExposedSurface
+from garmentq.core.body import ExposedSurface, builtin_body
 
 
 def two_balls() -> tuple[np.ndarray, np.ndarray]:
@@ -51,3 +51,18 @@ def test_a_sheet_is_all_outside() -> None:
     skin = ExposedSurface(vertices, faces)
     assert skin.measure(np.array([[0.2, 0.3, 0.2]]))[0][0] == 0.3
     assert skin.measure(np.zeros((0, 3)))[1].shape == (0, 3)
+
+
+def test_signs_are_the_winding_numbers_beside_creases_too() -> None:
+    """Broken where a point inside one of two parts that run into each other passes for outside: cloth stays in it."""
+    body = builtin_body("builtin:female,height=1.70,pose=arms-down")
+    skin = ExposedSurface.of(body, splits=0)
+    assert skin.swallowed is not None
+    generator = np.random.default_rng(4)
+    around = np.concatenate(
+        [skin.vertices, np.repeat(skin.swallowed.vertices[skin.swallowed.faces].mean(axis=1), 6, 0)]
+    )
+    points = around[generator.integers(len(around), size=8000)] + generator.normal(0, 0.015, (8000, 3))
+    inside = skin.contains(points)
+    assert 2000 < inside.sum() < 7000
+    np.testing.assert_array_equal(skin.measure(points)[0] < 0, inside)
