@@ -14,7 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from garmentq.core.animate import AnimateSettings, Animation, animate, measure_animation
+from garmentq.core.animate import AnimateSettings, Animation, animate, clear_motion, measure_animation
 from garmentq.core.export.animation import write_animation
 from garmentq.core.measure import read_packs
 from garmentq.core.motion import LeadIn, Pose, find_shipped, load_motion, retarget
@@ -34,6 +34,8 @@ def wear(folder: Path) -> Worn:
 def move(worn: Worn, motion: Path, settings: AnimateSettings) -> Animation:
     """Return the garment in motion."""
     track = retarget(load_motion(motion), worn.body, settings.begin)
+    if not settings.keep_motion:
+        track, _ = clear_motion(worn, track, settings)
     return animate(worn, LeadIn(Pose.of(worn.body), track, settings.begin, settings.lead), settings)
 
 
@@ -45,10 +47,11 @@ def main() -> None:
     parser.add_argument("--motion", default="walk")
     parser.add_argument("--seconds", type=float, default=4.0)
     parser.add_argument("--half", action="store_true")
+    parser.add_argument("--keep-motion", action="store_true")
     parser.add_argument("--out", type=Path)
     given = parser.parse_args()
     motion = find_shipped(given.motion) or Path(given.motion)
-    settings = AnimateSettings(end=given.seconds)
+    settings = AnimateSettings(end=given.seconds, keep_motion=given.keep_motion)
     print("| garment | frames | not converged | depth mm | crossings | CPU s a frame | half the step, mm |")
     print("|---|---|---|---|---|---|---|")
     for name in given.names:

@@ -19,6 +19,9 @@ from .derived import DerivedOptions, derived_options
 @click.option("--from", "begin", type=click.FloatRange(0), default=0.0, show_default=True, help="First second of it.")
 @click.option("--to", "end", type=click.FloatRange(0), help="Last second of it.  [default: its end; 4 s if it loops]")
 @click.option("--damping", type=click.FloatRange(0, 100), help="Drag of the air, 1/s.  [default: 2]")
+@click.option(
+    "--keep-motion", is_flag=True, help="Leave limbs where the motion has them, though they leave the cloth no room."
+)
 @derived_options
 @click.pass_context
 def command(
@@ -29,6 +32,7 @@ def command(
     begin: float,
     end: float | None,
     damping: float | None,
+    keep_motion: bool,
     options: DerivedOptions,
 ) -> None:
     """Move a stored result with its wearer.
@@ -48,6 +52,10 @@ def command(
     from .derived import run_derived
 
     chosen = {"motion": motion if motion in SHIPPED else None, "fps": fps, "begin": begin, "end": end}
-    given = {name: value for name, value in {**chosen, "damping": damping}.items() if value is not None}
+    given = {
+        name: value
+        for name, value in {**chosen, "damping": damping, "keep_motion": keep_motion or None}.items()
+        if value is not None
+    }
     files = {} if motion in SHIPPED else {"motion": Path(motion)}
     context.exit(run_derived(DerivedOrder("animate", job, given, files), options))

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..body import penetration_depth, skin, unskin
+from ..body import pinched_depth, skin, unskin
 from ..checkpoints import load, save
 from ..hooks import SILENT, Hooks
 from ..mesh import self_intersections
@@ -35,11 +35,12 @@ class Verdict:
 
     Attributes:
         converged: Whether every step to it came within the tolerance.
-        depth: Deepest point of the cloth below the skin in the open [m].
+        depth: Deepest point of the cloth below the skin in the open, where it has a way out [m].
         crossings: Faces that cross another.
         steps: Steps from the frame before.
         factors: Matrices factored for them.
         seconds: CPU time of all that [s].
+        pinched: Deepest point where parts of the body that run into each other have the cloth between them [m].
     """
 
     converged: bool
@@ -48,6 +49,7 @@ class Verdict:
     steps: int
     factors: int
     seconds: float
+    pinched: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -227,6 +229,6 @@ def _judge(stage: Stage, state: State, now: Moment, tally: _Tally, begun: float)
     """Return a frame's nodes outside the wearer, and its verdict."""
     faces = stage.worn.garment.faces
     nodes = stage.deliver(state.nodes, now)
-    depth, crossed = penetration_depth(nodes, faces, now.surface), len(self_intersections(nodes, faces))
+    (depth, pinched), crossed = pinched_depth(nodes, faces, now.surface), len(self_intersections(nodes, faces))
     seconds = time.process_time() - begun
-    return nodes, Verdict(tally.converged, depth, crossed, tally.steps, tally.factors, seconds)
+    return nodes, Verdict(tally.converged, depth, crossed, tally.steps, tally.factors, seconds, pinched)

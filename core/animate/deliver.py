@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..body import ExposedSurface, penetration_depth, project_outside, untangle_outside, ways_out
+from ..body import ExposedSurface, penetration_depth, pinched_depth, project_outside, untangle_outside, ways_out
 from ..mesh import self_intersections
 from ..simulate import Energy, Scene
 from ..simulate.carry_step import carry_free
@@ -23,7 +23,8 @@ LEFT = 1.9e-3
 """Depth beyond which the straight way out is tried too [m], a little under what passes (`measured.DEPTH_MM`): what
 crosses then is taken apart by `untangle_outside`, and where it comes apart that is taken, though layers met on the way.
 It takes 1 to 8 s, and is tried from where the rounds began and from where they ended: of trousers between thighs
-either came apart where the other did not."""
+either came apart where the other did not. What parts of the wearer that run into each other have between them is left:
+no place is outside of both, and the search for one took 20 s a frame."""
 
 DEPTH = 1e-4
 """Depth that stays [m]: nothing of it is seen."""
@@ -62,7 +63,7 @@ def take_outside(nodes: np.ndarray, skin: ExposedSurface, scene: Scene) -> np.nd
         moved = (nodes != before).any(axis=1)
         singles, sheets = moved.copy(), moved[cloth.faces].any(axis=1)
         singles[own[distance < 0.0]] = sheets[middles[depth < 0.0]] = True
-    if low > LEFT:
+    if low > LEFT and pinched_depth(nodes, cloth.faces, skin)[0] > LEFT:
         for origin in (start, nodes):
             through = untangle_outside(
                 project_outside(origin, skin, cloth.faces), skin, cloth.faces, allowed=LEFT, limit=LEFT

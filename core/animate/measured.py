@@ -16,6 +16,8 @@ def measure_animation(animation: Animation) -> dict[str, float | None]:
         "frames": float(len(verdicts)),
         "vertices": float(animation.frames.shape[1]),
         "max_depth_mm": 1e3 * max(verdict.depth for verdict in verdicts),
+        "max_pinched_mm": 1e3 * max(verdict.pinched for verdict in verdicts),
+        "frames_pinched": float(sum(1e3 * verdict.pinched > DEPTH_MM for verdict in verdicts)),
         "crossings": float(max(verdict.crossings for verdict in verdicts)),
         "frames_crossed": float(sum(verdict.crossings > 0 for verdict in verdicts)),
         "frames_not_converged": float(sum(not verdict.converged for verdict in verdicts)),
@@ -26,7 +28,9 @@ def measure_animation(animation: Animation) -> dict[str, float | None]:
 
 def judge_animation(metrics: dict[str, float | None]) -> tuple[Gate, ...]:
     """Judge what `measure_animation` measured."""
-    depth, crossed, left = (metrics[name] or 0.0 for name in ("max_depth_mm", "crossings", "frames_not_converged"))
+    depth, crossed, left, pinched = (
+        metrics[name] or 0.0 for name in ("max_depth_mm", "crossings", "frames_not_converged", "max_pinched_mm")
+    )
     return (
         Gate(
             "converged",
@@ -43,7 +47,17 @@ def judge_animation(metrics: dict[str, float | None]) -> tuple[Gate, ...]:
             depth,
             DEPTH_MM,
             f"The cloth lies up to {depth:.1f} mm inside the body"
-            + ("." if depth <= DEPTH_MM else " in a frame: parts of the body press it between them."),
+            + ("." if depth <= DEPTH_MM else " in a frame: it has no way out that does not lead through other cloth."),
+        ),
+        Gate(
+            "pinched",
+            Verdict.PASS if pinched <= DEPTH_MM else Verdict.DOUBTFUL,
+            pinched,
+            DEPTH_MM,
+            "Parts of the body leave the cloth room."
+            if pinched <= DEPTH_MM
+            else f"Parts of the body run into each other and hold cloth up to {pinched:.1f} mm inside "
+            f"({metrics['frames_pinched']:.0f} frames): give the motion more room there.",
         ),
         Gate(
             "crossings",

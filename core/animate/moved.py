@@ -10,6 +10,7 @@ from ..motion import LeadIn, Pose, Recording, retarget
 from ..verdict import Gate
 from ..wear import Worn
 from .animation import STAGE, Animation, animate
+from .clearing import clear_motion
 from .measured import judge_animation, measure_animation
 from .settings import AnimateSettings
 
@@ -56,12 +57,16 @@ def move_worn(worn: Worn, recording: Recording, name: str, settings: AnimateSett
         Cancelled: as soon as the clock's hooks say so.
     """
     with clock.stage(STAGE, "moving the wearer") as hooks:
-        track = retarget(recording, worn.body, settings.begin)
+        track, clearing = retarget(recording, worn.body, settings.begin), None
+        if not settings.keep_motion:
+            hooks.progress(STAGE, 0.0, "making room between the limbs")
+            track, clearing = clear_motion(worn, track, settings)
         lead = LeadIn(Pose.of(worn.body), track, settings.begin, settings.lead)
         animation = animate(worn, lead, settings, hooks)
     with clock.stage("measure", "judging the frames"):
         metrics = measure_animation(animation)
-    warnings = list(recording.notes)
+    warnings = [*recording.notes, *(clearing.warnings() if clearing is not None else ())]
+    metrics["limbs_spread_deg"] = max(clearing.degrees.values()) if clearing is not None else 0.0
     if not track.loops and float(animation.times[-1]) > track.seconds + 1e-6:
         warnings.append(f"the motion is over after {track.seconds:.2f} s; after that the wearer stands still.")
     if worn.rotation is not None:
@@ -81,6 +86,8 @@ def move_worn(worn: Worn, recording: Recording, name: str, settings: AnimateSett
             "from": float(animation.times[0]),
             "to": float(animation.times[-1]),
             "damping_per_s": settings.step.damping,
+            "keep_motion": settings.keep_motion,
+            "limbs_spread_deg": {} if clearing is None else clearing.degrees,
             "body": worn.body.source,
             "fabric": worn.fabric.name,
             "template": worn.template,

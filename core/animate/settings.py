@@ -33,6 +33,7 @@ class AnimateSettings:
         step: The steps.
         contact: How the cloth touches the body.
         apart: Whether the cloth keeps from passing through itself.
+        keep_motion: Whether limbs stay where the motion has them, though they leave the cloth no room.
     """
 
     fps: float = 30.0
@@ -45,6 +46,7 @@ class AnimateSettings:
     step: StepSettings = field(default_factory=StepSettings)
     contact: ContactSettings = field(default_factory=ContactSettings)
     apart: bool = True
+    keep_motion: bool = False
 
     def __post_init__(self) -> None:
         """Check the values.

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from .builtin import POSES, BodyMissing, BodySpecBad, builtin_body, describe_bodies, parse_spec
     from .current import carry_outside
     from .distance import DistanceBad, DistanceGrid, sample_distance
-    from .exposed import ExposedSurface, penetration_depth
+    from .exposed import ExposedSurface, penetration_depth, pinched_depth
     from .girths import BELOW_ARMPIT, GIRTHS, Girth, Tape, armpit_height, crotch_height
     from .hanging_arms import find_hanging_arms, lies_under_arm
     from .measured import MeasureRange
@@ -64,6 +64,7 @@ _LAZY = {
     "load_smpl": "smpl",
     "parse_spec": "builtin",
     "penetration_depth": "exposed",
+    "pinched_depth": "exposed",
     "pose_body": "posing",
     "project_outside": "projection",
     "refit_person": "person",
@@ -118,6 +119,7 @@ __all__ = [
     "load_smpl",
     "parse_spec",
     "penetration_depth",
+    "pinched_depth",
     "pose_body",
     "project_outside",
     "read_measures",

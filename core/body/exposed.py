@@ -177,3 +177,26 @@ def penetration_depth(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface
     if not len(inside):
         return 0.0
     return float(skin.closest(inside).distance.max())
+
+
+def pinched_depth(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface) -> tuple[float, float]:
+    """Return the greatest depth of a garment in a body where it has a way out, and where the body's parts pinch it [m].
+
+    Pinched is what is inside and nearer to skin that another part of the body swallows than to skin in the open: it
+    lies between parts that run into each other, where no place is outside of both.
+
+    Args:
+        nodes: Garment positions [m], shape [node_count, 3].
+        faces: Garment faces, shape [face_count, 3].
+        skin: The body.
+    """
+    points = np.concatenate([nodes, nodes[faces].mean(axis=1)])
+    inside = points[skin.contains(points)]
+    if not len(inside):
+        return 0.0, 0.0
+    depth = skin.closest(inside).distance
+    swallowed = skin.swallowed
+    if swallowed is None:
+        return float(depth.max()), 0.0
+    pinched = swallowed.distance(inside) < depth
+    return float(depth[~pinched].max(initial=0.0)), float(depth[pinched].max(initial=0.0))

@@ -14,6 +14,7 @@ from .body import JOINTS, Body
 from .fit import Fitter, OrientedPoints, Stage, State, vectors_of
 from .skinning import skin
 from .template import Template, articulate, load_template, rotations_of, transforms_of
+from .weight_transfer import transfer_weights
 
 Start = tuple[float, int, State]
 """A fit on its way: residual, number of its start, and state."""
@@ -271,22 +272,21 @@ def _distance(vertices: np.ndarray, faces: np.ndarray, others: np.ndarray, other
 
 
 def _body(template: Template, state: State, vertices: np.ndarray, faces: np.ndarray, source: str, rms: float) -> Body:
-    """Put the given mesh and the fitted model together; weights come from the model's closest points."""
+    """Put the given mesh and the fitted model together; weights come from the model's nearest skin."""
     rest, joints = template.shaped(state.shape)
     floor = np.array([0.0, rest[:, 1].min(), 0.0])
     rest, joints = rest - floor, joints - floor
     world, posed = articulate(state.rotations, joints, state.translation + floor)
     transforms = transforms_of(world, posed, joints)
     model = skin(rest, template.weights, transforms)
-    found = TriangleSurface(model, template.faces).closest(vertices)
-    weights = np.einsum("nk,nkj->nj", found.barycentric, template.weights[template.faces[found.face]])
+    weights = transfer_weights(vertices, faces, model, template.faces, template.weights)
     front = world[0] @ np.array([0.0, 0.0, 1.0])
     yaw = np.arctan2(front[0], front[2])
     return Body(
         vertices=vertices,
         faces=faces,
         joints=posed,
-        weights=weights / weights.sum(axis=1, keepdims=True),
+        weights=weights,
         transforms=transforms,
         rest_vertices=rest,
         rest_faces=template.faces,

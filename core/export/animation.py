@@ -92,6 +92,7 @@ def describe_frames(animation: Animation) -> dict[str, Any]:
                 "t": round(float(time), 6),
                 "converged": verdict.converged,
                 "depth_mm": round(1e3 * verdict.depth, 4),
+                "pinched_mm": round(1e3 * verdict.pinched, 4),
                 "crossings": verdict.crossings,
                 "steps": verdict.steps,
                 "cpu_seconds": round(verdict.seconds, 3),

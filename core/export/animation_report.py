@@ -59,13 +59,14 @@ def _pictures(preview: bytes, sheet: bytes) -> str:
 def _worst(moved: Moved) -> str:
     """List the frames that are worst: not converged, then crossed, then deep."""
     verdicts = moved.animation.verdicts
-    ranks = [(verdict.converged, -verdict.crossings, -verdict.depth) for verdict in verdicts]
+    ranks = [(verdict.converged, -verdict.crossings, -max(verdict.depth, verdict.pinched)) for verdict in verdicts]
     order = sorted(range(len(ranks)), key=ranks.__getitem__)
     rows = "".join(
         f"<tr><td class=num>{n + 1}</td><td>{'yes' if verdicts[n].converged else 'no'}</td>"
-        f"<td class=num>{verdicts[n].crossings}</td><td class=num>{number(1e3 * verdicts[n].depth)}</td></tr>"
+        f"<td class=num>{verdicts[n].crossings}</td><td class=num>{number(1e3 * verdicts[n].depth)}</td>"
+        f"<td class=num>{number(1e3 * verdicts[n].pinched)}</td></tr>"
         for n in order[:WORST]
     )
-    titles = ("Frame", "Converged", "Faces crossed", "Depth, mm")
+    titles = ("Frame", "Converged", "Faces crossed", "Depth, mm", "Between parts of the body, mm")
     head = f"<tr>{''.join(f'<th>{title}</th>' for title in titles)}</tr>"
     return f"<section><h2>Worst frames</h2><table>{head}{rows}</table></section>"

@@ -78,4 +78,6 @@ def _choose(request: AnimateRequest) -> AnimateSettings:
     from ...core.simulate.motion_step import StepSettings
 
     step = StepSettings() if request.damping is None else StepSettings(damping=request.damping)
-    return AnimateSettings(fps=request.fps, begin=request.begin, end=request.end, step=step)
+    return AnimateSettings(
+        fps=request.fps, begin=request.begin, end=request.end, step=step, keep_motion=request.keep_motion
+    )

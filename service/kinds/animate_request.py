@@ -22,6 +22,7 @@ class AnimateRequest:
         end: Time of the motion at which the frames end [s], that of the last one, or of one that loops the first left
             out; None: its end, or four seconds of one that loops.
         damping: Rate at which velocity relative to the air decays [1/s], or None: as usual.
+        keep_motion: Whether limbs stay where the motion has them, though they leave the cloth no room.
     """
 
     motion: FileRef | str
@@ -29,6 +30,7 @@ class AnimateRequest:
     begin: float = 0.0
     end: float | None = None
     damping: float | None = None
+    keep_motion: bool = False
 
     def __post_init__(self) -> None:
         """Refuse what makes no animation.

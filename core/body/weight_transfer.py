@@ -1,0 +1,55 @@
+"""Give a mesh of a person the skinning weights of the model that was fitted to it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..mesh import HalfEdges, TriangleSurface, adjacency_matrix, vertex_normals
+
+AGREEING = 0.5
+"""Cosine between a vertex' normal and that of the model's nearest skin from which both are skin of one part. Thighs
+that touch lie nearer to each other than a fitted model does to its mesh (3 mm): there the nearest skin is often the
+other thigh's, with a normal the other way round, and such a vertex stays behind with that leg in every step."""
+
+
+def transfer_weights(
+    vertices: np.ndarray, faces: np.ndarray, model: np.ndarray, model_faces: np.ndarray, weights: np.ndarray
+) -> np.ndarray:
+    """Return the skinning weights of a mesh by those of a model that lies close to it, shape [vertex_count, joints].
+
+    Each vertex takes the weights of the model's nearest point, where both face the same way; vertices between such
+    take the mean of their neighbours.
+
+    Args:
+        vertices: The mesh in the model's pose [m], shape [vertex_count, 3].
+        faces: Outward, shape [face_count, 3].
+        model: Vertices of the model [m], shape [model_count, 3].
+        model_faces: Outward, shape [model_face_count, 3].
+        weights: Of the model, rows sum to 1, shape [model_count, joints].
+    """
+    found = TriangleSurface(model, model_faces).closest(vertices)
+    corners = model_faces[found.face]
+    taken = np.einsum("nk,nkj->nj", found.barycentric, weights[corners])
+    taken /= taken.sum(axis=1, keepdims=True)
+    outward = np.einsum("nk,nkd->nd", found.barycentric, vertex_normals(model, model_faces)[corners])
+    cosine = (vertex_normals(vertices, faces) * outward).sum(axis=1) / np.linalg.norm(outward, axis=1)
+    return _fill(taken, ~(cosine >= AGREEING), faces)
+
+
+def _fill(values: np.ndarray, unknown: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Return values [n, k] with the unknown ones harmonic between the known; parts without any stay as they are."""
+    from scipy.sparse import diags
+    from scipy.sparse.csgraph import connected_components
+    from scipy.sparse.linalg import splu
+
+    beside = adjacency_matrix(HalfEdges.of(faces, len(values)).edges, len(values))
+    part = connected_components(beside, directed=False)[1]
+    lost = np.bincount(part, weights=~unknown) == 0
+    inner = np.flatnonzero(unknown & ~lost[part])
+    if not len(inner):
+        return values
+    rows = (diags(np.asarray(beside.sum(axis=1)).ravel()) - beside).tocsr()[inner]
+    known = np.setdiff1d(np.arange(len(values)), inner)
+    filled = values.copy()
+    filled[inner] = splu(rows[:, inner].tocsc()).solve(-(rows[:, known] @ values[known]))
+    return filled / filled.sum(axis=1, keepdims=True)
