@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh import HalfEdges, TriangleSurface, adjacency_matrix, vertex_normals
+from ..mesh import HalfEdges, TriangleSurface, adjacency_matrix, factor_symmetric, vertex_normals
 
 AGREEING = 0.5
 """Cosine between a vertex' normal and that of the model's nearest skin from which both are skin of one part. Thighs
@@ -40,7 +40,6 @@ def _fill(values: np.ndarray, unknown: np.ndarray, faces: np.ndarray) -> np.ndar
     """Return values [n, k] with the unknown ones harmonic between the known; parts without any stay as they are."""
     from scipy.sparse import diags
     from scipy.sparse.csgraph import connected_components
-    from scipy.sparse.linalg import splu
 
     beside = adjacency_matrix(HalfEdges.of(faces, len(values)).edges, len(values))
     part = connected_components(beside, directed=False)[1]
@@ -51,5 +50,5 @@ def _fill(values: np.ndarray, unknown: np.ndarray, faces: np.ndarray) -> np.ndar
     rows = (diags(np.asarray(beside.sum(axis=1)).ravel()) - beside).tocsr()[inner]
     known = np.setdiff1d(np.arange(len(values)), inner)
     filled = values.copy()
-    filled[inner] = splu(rows[:, inner].tocsc()).solve(-(rows[:, known] @ values[known]))
+    filled[inner] = factor_symmetric(rows[:, inner]).solve(-(rows[:, known] @ values[known]))
     return filled / filled.sum(axis=1, keepdims=True)
