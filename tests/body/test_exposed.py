@@ -53,7 +53,6 @@ def test_a_sheet_is_all_outside() -> None:
     assert skin.measure(np.zeros((0, 3)))[1].shape == (0, 3)
 
 
-<<<<<<< HEAD
 def test_signs_are_the_winding_numbers_beside_creases_too() -> None:
     """Broken where a point inside one of two parts that run into each other passes for outside: cloth stays in it."""
     body = builtin_body("builtin:female,height=1.70,pose=arms-down")
@@ -67,7 +66,8 @@ def test_signs_are_the_winding_numbers_beside_creases_too() -> None:
     inside = skin.contains(points)
     assert 2000 < inside.sum() < 7000
     np.testing.assert_array_equal(skin.measure(points)[0] < 0, inside)
-=======
+
+
 def test_depth_between_parts_that_run_into_each_other_is_told_apart():
     """Broken where cloth that has no place outside of both parts counts as left inside, or the other way round."""
     from garmentq.core.body.exposed import pinched_depth
@@ -83,4 +83,3 @@ def test_depth_between_parts_that_run_into_each_other_is_told_apart():
     inside = body.joint("neck")[None] * [1.0, 0.9, 1.0]
     free, pinched = pinched_depth(inside, faces, skin)
     assert free > 0.03 and pinched == 0.0
->>>>>>> dfd3130 (Spread limbs for room in motion, and take skinning weights from skin that faces the same way)

@@ -148,5 +148,6 @@ def test_verdicts_are_told(folder):
     told = json.loads((folder / "frames.json").read_text())
     assert [frame["depth_mm"] for frame in told["frames"]] == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4])
     assert told["frames"][2] == {
-        "t": 0.08, "converged": True, "depth_mm": 0.2, "pinched_mm": 0.0, "crossings": 2, "steps": 1, "cpu_seconds": 0.5,
+        "t": 0.08, "converged": True, "depth_mm": 0.2, "pinched_mm": 0.0, "crossings": 2, "steps": 1,
+        "cpu_seconds": 0.5,
     }  # fmt: skip
