@@ -23,7 +23,7 @@ from .drape import (
     redrape,
 )
 from .fit import METHODS, Fit, find_held
-from .grade import Candidate, Choice, choose_cut, complete_target, grade_pattern, slide_seams
+from .grade import Candidate, Choice, choose_cut, complete_target, grade_pattern, share_by_hems, slide_seams
 from .hooks import SILENT, Hooks
 from .inputs import read_body, read_files, read_template
 from .measure import (
@@ -244,6 +244,8 @@ def find_body(request: Request, pieces: Pieces, hooks: Hooks) -> Body:
 def find_template(request: Request, target: Target, body: Body) -> Choice:
     """Return the base pattern: the given file, the named template with the chosen parts, or what the scan shows.
 
+    One that is not given is shared out between front and back as the scan's hems say (`share_by_hems`).
+
     Raises:
         PartsConflict: where parts are chosen for a pattern file, or they cannot be sewn to each other.
     """
@@ -253,10 +255,13 @@ def find_template(request: Request, target: Target, body: Body) -> Choice:
             raise PartsConflict(f"the parts of a pattern file are drawn in it; leave out '{settings.parts}'.")
         return Choice(request.template.stem, given)
     if settings.template is None:
-        return choose_cut(target, body, settings.chosen_parts)
-    stem = settings.template.partition("+")[0]
-    name = name_cut(stem, find_cut(settings.template).choose(settings.chosen_parts))
-    return Choice(name, load_template(name))
+        choice = choose_cut(target, body, settings.chosen_parts)
+    else:
+        stem = settings.template.partition("+")[0]
+        name = name_cut(stem, find_cut(settings.template).choose(settings.chosen_parts))
+        choice = Choice(name, load_template(name))
+    pattern, shares = share_by_hems(choice.pattern, target, body)
+    return replace(choice, pattern=pattern, notes=(*choice.notes, *(share.tell() for share in shares)))
 
 
 def check_category(name: str) -> str:

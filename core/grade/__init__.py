@@ -13,6 +13,7 @@ from .flattening import (
     stretch_between,
 )
 from .grading import GradeSettings, Grading, grade_pattern, move_pattern, step_without_folds
+from .hem_corners import HemShare, share_by_hems
 from .isometry import Isometry, IsometrySettings
 from .neckline import NecklineFit, fit_necklines
 from .proportion import Proportions, find_proportions
@@ -27,6 +28,7 @@ __all__ = [
     "FlatteningSettings",
     "GradeSettings",
     "Grading",
+    "HemShare",
     "Isometry",
     "IsometrySettings",
     "NecklineFit",
@@ -51,6 +53,7 @@ __all__ = [
     "position_along",
     "register_coarsely",
     "seam_rows",
+    "share_by_hems",
     "slide_seams",
     "solve_isometry",
     "solve_sewn",

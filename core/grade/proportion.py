@@ -30,6 +30,10 @@ WIDTH_SPREAD = 0.04
 of three makers keep it within 8 %, 3.5 % in the root mean square. Where a shoulder is smooth nothing else tells where
 the armhole crosses it."""
 
+UNLIKE = 1.7
+"""Ratio of lengths from which two sisters' open contours are cut in other lines: a V by its back has twice, a crew neck
+1.5."""
+
 THREAD_SPREAD = np.radians(1.0)
 """Standard deviation of the angle between an edge and the thread that it follows: it is drawn along it or it is not."""
 
@@ -57,7 +61,8 @@ class Proportions:
         notched: Edges that follow each other on one seam between two panels.
         notches: ln of the length of the first by that of the second, shape [notch_count].
         widths: Two pairs of points each: of a panel, across at the one and at the other end of its armholes, as
-            `across_armholes` gives them; then of two sisters, across at the same place of the seams between them.
+            `across_armholes` gives them; then of two sisters, across at the same place of the seams between them, and
+            across an open contour that is far longer on the one.
         width_ratios: ln of the first distance by the second, shape [width_pair_count].
         vectors: Vectors along short edges and across darts, as `kept_vectors` gives them, shape [k, 2 point_count].
         drawn: Those of the base pattern, in standard deviations, shape [k].
@@ -140,7 +145,11 @@ def find_proportions(like: Pattern) -> Proportions:
     directed, across, spread = _directions(like, {frozenset(pair) for pair in sisters})
     vectors = kept_vectors(like)
     drawn = vectors @ like.points.ravel()
-    widths = (*across_armholes(like), *(width for pair in sisters for width in _across_sisters(like, *pair)))
+    widths = (
+        *across_armholes(like),
+        *(width for pair in sisters for width in _across_sisters(like, *pair)),
+        *(width for pair in sisters for width in _across_openings(like, *pair)),
+    )
     notched = _on_one_seam(like)
     notches = [float(np.log(_length(like, a) / _length(like, b))) for a, b in notched]
     ratios = [_ln_distance(like, one)[0] - _ln_distance(like, other)[0] for one, other in widths]
@@ -213,6 +222,28 @@ def _across_sisters(like: Pattern, first: str, second: str) -> list[tuple[tuple[
                 continue
             for (a, sister_a), (b, sister_b) in zip(run[1:-1], other[-2:0:-1], strict=True):
                 found.append(((mine + a, mine + b), (theirs + sister_a, theirs + sister_b)))
+    return found
+
+
+def _across_openings(like: Pattern, first: str, second: str) -> list[tuple[tuple[int, int], tuple[int, int]]]:
+    """Pair the widths of two sister panels at an open contour that is far longer on the one: a V in front.
+
+    Both begin where the same two seams end. In the trade's drafts they are as wide within 1 cm (W. Aldrich, Metric
+    Pattern Cutting for Women's Wear: a fifth of the neck less 0.2 cm behind, less 0.7 cm in front). Contours that are
+    alike in length are kept by it (`_same_place`).
+    """
+    panel, sister, found = like.panel(first), like.panel(second), []
+    mine, theirs = like.first_points[first], like.first_points[second]
+    runs = sorted(_common_seams(like, first, second))
+    for run, following in zip(runs, [*runs[1:], *runs[:1]], strict=True):
+        (start, there), (end, back) = run[-1], following[0]
+        between = _until((start - 1) % len(panel.edges), len(panel.edges), 1, {end})
+        opposite = _until((back - 1) % len(sister.edges), len(sister.edges), 1, {there})
+        if not between or not opposite or not all(panel.edges[i].contour for i in between):
+            continue
+        lengths = [sum(edge_length(one, i) for i in each) for one, each in ((panel, between), (sister, opposite))]
+        if max(lengths) > UNLIKE * min(lengths):
+            found.append(((mine + start, mine + end), (theirs + there, theirs + back)))
     return found
 
 

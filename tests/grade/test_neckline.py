@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.grade import choose_cut
+from garmentq.core.grade import choose_cut, find_proportions
 from garmentq.core.grade.neckline import fit_necklines
 from garmentq.core.pattern import edge_points, load_template
 from garmentq.core.pattern.parts import Neckline, Throat, neckline_points
@@ -131,3 +131,23 @@ def test_a_turned_wearer_has_the_same_neckline():
     assert straight is not None and found is not None
     assert found.front[0].throat.kind is straight.front[0].throat.kind
     assert found.front[0].misfit == pytest.approx(straight.front[0].misfit, abs=0.01)
+
+
+@pytest.mark.parametrize(("name", "kept"), [("tshirt+neckline=v", 1), ("tshirt", 0)])
+def test_a_v_is_kept_as_wide_as_the_back_neckline(name, kept):
+    """Breaks where a V opens on its own: an example's front neck came out 295 mm wide at a back of 234."""
+    pattern = load_template(name)
+    ends = [edge_ends(pattern, face) for face in ("back", "front")]
+    rules = find_proportions(pattern)
+    ratios = zip(rules.widths, rules.width_ratios, strict=True)
+    found = [ratio for pair, ratio in ratios if [set(one) for one in pair] == ends]
+    assert found == pytest.approx([0.0] * kept)
+
+
+def edge_ends(pattern, face: str) -> set[int]:
+    """Return the numbers of the two side neck points of a panel."""
+    panel, first = pattern.panel(face), pattern.first_points[face]
+    neck = {i for i, edge in enumerate(panel.edges) if edge.contour == "neck"}
+    ends = {i for i in neck if (i - 1) % len(panel.edges) not in neck}
+    ends |= {(i + 1) % len(panel.edges) for i in neck if (i + 1) % len(panel.edges) not in neck}
+    return {first + i for i in ends}

@@ -1,0 +1,171 @@
+"""Share a base pattern's girth out between front and back as the corners of the scan's hems do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..body import Body
+from ..mesh import ClosedCurve, corner_angles
+from ..pattern import Pattern, edge_length, equalise_seams
+from ..segment import Contour, Target
+
+NARROW, BROAD = 0.01, 0.02
+"""Standard deviations of the windows over which an edge's turn is summed [m]: one and two edges of a scan's mesh."""
+
+LEAST = np.radians(5.0)
+"""Turn from which an outline has a corner (`core/pattern/fairness.py`)."""
+
+SHARP = 0.7
+"""Least turn in the narrow window by that in the broad one: 1 at a corner, 0.5 on a curve that is wider than both."""
+
+CLEAR = 6.0
+"""Least turn of a corner by the median turn along its edge: four standard deviations of noise, which 50 independent
+windows, an edge's length, exceed once in 300 edges."""
+
+GAP = 0.08
+"""Least distance of two corners of one edge [m]: four of the broad window's widths."""
+
+WORTH = 0.02
+"""Change of a panel's width that is worth another base pattern: 5 mm of a quarter of the hip, as well as a corner's
+place is known on a mesh of 1 cm."""
+
+MOST = 0.30
+"""Change of a panel's width beyond which what looks like two seams is taken for something else: fronts and backs of
+published trousers differ by up to a half at the hem, a quarter each from their mean."""
+
+
+@dataclass(frozen=True)
+class HemShare:
+    """Say how long an edge is between its two corners.
+
+    Attributes:
+        contour: Its name.
+        front: The stretch in front, by the whole.
+        turns: Both corners [rad].
+    """
+
+    contour: str
+    front: float
+    turns: tuple[float, float]
+
+    def tell(self) -> str:
+        """Return one sentence for the user."""
+        first, second = np.abs(np.degrees(self.turns))
+        return (
+            f"Corners of {first:.0f} and {second:.0f} degrees show where side seams end at the contour "
+            f"'{self.contour}': {100 * self.front:.0f} % of it lie in front; the base pattern was shared out so."
+        )
+
+
+def share_by_hems(base: Pattern, target: Target, body: Body) -> tuple[Pattern, tuple[HemShare, ...]]:
+    """Return a base pattern whose fronts and backs are as wide, by each other, as the scan's hems say.
+
+    Where a slanted side seam meets a hem that was cut straight, the hem has a corner. It is seen in the cloth alone,
+    whatever the folds: the angles of the surface around a point of its edge sum up to less than pi, or to more. A
+    smooth side hides its seam everywhere else, and grading keeps the base pattern's proportions of front and back, so
+    these have to be right before. Each panel is scaled across, what is sewn above it alike; both together stay as wide.
+
+    Only garments that hang from the waist, whose hems each have one panel in front and one behind; a garment whose hems
+    show no corners, not two, or the base pattern's own share, comes back as it is.
+
+    Args:
+        base: The base pattern.
+        target: The scan's surface with named contours.
+        body: The wearer, who tells front from back.
+
+    Returns:
+        The pattern, and the shares that changed it; none where it is `base` itself.
+    """
+    found: list[HemShare] = []
+    factors: dict[str, list[float]] = {}
+    names = {edge.contour for panel in base.panels for edge in panel.edges if edge.contour}
+    for contour in target.contours:
+        lengths = _lengths(base, contour.name)
+        if "neck" in names or contour.name == "waist" or not contour.trusted or len(lengths) != 2:
+            continue
+        seen = find_share(contour, target, body)
+        if seen is None:
+            continue
+        front, back = sorted(lengths, key=lambda name: -float(base.panel(name).translation[2]))
+        whole = lengths[front] + lengths[back]
+        found.append(seen)
+        for name, share in ((front, seen.front), (back, 1.0 - seen.front)):
+            factors.setdefault(_face(base, name), []).append(share * whole / lengths[name])
+    if not found:
+        return base, ()
+    means = {face: float(np.mean(each)) for face, each in factors.items()}
+    change = max(abs(factor - 1.0) for factor in means.values())
+    if not WORTH < change < MOST:
+        return base, ()
+    return _scale(base, means), tuple(found)
+
+
+def find_share(contour: Contour, target: Target, body: Body) -> HemShare | None:
+    """Find the two corners of a target's edge, one at each side; None where it has not just these two."""
+    angles = corner_angles(target.vertices, target.faces)
+    around = np.bincount(target.faces.ravel(), angles.ravel(), len(target.vertices))
+    curve = ClosedCurve(target.vertices[contour.vertices])
+    arc, whole = curve.arc[:-1], float(curve.arc[-1])
+    places = np.arange(0.0, whole, NARROW / 4)
+    narrow, broad = (_turn(places, arc, whole, np.pi - around[contour.vertices], width) for width in (NARROW, BROAD))
+    corners = _peaks(places, whole, np.abs(narrow), np.abs(broad))
+    if len(corners) != 2:
+        return None
+    first, second = sorted(places[corners])
+    lateral = (body.joint("left_hip") - body.joint("right_hip")) * (1.0, 0.0, 1.0)
+    line = curve.at_shares(places / whole)
+    ahead, aside = line @ np.cross(lateral, (0.0, 1.0, 0.0)), line @ lateral
+    if abs(np.diff(aside[corners])) < abs(np.diff(ahead[corners])):
+        return None
+    between = (places > first) & (places < second)
+    share = float((second - first) / whole)
+    front = share if ahead[between].mean() > ahead[~between].mean() else 1.0 - share
+    turns = [float(narrow[corner]) for corner in corners]
+    return HemShare(contour.name, front, (turns[0], turns[1]))
+
+
+def _turn(places: np.ndarray, arc: np.ndarray, whole: float, turns: np.ndarray, width: float) -> np.ndarray:
+    """Sum an edge's turns [rad] around places along it [m], each weighted by a Gaussian of its distance."""
+    away = (places[:, None] - arc[None] + whole / 2) % whole - whole / 2
+    return np.asarray(np.exp(-0.5 * (away / width) ** 2) @ turns)
+
+
+def _peaks(places: np.ndarray, whole: float, narrow: np.ndarray, broad: np.ndarray) -> list[int]:
+    """Return the places of the corners, the largest first."""
+    least = max(LEAST, CLEAR * float(np.median(narrow)))
+    found: list[int] = []
+    for place in np.argsort(-narrow):
+        if narrow[place] < least:
+            break
+        away = [abs((places[place] - places[other] + whole / 2) % whole - whole / 2) for other in found]
+        if all(gap > GAP for gap in away) and narrow[place] > SHARP * broad[place]:
+            found.append(int(place))
+    return found
+
+
+def _lengths(base: Pattern, contour: str) -> dict[str, float]:
+    """Return the length of a contour on each panel that has a part of it [m]."""
+    lengths: dict[str, float] = {}
+    for panel in base.panels:
+        for i, edge in enumerate(panel.edges):
+            if edge.contour == contour:
+                lengths[panel.name] = lengths.get(panel.name, 0.0) + edge_length(panel, i)
+    return lengths
+
+
+def _face(base: Pattern, name: str) -> str:
+    """Return on which side of the wearer a panel is placed."""
+    return "front" if float(base.panel(name).translation[2]) > 0.0 else "back"
+
+
+def _scale(base: Pattern, factors: dict[str, float]) -> Pattern:
+    """Return a pattern whose panels in front and behind are scaled across about their middles, seams made equal."""
+    panels = []
+    for panel in base.panels:
+        upright = np.abs(panel.rotation[1, :2])
+        factor = np.where(upright == upright.max(), 1.0, factors[_face(base, panel.name)])
+        middle = (panel.points.min(axis=0) + panel.points.max(axis=0)) / 2
+        panels.append(replace(panel, points=middle + factor * (panel.points - middle)))
+    return equalise_seams(replace(base, panels=tuple(panels)), like=base)
