@@ -1,4 +1,4 @@
-"""Pairs of boxes that overlap, found on a uniform grid."""
+"""Boxes that overlap, found on a uniform grid, and parts of two patches that do."""
 
 from __future__ import annotations
 
@@ -15,21 +15,6 @@ _SIDE = 1.5
 nodes 0.5 to 1.5 took 9.3, 5.7, 4.1 and 3.5 ms."""
 
 
-class Boxes(NamedTuple):
-    """Boxes around groups of nodes: lowest and highest corners [m], [box_count, 6], and the nodes, [box_count, k]."""
-
-    bounds: np.ndarray
-    nodes: np.ndarray
-
-
-class Cells(NamedTuple):
-    """Boxes by the cells of a grid: where each cell begins, and its boxes and their bounds, in ascending order."""
-
-    starts: np.ndarray
-    members: np.ndarray
-    bounds: np.ndarray
-
-
 class Grid(NamedTuple):
     """A uniform grid: lowest corner [m], shape [3], side [m] and cells along each axis, shape [3]."""
 
@@ -38,56 +23,66 @@ class Grid(NamedTuple):
     counts: np.ndarray
 
     @classmethod
-    def of(cls, boxes: Boxes) -> Grid:
+    def of(cls, bounds: np.ndarray) -> Grid:
         """Lay a grid over boxes, of cells that suit their size."""
-        low, high = boxes.bounds[:, :3], boxes.bounds[:, 3:]
+        low, high = bounds[:, :3], bounds[:, 3:]
         origin, side = low.min(axis=0), _SIDE * float((high - low).mean())
         extent = np.maximum(high.max(axis=0) - origin, side)
         side = max(side, float(np.cbrt(extent.prod() / _CELLS)))
         return cls(origin, side, np.floor(extent / side).astype(np.int64) + 1)
 
 
-EVERYWHERE = np.zeros(0, np.int64)
-"""Tells `fill_cells` to fill all cells."""
+def pair_boxes(bounds: np.ndarray, inflation: float) -> np.ndarray:
+    """Return the indices of each two boxes that overlap, each pair once, shape [pair_count, 2].
 
-
-def pair_boxes(boxes: Boxes, others: Boxes | None) -> np.ndarray:
-    """Return the indices of boxes and others that overlap and share no node, [pair_count, 2], each pair once.
-
-    Where `others` is None the boxes are paired among themselves. The cells are those of the boxes: where there are few
-    of them, the others elsewhere cost next to nothing.
+    Args:
+        bounds: Lowest and highest corners [m], shape [box_count, 6].
+        inflation: How far each box reaches beyond them [m].
     """
-    if not len(boxes.nodes) or (others is not None and not len(others.nodes)):
+    if not len(bounds):
         return np.zeros((0, 2), np.int64)
-    grid = Grid.of(boxes)
-    cells = fill_cells(boxes, grid, EVERYWHERE)
-    if others is None:
-        return np.asarray(find_overlaps(boxes, boxes, (cells, cells), grid, True))
-    return np.asarray(find_overlaps(boxes, others, (cells, fill_cells(others, grid, cells[0])), grid, False))
+    bounds = np.ascontiguousarray(bounds + inflation * np.repeat([-1.0, 1.0], 3))
+    return np.asarray(_find_overlaps(bounds, Grid.of(bounds)))
 
 
 @njit(cache=True)
-def wrap_boxes(path, groups, inflation):  # type: ignore[no-untyped-def]
-    """Return the bounds [m] of groups of nodes on a path [place_count, node_count, 3], inflated [m]; see `Boxes`."""
-    bounds = np.zeros((len(groups), 6))
-    for g in range(len(groups)):
-        for d in range(3):
-            least, most = np.inf, -np.inf
-            for k in range(groups.shape[1]):
-                for p in range(len(path)):
-                    value = path[p, groups[g, k], d]
-                    least, most = min(least, value), max(most, value)
-            bounds[g, d], bounds[g, 3 + d] = least - inflation, most + inflation
-    return bounds
+def _find_overlaps(bounds, grid):  # type: ignore[no-untyped-def]
+    """Return the indices of all boxes that overlap, [pair_count, 2], each pair once."""
+    starts, members, copies = _fill_cells(bounds, grid)
+    origin, side, counts = grid
+    pairs, found = np.zeros((1024, 2), np.int64), 0
+    for c in range(len(starts) - 1):
+        i, j, k = c // (counts[1] * counts[2]), c // counts[2] % counts[1], c % counts[2]
+        for m in range(starts[c], starts[c + 1]):
+            x0, y0, z0 = copies[m, 0], copies[m, 1], copies[m, 2]
+            x1, y1, z1 = copies[m, 3], copies[m, 4], copies[m, 5]
+            for n in range(m + 1, starts[c + 1]):
+                if (
+                    copies[n, 0] > x1
+                    or copies[n, 3] < x0
+                    or copies[n, 1] > y1
+                    or copies[n, 4] < y0
+                    or copies[n, 2] > z1
+                    or copies[n, 5] < z0
+                ):
+                    continue
+                # the pair belongs to the cell of the lowest corner of what both share
+                if (
+                    max(0, int(np.floor((max(x0, copies[n, 0]) - origin[0]) / side))) != i
+                    or max(0, int(np.floor((max(y0, copies[n, 1]) - origin[1]) / side))) != j
+                    or max(0, int(np.floor((max(z0, copies[n, 2]) - origin[2]) / side))) != k
+                ):
+                    continue
+                if found == len(pairs):
+                    pairs = np.concatenate((pairs, np.zeros_like(pairs)))
+                pairs[found, 0], pairs[found, 1] = members[m], members[n]
+                found += 1
+    return pairs[:found]
 
 
 @njit(cache=True)
-def fill_cells(boxes, grid, wanted):  # type: ignore[no-untyped-def]
-    """Return the `Cells` of boxes in a grid; what of a box is outside it is left out.
-
-    `wanted` is where the cells of other boxes begin: cells that hold none of those stay empty. No entries: all cells.
-    """
-    bounds, _ = boxes
+def _fill_cells(bounds, grid):  # type: ignore[no-untyped-def]
+    """Return where each cell of a grid begins, its boxes and their bounds, in ascending order."""
     origin, side, counts = grid
     span = np.zeros((len(bounds), 6), np.int64)
     starts = np.zeros(counts[0] * counts[1] * counts[2] + 1, np.int64)
@@ -98,9 +93,7 @@ def fill_cells(boxes, grid, wanted):  # type: ignore[no-untyped-def]
         for i in range(span[g, 0], span[g, 3] + 1):
             for j in range(span[g, 1], span[g, 4] + 1):
                 for k in range(span[g, 2], span[g, 5] + 1):
-                    c = (i * counts[1] + j) * counts[2] + k
-                    if len(wanted) == 0 or wanted[c + 1] > wanted[c]:
-                        starts[c + 1] += 1
+                    starts[(i * counts[1] + j) * counts[2] + k + 1] += 1
     for c in range(len(starts) - 1):
         starts[c + 1] += starts[c]
     ends = starts.copy()
@@ -110,58 +103,107 @@ def fill_cells(boxes, grid, wanted):  # type: ignore[no-untyped-def]
             for j in range(span[g, 1], span[g, 4] + 1):
                 for k in range(span[g, 2], span[g, 5] + 1):
                     c = (i * counts[1] + j) * counts[2] + k
-                    if len(wanted) == 0 or wanted[c + 1] > wanted[c]:
-                        members[ends[c]] = g
-                        copies[ends[c]] = bounds[g]
-                        ends[c] += 1
+                    members[ends[c]] = g
+                    copies[ends[c]] = bounds[g]
+                    ends[c] += 1
     return starts, members, copies
 
 
 @njit(cache=True)
-def find_overlaps(boxes, others, cells, grid, same):  # type: ignore[no-untyped-def]
-    """Return the indices of all boxes and others that overlap and share no node, [pair_count, 2], each pair once.
+def pair_parts(path, close, lists, groups, chosen, need):  # type: ignore[no-untyped-def]
+    """Return the indices of parts of two patches whose boxes overlap and that share no node, [pair_count, 2].
 
     Args:
-        boxes, others: `Boxes` of k and of any nodes.
-        cells: What `fill_cells` gave for the boxes and for the others.
-        grid: The `Grid` of both.
-        same: Both are the same boxes: a box is not paired with itself, and with each other one once.
+        path: Positions between which the cloth goes straight [m], shape [place_count, node_count, 3].
+        close: The pairs of patches, shape [close_count, 2].
+        lists: The parts of each patch, of the first kind and of the second: `Lists` both.
+        groups: The nodes of each part of either kind, shape [part_count, k].
+        chosen: Which parts of either kind count, [part_count] each, and the nodes of which each pair has one or more,
+            [node_count], or no entries.
+        need: How near two boxes are to be to overlap [m].
     """
-    (starts, members, bounds), (other_starts, other_members, other_bounds) = cells
-    nodes, other_nodes = boxes[1], others[1]
-    origin, side, counts = grid
-    pairs, found = np.zeros((1024, 2), np.int64), 0
-    for c in range(len(starts) - 1):
-        i, j, k = c // (counts[1] * counts[2]), c // counts[2] % counts[1], c % counts[2]
-        for m in range(starts[c], starts[c + 1]):
-            a = members[m]
-            x0, y0, z0 = bounds[m, 0], bounds[m, 1], bounds[m, 2]
-            x1, y1, z1 = bounds[m, 3], bounds[m, 4], bounds[m, 5]
-            for n in range(m + 1 if same else other_starts[c], other_starts[c + 1]):
-                if (
-                    other_bounds[n, 0] > x1
-                    or other_bounds[n, 3] < x0
-                    or other_bounds[n, 1] > y1
-                    or other_bounds[n, 4] < y0
-                    or other_bounds[n, 2] > z1
-                    or other_bounds[n, 5] < z0
-                ):
+    (starts, members), (other_starts, other_members) = lists
+    nodes, others = groups
+    first, second, moved = chosen
+    same = nodes.shape[1] == others.shape[1]
+    # by place in the lists, so that those of a patch lie together
+    boxes = np.empty((len(members), 6))
+    other_boxes = boxes if same else np.empty((len(other_members), 6))
+    wholes, other_wholes = np.empty((len(starts) - 1, 6)), np.empty((len(starts) - 1, 6))
+    known, other_known = np.zeros(len(starts), np.bool_), np.zeros(len(starts), np.bool_)
+    pairs, found = np.zeros((256, 2), np.int64), 0
+    for n in range(len(close)):
+        for turn in range(1 if same or close[n, 0] == close[n, 1] else 2):
+            c, d = close[n, turn], close[n, 1 - turn]
+            if not known[c]:
+                _wrap(path, nodes, members, (starts[c], starts[c + 1]), boxes, wholes[c])
+                known[c] = True
+            if same and not known[d]:
+                _wrap(path, nodes, members, (starts[d], starts[d + 1]), boxes, wholes[d])
+                known[d] = True
+            if not same and not other_known[d]:
+                _wrap(path, others, other_members, (other_starts[d], other_starts[d + 1]), other_boxes, other_wholes[d])
+                other_known[d] = True
+            whole = wholes[d] if same else other_wholes[d]
+            for m in range(starts[c], starts[c + 1]):
+                a = members[m]
+                if not first[a] or _miss(boxes, m, whole, need):
                     continue
-                # the pair belongs to the cell of the lowest corner of what both share
-                if (
-                    max(0, int(np.floor((max(x0, other_bounds[n, 0]) - origin[0]) / side))) != i
-                    or max(0, int(np.floor((max(y0, other_bounds[n, 1]) - origin[1]) / side))) != j
-                    or max(0, int(np.floor((max(z0, other_bounds[n, 2]) - origin[2]) / side))) != k
-                ):
-                    continue
-                b, shared = other_members[n], False
-                for p in range(nodes.shape[1]):
-                    for q in range(other_nodes.shape[1]):
-                        shared = shared or nodes[a, p] == other_nodes[b, q]
-                if shared:
-                    continue
-                if found == len(pairs):
-                    pairs = np.concatenate((pairs, np.zeros_like(pairs)))
-                pairs[found, 0], pairs[found, 1] = a, b
-                found += 1
+                x0, y0, z0 = boxes[m, 0] - need, boxes[m, 1] - need, boxes[m, 2] - need
+                x1, y1, z1 = boxes[m, 3] + need, boxes[m, 4] + need, boxes[m, 5] + need
+                for k in range(m + 1 if same and c == d else other_starts[d], other_starts[d + 1]):
+                    if (
+                        other_boxes[k, 0] > x1
+                        or other_boxes[k, 3] < x0
+                        or other_boxes[k, 1] > y1
+                        or other_boxes[k, 4] < y0
+                        or other_boxes[k, 2] > z1
+                        or other_boxes[k, 5] < z0
+                    ):
+                        continue
+                    b = other_members[k]
+                    shared, touched = not second[b], len(moved) == 0
+                    for p in range(nodes.shape[1]):
+                        touched = touched or moved[nodes[a, p]]
+                        for q in range(others.shape[1]):
+                            shared = shared or nodes[a, p] == others[b, q]
+                    if shared:
+                        continue
+                    for q in range(others.shape[1]):
+                        touched = touched or moved[others[b, q]]
+                    if not touched:
+                        continue
+                    if found == len(pairs):
+                        pairs = np.concatenate((pairs, np.zeros_like(pairs)))
+                    pairs[found, 0], pairs[found, 1] = a, b
+                    found += 1
     return pairs[:found]
+
+
+@njit(cache=True, inline="always")
+def _miss(boxes, m, whole, need):  # type: ignore[no-untyped-def]
+    """Return whether a box is by more than `need` [m] beside another one."""
+    return (
+        whole[0] > boxes[m, 3] + need
+        or whole[3] < boxes[m, 0] - need
+        or whole[1] > boxes[m, 4] + need
+        or whole[4] < boxes[m, 1] - need
+        or whole[2] > boxes[m, 5] + need
+        or whole[5] < boxes[m, 2] - need
+    )
+
+
+@njit(cache=True)
+def _wrap(path, groups, members, run, boxes, whole):  # type: ignore[no-untyped-def]
+    """Fill the boxes [m] of a run of groups of nodes on a path, and the box around all of them."""
+    whole[:3], whole[3:] = np.inf, -np.inf
+    for m in range(run[0], run[1]):
+        for d in range(3):
+            least, most = np.inf, -np.inf
+            for k in range(groups.shape[1]):
+                v = groups[members[m], k]
+                for p in range(len(path)):
+                    value = path[p, v, d]
+                    least, most = min(least, value), max(most, value)
+            boxes[m, d], boxes[m, 3 + d] = least, most
+            whole[d], whole[3 + d] = min(whole[d], least), max(whole[3 + d], most)

@@ -9,10 +9,15 @@ import numpy as np
 from numba import njit
 
 from .advance import approach, free_share
+from .apart import find_close
 from .barrier import measure_pairs
-from .broad import Boxes, pair_boxes, wrap_boxes
+from .broad import pair_parts
 from .closest import EDGE_EDGE, NODE_FACE, PARALLEL, span, weigh
 from .self_contact import SHARE, SelfContact
+
+
+EVERY = np.zeros(0, np.bool_)
+"""Tells `pair_parts` that it is no matter which nodes a pair has."""
 
 
 class PairElements(NamedTuple):
@@ -27,6 +32,10 @@ class PairElements(NamedTuple):
     kinds: np.ndarray
     nodes: np.ndarray
     sizes: np.ndarray
+
+
+NO_PAIRS = PairElements(np.zeros(0, np.int64), np.zeros((0, 4), np.int64), np.zeros((0, 3)))
+"""Where nothing is near."""
 
 
 class Candidates(NamedTuple):
@@ -98,8 +107,9 @@ class Near:
 def find_near(cloth: SelfContact, start: np.ndarray, end: np.ndarray | None = None) -> Near:
     """Find all pairs that come within reach of each other on the straight way from `start` to `end`, or stay there.
 
-    A pair is a node and a face or two edges that share no node. Boxes that overlap on a uniform grid are found first;
-    of these, pairs stay whose distance at the start less how far they may approach is within reach and margin.
+    A pair is a node and a face or two edges that share no node. Pairs whose boxes overlap are found first, in patches
+    that may come near each other; of these, pairs stay whose distance at the start less how far they may approach is
+    within reach and margin.
 
     Args:
         cloth: The mesh and its reach.
@@ -117,7 +127,7 @@ def find_near(cloth: SelfContact, start: np.ndarray, end: np.ndarray | None = No
 def find_candidates(
     cloth: SelfContact, path: np.ndarray, slack: float, moved: np.ndarray | None = None
 ) -> list[Candidates]:
-    """Find all pairs that may come within reach and slack of each other on a path, by their boxes.
+    """Find all pairs that may come within reach and slack of each other on a path, by patches, then by their boxes.
 
     Args:
         cloth: The mesh and its reach.
@@ -125,52 +135,39 @@ def find_candidates(
         slack: Distance beyond reach [m].
         moved: Nodes of which every pair has one or more, shape [node_count]; all where None.
     """
-    inflation = 0.5 * (float(cloth.reach.max()) + slack)
-    # how the whole moves brings nothing nearer to anything
-    path = np.ascontiguousarray(path - (path - path[:1]).mean(axis=1, keepdims=True))
-    singles, sheets, sides = (
-        Boxes(wrap_boxes(path, each, inflation), each) for each in (cloth.singles, cloth.sheets, cloth.sides)
-    )
-    if moved is None:
-        faced = pair_boxes(sheets, singles)[:, ::-1]
-        edged = pair_boxes(sides, None)
-    else:
-        (near, far), (broad, _), (along, across) = (_split(each.nodes, moved) for each in (singles, sheets, sides))
-        faced = np.concatenate([
-            _pair_some(singles, near, sheets, np.arange(len(sheets.nodes))),
-            _pair_some(sheets, broad, singles, far)[:, ::-1],
-        ])  # fmt: skip
-        edged = np.sort(np.concatenate([_pair_some(sides, along), _pair_some(sides, along, sides, across)]), axis=1)
-    count = len(sheets.nodes)
+    need = float(cloth.reach.max()) + slack
+    if len(path) > 1:
+        # how the whole moves brings nothing nearer to anything
+        path = path - (path - path[:1]).mean(axis=1, keepdims=True)
+    path, patches = np.ascontiguousarray(path), cloth.patches
+    close = find_close(patches, path, need, moved)
+    singles, sheets, sides = np.arange(len(cloth.areas))[:, None], cloth.faces, cloth.edges
+    faced = edged = np.zeros((0, 2), np.int64)
+    if len(close):
+        single, sheet, side = cloth.open_parts
+        among = EVERY if moved is None else moved
+        faced = pair_parts(
+            path, close, (patches.nodes, patches.faces), (singles, sheets), (single, sheet, among), need
+        )
+        edged = pair_parts(path, close, (patches.edges, patches.edges), (sides, sides), (side, side, among), need)
+        edged = np.sort(edged, axis=1)
+    face_keys = faced[:, 0] * len(sheets) + faced[:, 1]
+    edge_keys = len(singles) * len(sheets) + edged[:, 0] * len(sides) + edged[:, 1]
+    # in one order however they were found: sums over pairs then have the same last digits
+    by_face, by_edge = np.argsort(face_keys), np.argsort(edge_keys)
+    faced, edged = faced[by_face], edged[by_edge]
     return [
-        Candidates(NODE_FACE, np.concatenate([singles.nodes[faced[:, 0]], sheets.nodes[faced[:, 1]]], axis=1),
-                   faced[:, 0] * count + faced[:, 1]),
-        Candidates(EDGE_EDGE, sides.nodes[edged].reshape(-1, 4),
-                   len(singles.nodes) * count + edged[:, 0] * len(sides.nodes) + edged[:, 1]),
-    ]  # fmt: skip
-
-
-def _split(groups: np.ndarray, moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the groups that have a node that moved, and the others."""
-    touched = moved[groups].any(axis=1)
-    return np.flatnonzero(touched), np.flatnonzero(~touched)
-
-
-def _pair_some(
-    boxes: Boxes, chosen: np.ndarray, others: Boxes | None = None, there: np.ndarray | None = None
-) -> np.ndarray:
-    """Return the indices of some boxes and some others that overlap, [pair_count, 2]; see `pair_boxes`."""
-    own = Boxes(boxes.bounds[chosen], boxes.nodes[chosen])
-    if others is None or there is None:
-        return np.asarray(chosen[pair_boxes(own, None)])
-    pairs = pair_boxes(own, Boxes(others.bounds[there], others.nodes[there]))
-    return np.column_stack([chosen[pairs[:, 0]], there[pairs[:, 1]]])
+        Candidates(NODE_FACE, np.concatenate([faced[:, :1], sheets[faced[:, 1]]], axis=1), face_keys[by_face]),
+        Candidates(EDGE_EDGE, sides[edged].reshape(-1, 4), edge_keys[by_edge]),
+    ]
 
 
 def gather(
     cloth: SelfContact, found: list[Candidates], kept: list[np.ndarray], start: np.ndarray, step: np.ndarray
 ) -> Near:
     """Return the candidates that are kept, shape [pair_count] each, as the pairs near a way [m]; see `Near`."""
+    if not any(chosen.any() for chosen in kept):
+        return Near(NO_PAIRS, found[0].keys[:0], start, step, cloth.margin)
     nodes = [each.nodes[chosen] for each, chosen in zip(found, kept, strict=True)]
     keys = np.concatenate([each.keys[chosen] for each, chosen in zip(found, kept, strict=True)])
     kinds = np.repeat(np.array([each.kind for each in found]), [len(each) for each in nodes])
@@ -181,7 +178,7 @@ def _size(cloth: SelfContact, kept: list[np.ndarray]) -> tuple[np.ndarray, np.nd
     """Return the nodes of pairs and their sizes; see `PairElements`."""
     nodes = np.concatenate(kept)
     weights = SHARE * cloth.areas[nodes].mean(1)
-    reach = cloth.reach[nodes].min(1) if len(nodes) else np.zeros(0)
+    reach = cloth.reach[nodes].min(1)
     lengths = cloth.lengths
     limits = np.zeros(len(nodes))
     edged = kept[1]

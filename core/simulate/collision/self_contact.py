@@ -10,6 +10,7 @@ import numpy as np
 from ...mesh import HalfEdges
 from ..settings import SelfContactSettings
 from ..topology import Topology
+from .patches import Patches, part_cloth
 
 SHARE = 0.125
 """Weight of a pair in mean areas of its nodes. Of two sheets that lie on each other each node has one face of the other
@@ -38,6 +39,7 @@ class SelfContact:
         lengths: Mean length of the edges around each node [m], shape [node_count].
         reach: Distance at which each node begins to touch [m], shape [node_count].
         margin: Distance around a place up to which pairs found there are complete [m].
+        patches: Groups of its faces, by which pairs are looked for.
         crossed: Faces that cross others, for which contact waits until they no longer do, shape [face_count].
     """
 
@@ -48,6 +50,7 @@ class SelfContact:
     lengths: np.ndarray
     reach: np.ndarray
     margin: float
+    patches: Patches = field(repr=False)
     crossed: np.ndarray = field(repr=False)
 
     @classmethod
@@ -64,8 +67,8 @@ class SelfContact:
         around = np.bincount(half.edges.ravel(), np.repeat(lengths, 2), minlength=count) / np.maximum(degree, 1)
         margin = min(CLOSE * float(lengths.mean()), 2.0 * settings.thickness)
         edges = np.ascontiguousarray(half.edges, dtype=np.int64)
-        off = np.zeros(len(faces), dtype=bool)
-        return cls(settings, faces, edges, rest.node_areas, around, reach, margin, off)
+        off, patches = np.zeros(len(faces), dtype=bool), part_cloth(half, rest.corners)
+        return cls(settings, faces, edges, rest.node_areas, around, reach, margin, patches, off)
 
     def wait(self, crossed: np.ndarray) -> SelfContact:
         """Return the same cloth with contact off for these faces, shape [crossed_count], and what belongs to them."""
@@ -74,20 +77,8 @@ class SelfContact:
         return self if np.array_equal(off, self.crossed) else replace(self, crossed=off)
 
     @cached_property
-    def singles(self) -> np.ndarray:
-        """Nodes that are tested against faces, shape [count, 1]: all but those of faces that cross."""
-        return np.setdiff1d(np.arange(len(self.areas)), self.faces[self.crossed])[:, None]
-
-    @cached_property
-    def sheets(self) -> np.ndarray:
-        """Faces that nodes are tested against, shape [count, 3]: all but those that cross."""
-        return np.ascontiguousarray(self.faces[~self.crossed])
-
-    @cached_property
-    def sides(self) -> np.ndarray:
-        """Edges that are tested against each other, shape [count, 2]: all but those of faces that cross."""
-        if not self.crossed.any():
-            return self.edges
-        out = np.ones(len(self.areas), dtype=bool)
-        out[self.faces[self.crossed]] = False
-        return np.ascontiguousarray(self.edges[out[self.edges].any(axis=1)])
+    def open_parts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Mark the nodes, faces and edges that are tested: all but those of faces that cross."""
+        nodes = np.ones(len(self.areas), dtype=bool)
+        nodes[self.faces[self.crossed]] = False
+        return nodes, ~self.crossed, nodes[self.edges].any(axis=1)

@@ -1,0 +1,201 @@
+"""Which patches of a cloth stay apart on a way, and which are to be looked into part by part."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from .broad import pair_boxes
+from .patches import Patches
+
+
+class Bounds(NamedTuple):
+    """How patches move on a path.
+
+    Attributes:
+        boxes: Lowest and highest corners of all their places [m], shape [patch_count, 6].
+        middles: Mean of the nodes at each place [m], shape [patch_count, place_count, 3].
+        spread: How far a node is off how the mean moves, at most [m], shape [patch_count].
+    """
+
+    boxes: np.ndarray
+    middles: np.ndarray
+    spread: np.ndarray
+
+
+def find_close(patches: Patches, path: np.ndarray, need: float, moved: np.ndarray | None) -> np.ndarray:
+    """Find all pairs of patches of which parts that share no node may come within a distance on a path.
+
+    Patches that join are compared with how they lie in a plane. Let Y be the places there, B the slope of x by Y
+    (least squares) and P the projection on the columns of B. For two points a and b of them
+
+        |x_a - x_b| >= |P (x_a - x_b)| >= sigma_min(B) |Y_a - Y_b| - |v_a| - |v_b|,   v = P (x - mean) - B (Y - mean),
+
+    whatever Y is; v is linear along each step, and so largest at its ends. Cloth may bend by this and stay apart from
+    itself, for what v sees of a bend is of third order. Patches that do not join are compared along the line of their
+    middles: of two that move together neither sees the motion.
+
+    Args:
+        patches: Of the cloth.
+        path: Positions between which the cloth goes straight [m], shape [place_count, node_count, 3].
+        need: The distance [m].
+        moved: Nodes of which every pair has one or more, shape [node_count]; all where None.
+
+    Returns:
+        The lower and the higher patch of each pair, ascending, shape [pair_count, 2].
+    """
+    parts, active = _bound(path, patches.corners, np.zeros(0, np.bool_) if moved is None else moved)
+    bounds = Bounds(*parts)
+    overlapping = pair_boxes(bounds.boxes, 0.5 * need)
+    far = _near_far(path, patches, bounds, (overlapping, active), need)
+    joined = _near_joined(path, patches, bounds, active, need)
+    return np.concatenate([far, patches.joined[joined]])
+
+
+@njit(cache=True)
+def _bound(path, corners, moved):  # type: ignore[no-untyped-def]
+    """Return the `Bounds` of patches, and which of them have a node that moved; all where none are told."""
+    starts, members = corners
+    count, places = len(starts) - 1, len(path)
+    boxes, middles, spread = np.zeros((count, 6)), np.zeros((count, places, 3)), np.zeros(count)
+    active = np.full(count, len(moved) == 0)
+    for c in range(count):
+        boxes[c, :3], boxes[c, 3:] = np.inf, -np.inf
+        share = 1.0 / (starts[c + 1] - starts[c])
+        for m in range(starts[c], starts[c + 1]):
+            v = members[m]
+            if len(moved) > 0 and moved[v]:
+                active[c] = True
+            for j in range(places):
+                for d in range(3):
+                    value = path[j, v, d]
+                    middles[c, j, d] += share * value
+                    boxes[c, d], boxes[c, 3 + d] = min(boxes[c, d], value), max(boxes[c, 3 + d], value)
+        most = 0.0
+        for m in range(starts[c], starts[c + 1]):
+            v = members[m]
+            for j in range(1, places):
+                square = 0.0
+                for d in range(3):
+                    off = (path[j, v, d] - middles[c, j, d]) - (path[0, v, d] - middles[c, 0, d])
+                    square += off * off
+                most = max(most, square)
+        spread[c] = np.sqrt(most)
+    return (boxes, middles, spread), active
+
+
+@njit(cache=True)
+def _drift(c, d, bounds):  # type: ignore[no-untyped-def]
+    """Return how far points of two patches may approach on the path at most [m]."""
+    _, middles, spread = bounds
+    most = 0.0
+    for j in range(1, middles.shape[1]):
+        square = 0.0
+        for e in range(3):
+            off = (middles[c, j, e] - middles[c, 0, e]) - (middles[d, j, e] - middles[d, 0, e])
+            square += off * off
+        most = max(most, square)
+    return np.sqrt(most) + spread[c] + spread[d]
+
+
+@njit(cache=True)
+def _near_far(path, patches, bounds, found, need):  # type: ignore[no-untyped-def]
+    """Return those pairs of patches of overlapping boxes that share no node and may come within a distance."""
+    overlapping, active = found
+    starts, members = patches.corners
+    around, others = patches.around
+    kept, count = np.zeros((len(overlapping), 2), np.int64), 0
+    line = np.zeros(3)
+    for n in range(len(overlapping)):
+        c, d = min(overlapping[n, 0], overlapping[n, 1]), max(overlapping[n, 0], overlapping[n, 1])
+        if not (active[c] or active[d]):
+            continue
+        joins = False
+        for m in range(around[c], around[c + 1]):
+            joins = joins or others[m] == d
+        if joins:
+            continue
+        square = 0.0
+        for e in range(3):
+            line[e] = bounds.middles[d, 0, e] - bounds.middles[c, 0, e]
+            square += line[e] * line[e]
+        length, apart, drift = np.sqrt(square), True, -1.0
+        for j in range(len(path)):
+            low, high = np.inf, -np.inf
+            for m in range(starts[c], starts[c + 1]):
+                x = path[j, members[m]]
+                high = max(high, line[0] * x[0] + line[1] * x[1] + line[2] * x[2])
+            for m in range(starts[d], starts[d + 1]):
+                x = path[j, members[m]]
+                low = min(low, line[0] * x[0] + line[1] * x[1] + line[2] * x[2])
+            if low - high < need * length:
+                apart = False
+                break
+            if drift < 0.0:
+                drift = _drift(c, d, bounds)
+                if low - high >= (need + drift) * length:
+                    break
+        if not apart or length == 0.0:
+            kept[count, 0], kept[count, 1] = c, d
+            count += 1
+    return kept[:count]
+
+
+@njit(cache=True)
+def _near_joined(path, patches, bounds, active, need):  # type: ignore[no-untyped-def]
+    """Return which joined pairs of patches may come within a distance, shape [joined_count]; see `find_close`."""
+    starts, members = patches.laid
+    layout, joined, gaps = patches.layout, patches.joined, patches.gaps
+    near = np.zeros(len(joined), np.bool_)
+    slope, flat = np.zeros((3, 2)), np.zeros((256, 2))
+    for n in range(len(joined)):
+        c, d = joined[n]
+        if not (active[c] or active[d]):
+            continue
+        near[n] = True
+        begin, end = starts[n], starts[n + 1]
+        if gaps[n] <= need or end - begin > len(flat):
+            continue
+        slope[:] = 0.0
+        for m in range(begin, end):
+            x, w, z = path[0, members[m]], layout[m, 2], layout[m, 3]
+            for e in range(3):
+                slope[e, 0] += x[e] * w
+                slope[e, 1] += x[e] * z
+        p = slope[0, 0] ** 2 + slope[1, 0] ** 2 + slope[2, 0] ** 2
+        q = slope[0, 0] * slope[0, 1] + slope[1, 0] * slope[1, 1] + slope[2, 0] * slope[2, 1]
+        r = slope[0, 1] ** 2 + slope[1, 1] ** 2 + slope[2, 1] ** 2
+        area = p * r - q * q
+        least = 0.5 * (p + r - np.sqrt((p - r) ** 2 + 4.0 * q * q))
+        if not least > 0.0 or not area > 0.0:
+            continue
+        room, drift = np.sqrt(least) * gaps[n] - need, -1.0
+        for j in range(len(path)):
+            s, t = 0.0, 0.0
+            for m in range(begin, end):
+                x = path[j, members[m]]
+                k = m - begin
+                flat[k, 0] = slope[0, 0] * x[0] + slope[1, 0] * x[1] + slope[2, 0] * x[2]
+                flat[k, 1] = slope[0, 1] * x[0] + slope[1, 1] * x[1] + slope[2, 1] * x[2]
+                s += flat[k, 0]
+                t += flat[k, 1]
+            s, t = s / (end - begin), t / (end - begin)
+            most = 0.0
+            for m in range(begin, end):
+                k = m - begin
+                y, z = layout[m, 0], layout[m, 1]
+                u, v = flat[k, 0] - s - p * y - q * z, flat[k, 1] - t - q * y - r * z
+                most = max(most, r * u * u - 2.0 * q * u * v + p * v * v)
+            off = 2.0 * np.sqrt(most / area)
+            if not room >= off:
+                break
+            if drift < 0.0:
+                drift = _drift(c, d, bounds)
+                if room >= off + drift:
+                    near[n] = False
+                    break
+            if j == len(path) - 1:
+                near[n] = False
+    return near
