@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -97,14 +98,12 @@ class BlockPattern:
 
         All blocks of an element for which the pattern has no place are `ABSENT`. Shape [count, k (k + 1) / 2].
         """
-        first, second = (elements[:, n] for n in np.triu_indices(elements.shape[1]))
-        turned = first > second
-        low, high = np.where(turned, second, first), np.where(turned, first, second)
-        keys = self.rows * self.node_count + self.columns
-        wanted = low * self.node_count + high
-        slots = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
-        known = (keys[slots] == wanted).all(axis=1, keepdims=True)
-        return np.where(known, np.where(turned, ~slots, slots), ABSENT)
+        return np.asarray(_find_slots(np.ascontiguousarray(elements), self.node_count, self._keys))
+
+    @cached_property
+    def _keys(self) -> np.ndarray:
+        """One number for the node pair of each block, ascending, shape [block_count]."""
+        return self.rows * self.node_count + self.columns
 
     def assemble(self, blocks: np.ndarray, fixed: np.ndarray | None = None) -> np.ndarray:
         """Return the matrix's data from its blocks [block_count, 3, 3]; fixed nodes [node_count] get the identity."""
@@ -145,3 +144,25 @@ def add_block(blocks, slot, block):  # type: ignore[no-untyped-def]
         for d in range(3):
             for e in range(3):
                 blocks[~slot, e, d] += block[d, e]
+
+
+@njit(cache=True)
+def _find_slots(elements, node_count, keys):  # type: ignore[no-untyped-def]
+    """Return the slots of elements by the ascending keys of all blocks; see `BlockPattern.find_slots`."""
+    corners = elements.shape[1]
+    slots = np.full((len(elements), corners * (corners + 1) // 2), ABSENT, np.int64)
+    for n in range(len(elements)):
+        b = 0
+        for i in range(corners):
+            for j in range(i, corners):
+                low, high = min(elements[n, i], elements[n, j]), max(elements[n, i], elements[n, j])
+                wanted = low * node_count + high
+                slot = np.searchsorted(keys, wanted)
+                if b < 0 or slot == len(keys) or keys[slot] != wanted:
+                    b = -1
+                    continue
+                slots[n, b] = ~slot if elements[n, i] > elements[n, j] else slot
+                b += 1
+        if b < 0:
+            slots[n] = ABSENT
+    return slots

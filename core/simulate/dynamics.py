@@ -16,7 +16,7 @@ from .pins import move_pins
 from .quasi_newton import descend, step_held
 from .scene import Scene
 from .settings import SolveSettings
-from .solver import Solver, make_solver
+from .solver import Solver
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def move_on(
     `newton_per_step` iterations with the PSD Hessian). The body may differ from call to call (one that moves or is
     inflated). Faces of the cloth that cross each other pass until they no longer do, and are pulled apart.
     """
-    solver, energy = solver or make_solver(scene.topology.pattern), Energy(scene)
+    energy = Energy(scene)
     for n in range(steps):
         nodes, pinned = state.nodes, move_pins(state.nodes, scene.pins, settings.max_step)
         friction = lag_friction(scene, nodes, state.anchors)
@@ -86,8 +86,8 @@ def move_on(
 
 
 def _step(
-    energy: Energy, solver: Solver, nodes: np.ndarray, settings: SolveSettings
-) -> tuple[Energy, Solver, np.ndarray]:
+    energy: Energy, solver: Solver | None, nodes: np.ndarray, settings: SolveSettings
+) -> tuple[Energy, Solver | None, np.ndarray]:
     """Take the Newton iterations of one time step from nodes [m], shape [node_count, 3], with the PSD Hessian.
 
     Where no two parts of the cloth are near each other at the start, the step is looked over once, at its end; what
@@ -105,8 +105,8 @@ def _step(
 
 
 def _iterate(
-    energy: Energy, solver: Solver, path: list[np.ndarray], settings: SolveSettings, most: int, looks_back: bool
-) -> tuple[Energy, Solver]:
+    energy: Energy, solver: Solver | None, path: list[np.ndarray], settings: SolveSettings, most: int, looks_back: bool
+) -> tuple[Energy, Solver | None]:
     """Take `most` Newton iterations from the last place of a path [m], [node_count, 3] each, and add theirs to it."""
     for _ in range(most):
         energy, solver = couple(energy, solver, path[-1])

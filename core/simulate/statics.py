@@ -22,7 +22,7 @@ from .pins import move_pins
 from .quasi_newton import Leg, descend
 from .scene import Scene, SteadyRotation
 from .settings import SolveSettings
-from .solver import Solver, make_solver
+from .solver import Solver
 
 Stop = Callable[[int, np.ndarray], bool]
 """Asked after each leg, with how many there were and the nodes [m], whether to stop the search."""
@@ -160,7 +160,6 @@ def equilibrium(
     if nodes.shape != (scene.topology.node_count, 3) or not np.isfinite(nodes).all():
         raise NodesBad()
     anchors = nodes.copy() if anchors is None else anchors
-    solver = solver or make_solver(scene.topology.pattern)
     energy = Energy(scene)
     if scene.self_contact is not None:
         energy, solver, nodes = _untangle(energy, solver, nodes, anchors, settings)
@@ -199,8 +198,8 @@ def equilibrium(
 
 
 def _untangle(
-    energy: Energy, solver: Solver, nodes: np.ndarray, anchors: np.ndarray, settings: SolveSettings
-) -> tuple[Energy, Solver, np.ndarray]:
+    energy: Energy, solver: Solver | None, nodes: np.ndarray, anchors: np.ndarray, settings: SolveSettings
+) -> tuple[Energy, Solver | None, np.ndarray]:
     """Pull apart, in short damped steps, what crosses at nodes [m]; contact waits for what does not come apart.
 
     A contour that is held where it crosses itself cannot come apart: those nodes are let go.

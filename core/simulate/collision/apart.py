@@ -25,7 +25,9 @@ class Bounds(NamedTuple):
     spread: np.ndarray
 
 
-def find_close(patches: Patches, path: np.ndarray, need: float, moved: np.ndarray | None) -> np.ndarray:
+def find_close(
+    patches: Patches, path: np.ndarray, spans: np.ndarray, need: float, moved: np.ndarray | None
+) -> np.ndarray:
     """Find all pairs of patches of which parts that share no node may come within a distance on a path.
 
     Patches that join are compared with how they lie in a plane. Let Y be the places there, B the slope of x by Y
@@ -40,22 +42,46 @@ def find_close(patches: Patches, path: np.ndarray, need: float, moved: np.ndarra
     Args:
         patches: Of the cloth.
         path: Positions between which the cloth goes straight [m], shape [place_count, node_count, 3].
+        spans: Lowest and highest corner of each node's places [m], shape [node_count, 6]; see `steady`.
         need: The distance [m].
         moved: Nodes of which every pair has one or more, shape [node_count]; all where None.
 
     Returns:
         The lower and the higher patch of each pair, ascending, shape [pair_count, 2].
     """
-    parts, active = _bound(path, patches.corners, np.zeros(0, np.bool_) if moved is None else moved)
+    parts, active = _bound(path, spans, patches.corners, np.zeros(0, np.bool_) if moved is None else moved)
     bounds = Bounds(*parts)
-    overlapping = pair_boxes(bounds.boxes, 0.5 * need)
+    overlapping = pair_boxes(bounds.boxes, 0.5 * need, active)
     far = _near_far(path, patches, bounds, (overlapping, active), need)
     joined = _near_joined(path, patches, bounds, active, need)
     return np.concatenate([far, patches.joined[joined]])
 
 
 @njit(cache=True)
-def _bound(path, corners, moved):  # type: ignore[no-untyped-def]
+def steady(path):  # type: ignore[no-untyped-def]
+    """Return a path [m], [place_count, node_count, 3], less its mean motion, and the box of each node on it.
+
+    How the whole moves brings nothing nearer to anything. The boxes are lowest and highest corners, [node_count, 6].
+    """
+    places, count = path.shape[:2]
+    steadied, spans = path.copy(), np.zeros((count, 6))
+    for j in range(places):
+        for d in range(3):
+            mean = 0.0
+            if j > 0:
+                for v in range(count):
+                    mean += path[j, v, d] - path[0, v, d]
+                mean /= count
+            for v in range(count):
+                value = path[j, v, d] - mean
+                steadied[j, v, d] = value
+                spans[v, d] = value if j == 0 else min(spans[v, d], value)
+                spans[v, 3 + d] = value if j == 0 else max(spans[v, 3 + d], value)
+    return steadied, spans
+
+
+@njit(cache=True)
+def _bound(path, spans, corners, moved):  # type: ignore[no-untyped-def]
     """Return the `Bounds` of patches, and which of them have a node that moved; all where none are told."""
     starts, members = corners
     count, places = len(starts) - 1, len(path)
@@ -68,11 +94,10 @@ def _bound(path, corners, moved):  # type: ignore[no-untyped-def]
             v = members[m]
             if len(moved) > 0 and moved[v]:
                 active[c] = True
-            for j in range(places):
-                for d in range(3):
-                    value = path[j, v, d]
-                    middles[c, j, d] += share * value
-                    boxes[c, d], boxes[c, 3 + d] = min(boxes[c, d], value), max(boxes[c, 3 + d], value)
+            for d in range(3):
+                boxes[c, d], boxes[c, 3 + d] = min(boxes[c, d], spans[v, d]), max(boxes[c, 3 + d], spans[v, 3 + d])
+                for j in range(places):
+                    middles[c, j, d] += share * path[j, v, d]
         most = 0.0
         for m in range(starts[c], starts[c + 1]):
             v = members[m]

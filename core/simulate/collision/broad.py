@@ -15,6 +15,10 @@ _SIDE = 1.5
 nodes 0.5 to 1.5 took 9.3, 5.7, 4.1 and 3.5 ms."""
 
 
+_TESTS = 2**16
+"""Pairs of boxes up to which each is tested: as quick as to fill a grid."""
+
+
 class Grid(NamedTuple):
     """A uniform grid: lowest corner [m], shape [3], side [m] and cells along each axis, shape [3]."""
 
@@ -32,22 +36,48 @@ class Grid(NamedTuple):
         return cls(origin, side, np.floor(extent / side).astype(np.int64) + 1)
 
 
-def pair_boxes(bounds: np.ndarray, inflation: float) -> np.ndarray:
+def pair_boxes(bounds: np.ndarray, inflation: float, active: np.ndarray) -> np.ndarray:
     """Return the indices of each two boxes that overlap, each pair once, shape [pair_count, 2].
 
     Args:
         bounds: Lowest and highest corners [m], shape [box_count, 6].
         inflation: How far each box reaches beyond them [m].
+        active: Boxes of which every pair has one or both, shape [box_count].
     """
-    if not len(bounds):
-        return np.zeros((0, 2), np.int64)
+    if int(active.sum()) * len(bounds) <= _TESTS:
+        return np.asarray(_test_all(bounds, 2.0 * inflation, active))
     bounds = np.ascontiguousarray(bounds + inflation * np.repeat([-1.0, 1.0], 3))
-    return np.asarray(_find_overlaps(bounds, Grid.of(bounds)))
+    return np.asarray(_find_overlaps(bounds, Grid.of(bounds), active))
 
 
 @njit(cache=True)
-def _find_overlaps(bounds, grid):  # type: ignore[no-untyped-def]
-    """Return the indices of all boxes that overlap, [pair_count, 2], each pair once."""
+def _test_all(bounds, need, active):  # type: ignore[no-untyped-def]
+    """Return the indices of the boxes that are nearer to active ones than `need` [m], [pair_count, 2]."""
+    pairs, found = np.zeros((1024, 2), np.int64), 0
+    for a in np.flatnonzero(active):
+        x0, y0, z0 = bounds[a, 0] - need, bounds[a, 1] - need, bounds[a, 2] - need
+        x1, y1, z1 = bounds[a, 3] + need, bounds[a, 4] + need, bounds[a, 5] + need
+        for b in range(len(bounds)):
+            if (
+                bounds[b, 0] > x1
+                or bounds[b, 3] < x0
+                or bounds[b, 1] > y1
+                or bounds[b, 4] < y0
+                or bounds[b, 2] > z1
+                or bounds[b, 5] < z0
+                or (b <= a and active[b])
+            ):
+                continue
+            if found == len(pairs):
+                pairs = np.concatenate((pairs, np.zeros_like(pairs)))
+            pairs[found, 0], pairs[found, 1] = a, b
+            found += 1
+    return pairs[:found]
+
+
+@njit(cache=True)
+def _find_overlaps(bounds, grid, active):  # type: ignore[no-untyped-def]
+    """Return the indices of all boxes that overlap active ones, [pair_count, 2], each pair once."""
     starts, members, copies = _fill_cells(bounds, grid)
     origin, side, counts = grid
     pairs, found = np.zeros((1024, 2), np.int64), 0
@@ -72,6 +102,8 @@ def _find_overlaps(bounds, grid):  # type: ignore[no-untyped-def]
                     or max(0, int(np.floor((max(y0, copies[n, 1]) - origin[1]) / side))) != j
                     or max(0, int(np.floor((max(z0, copies[n, 2]) - origin[2]) / side))) != k
                 ):
+                    continue
+                if not (active[members[m]] or active[members[n]]):
                     continue
                 if found == len(pairs):
                     pairs = np.concatenate((pairs, np.zeros_like(pairs)))
@@ -110,11 +142,11 @@ def _fill_cells(bounds, grid):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def pair_parts(path, close, lists, groups, chosen, need):  # type: ignore[no-untyped-def]
+def pair_parts(spans, close, lists, groups, chosen, need):  # type: ignore[no-untyped-def]
     """Return the indices of parts of two patches whose boxes overlap and that share no node, [pair_count, 2].
 
     Args:
-        path: Positions between which the cloth goes straight [m], shape [place_count, node_count, 3].
+        spans: Lowest and highest corner of each node's places [m], shape [node_count, 6].
         close: The pairs of patches, shape [close_count, 2].
         lists: The parts of each patch, of the first kind and of the second: `Lists` both.
         groups: The nodes of each part of either kind, shape [part_count, k].
@@ -127,22 +159,24 @@ def pair_parts(path, close, lists, groups, chosen, need):  # type: ignore[no-unt
     first, second, moved = chosen
     same = nodes.shape[1] == others.shape[1]
     # by place in the lists, so that those of a patch lie together
-    boxes = np.empty((len(members), 6))
-    other_boxes = boxes if same else np.empty((len(other_members), 6))
-    wholes, other_wholes = np.empty((len(starts) - 1, 6)), np.empty((len(starts) - 1, 6))
+    boxes = np.zeros((len(members), 6))
+    other_boxes = boxes if same else np.zeros((len(other_members), 6))
+    wholes, other_wholes = np.zeros((len(starts) - 1, 6)), np.zeros((len(starts) - 1, 6))
     known, other_known = np.zeros(len(starts), np.bool_), np.zeros(len(starts), np.bool_)
     pairs, found = np.zeros((256, 2), np.int64), 0
     for n in range(len(close)):
         for turn in range(1 if same or close[n, 0] == close[n, 1] else 2):
             c, d = close[n, turn], close[n, 1 - turn]
             if not known[c]:
-                _wrap(path, nodes, members, (starts[c], starts[c + 1]), boxes, wholes[c])
+                _wrap(spans, nodes, members, (starts[c], starts[c + 1]), boxes, wholes[c])
                 known[c] = True
             if same and not known[d]:
-                _wrap(path, nodes, members, (starts[d], starts[d + 1]), boxes, wholes[d])
+                _wrap(spans, nodes, members, (starts[d], starts[d + 1]), boxes, wholes[d])
                 known[d] = True
             if not same and not other_known[d]:
-                _wrap(path, others, other_members, (other_starts[d], other_starts[d + 1]), other_boxes, other_wholes[d])
+                _wrap(
+                    spans, others, other_members, (other_starts[d], other_starts[d + 1]), other_boxes, other_wholes[d]
+                )
                 other_known[d] = True
             whole = wholes[d] if same else other_wholes[d]
             for m in range(starts[c], starts[c + 1]):
@@ -194,16 +228,14 @@ def _miss(boxes, m, whole, need):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _wrap(path, groups, members, run, boxes, whole):  # type: ignore[no-untyped-def]
-    """Fill the boxes [m] of a run of groups of nodes on a path, and the box around all of them."""
+def _wrap(spans, groups, members, run, boxes, whole):  # type: ignore[no-untyped-def]
+    """Fill the boxes [m] of a run of groups of nodes, and the box around all of them, by the boxes of the nodes."""
     whole[:3], whole[3:] = np.inf, -np.inf
     for m in range(run[0], run[1]):
         for d in range(3):
             least, most = np.inf, -np.inf
             for k in range(groups.shape[1]):
                 v = groups[members[m], k]
-                for p in range(len(path)):
-                    value = path[p, v, d]
-                    least, most = min(least, value), max(most, value)
+                least, most = min(least, spans[v, d]), max(most, spans[v, 3 + d])
             boxes[m, d], boxes[m, 3 + d] = least, most
             whole[d], whole[3 + d] = min(whole[d], least), max(whole[3 + d], most)

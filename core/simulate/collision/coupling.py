@@ -19,21 +19,24 @@ three factorisations (80 ms for 22 at 4000 nodes), and without its place a pair 
 one stood still."""
 
 
-def couple(energy: Energy, solver: Solver, nodes: np.ndarray, missing: float = _MISSING) -> tuple[Energy, Solver]:
+def couple(
+    energy: Energy, solver: Solver | None, nodes: np.ndarray, missing: float = _MISSING
+) -> tuple[Energy, Solver]:
     """Return the energy with its pairs near nodes [m], shape [node_count, 3], and a solver that has room for them.
 
-    Both come back as they are where nothing touches, or where at most a share `missing` of what does has no place.
+    Both come back as they are where nothing touches, or where at most a share `missing` of what does has no place. A
+    solver is made where there is none yet: for cloth that touches from the start the matrix is analysed once.
     """
-    cloth = energy.scene.self_contact
+    cloth, topology = energy.scene.self_contact, energy.scene.topology
     if cloth is None:
-        return energy, solver
+        return energy, solver or make_solver(topology.pattern)
     energy = energy.watch(nodes)
     assert energy.near is not None
     touching = energy.near.within(nodes, 0.0)
-    topology = energy.scene.topology
     absent = (topology.pattern.find_slots(touching.nodes)[:, 0] == ABSENT).sum() if len(touching.kinds) else 0
     if absent <= missing * len(touching.kinds):
-        return energy, solver
+        return energy, solver or make_solver(topology.pattern)
     wide = energy.near.within(nodes, cloth.margin)
     coupled = topology.couple(wide.nodes)
-    return replace(energy, scene=replace(energy.scene, topology=coupled)), make_solver(coupled.pattern, solver.single)
+    single = solver is not None and solver.single
+    return replace(energy, scene=replace(energy.scene, topology=coupled)), make_solver(coupled.pattern, single)

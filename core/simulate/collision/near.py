@@ -9,12 +9,11 @@ import numpy as np
 from numba import njit
 
 from .advance import approach, free_share
-from .apart import find_close
+from .apart import find_close, steady
 from .barrier import measure_pairs
 from .broad import pair_parts
 from .closest import EDGE_EDGE, NODE_FACE, PARALLEL, span, weigh
 from .self_contact import SHARE, SelfContact
-
 
 EVERY = np.zeros(0, np.bool_)
 """Tells `pair_parts` that it is no matter which nodes a pair has."""
@@ -83,11 +82,7 @@ class Near:
 
     def covers(self, nodes: np.ndarray) -> bool:
         """Return whether nodes [m], shape [node_count, 3], lie near one point of the way, where pairs are complete."""
-        moved = nodes - self.start
-        length = float((self.step**2).sum())
-        if length > 0.0:
-            moved -= min(1.0, max(0.0, float((moved * self.step).sum()) / length)) * self.step
-        return float((moved**2).sum(1).max()) <= self.margin**2
+        return bool(_stay_near(np.ascontiguousarray(nodes), self.start, self.step, self.margin))
 
     def left(self, path: np.ndarray) -> np.ndarray:
         """Return which nodes are beyond the margin somewhere on a path [m], [place_count, node_count, 3]."""
@@ -135,22 +130,17 @@ def find_candidates(
         slack: Distance beyond reach [m].
         moved: Nodes of which every pair has one or more, shape [node_count]; all where None.
     """
-    need = float(cloth.reach.max()) + slack
-    if len(path) > 1:
-        # how the whole moves brings nothing nearer to anything
-        path = path - (path - path[:1]).mean(axis=1, keepdims=True)
-    path, patches = np.ascontiguousarray(path), cloth.patches
-    close = find_close(patches, path, need, moved)
+    need, patches = float(cloth.reach.max()) + slack, cloth.patches
+    path, spans = steady(np.ascontiguousarray(path))
+    close = find_close(patches, path, spans, need, moved)
+    if not len(close):
+        return [Candidates(kind, NO_PAIRS.nodes, NO_PAIRS.kinds) for kind in (NODE_FACE, EDGE_EDGE)]
     singles, sheets, sides = np.arange(len(cloth.areas))[:, None], cloth.faces, cloth.edges
-    faced = edged = np.zeros((0, 2), np.int64)
-    if len(close):
-        single, sheet, side = cloth.open_parts
-        among = EVERY if moved is None else moved
-        faced = pair_parts(
-            path, close, (patches.nodes, patches.faces), (singles, sheets), (single, sheet, among), need
-        )
-        edged = pair_parts(path, close, (patches.edges, patches.edges), (sides, sides), (side, side, among), need)
-        edged = np.sort(edged, axis=1)
+    single, sheet, side = cloth.open_parts
+    among = EVERY if moved is None else moved
+    faced = pair_parts(spans, close, (patches.nodes, patches.faces), (singles, sheets), (single, sheet, among), need)
+    edged = pair_parts(spans, close, (patches.edges, patches.edges), (sides, sides), (side, side, among), need)
+    edged = np.sort(edged, axis=1)
     face_keys = faced[:, 0] * len(sheets) + faced[:, 1]
     edge_keys = len(singles) * len(sheets) + edged[:, 0] * len(sides) + edged[:, 1]
     # in one order however they were found: sums over pairs then have the same last digits
@@ -202,6 +192,24 @@ def _keep(start, step, nodes, kind, reach, slack):  # type: ignore[no-untyped-de
         weigh(start, nodes[n], kind, weights, rates)
         kept[n] = span(start, nodes[n], weights, vector) < far + approach(motion, kind)
     return kept
+
+
+@njit(cache=True)
+def _stay_near(nodes, start, step, margin):  # type: ignore[no-untyped-def]
+    """Return whether all nodes are within a margin [m] of one point of a way from their start by a step [m]."""
+    length, along = 0.0, 0.0
+    for v in range(len(nodes)):
+        for d in range(3):
+            length += step[v, d] * step[v, d]
+            along += (nodes[v, d] - start[v, d]) * step[v, d]
+    share = min(1.0, max(0.0, along / length)) if length > 0.0 else 0.0
+    for v in range(len(nodes)):
+        square = 0.0
+        for d in range(3):
+            square += (nodes[v, d] - start[v, d] - share * step[v, d]) ** 2
+        if square > margin * margin:
+            return False
+    return True
 
 
 @njit(cache=True)
