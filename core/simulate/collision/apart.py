@@ -64,19 +64,19 @@ def steady(path):  # type: ignore[no-untyped-def]
     How the whole moves brings nothing nearer to anything. The boxes are lowest and highest corners, [node_count, 6].
     """
     places, count = path.shape[:2]
-    steadied, spans = path.copy(), np.zeros((count, 6))
-    for j in range(places):
-        for d in range(3):
-            mean = 0.0
-            if j > 0:
-                for v in range(count):
-                    mean += path[j, v, d] - path[0, v, d]
-                mean /= count
-            for v in range(count):
-                value = path[j, v, d] - mean
+    steadied, spans, mean = path.copy(), np.zeros((count, 6)), np.zeros(3)
+    spans[:, :3], spans[:, 3:] = path[0], path[0]
+    for j in range(1, places):
+        mean[:] = 0.0
+        for v in range(count):
+            for d in range(3):
+                mean[d] += path[j, v, d] - path[0, v, d]
+        mean /= count
+        for v in range(count):
+            for d in range(3):
+                value = path[j, v, d] - mean[d]
                 steadied[j, v, d] = value
-                spans[v, d] = value if j == 0 else min(spans[v, d], value)
-                spans[v, 3 + d] = value if j == 0 else max(spans[v, 3 + d], value)
+                spans[v, d], spans[v, 3 + d] = min(spans[v, d], value), max(spans[v, 3 + d], value)
     return steadied, spans
 
 

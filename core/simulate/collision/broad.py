@@ -53,11 +53,11 @@ def pair_boxes(bounds: np.ndarray, inflation: float, active: np.ndarray) -> np.n
 @njit(cache=True)
 def _test_all(bounds, need, active):  # type: ignore[no-untyped-def]
     """Return the indices of the boxes that are nearer to active ones than `need` [m], [pair_count, 2]."""
-    pairs, found = np.zeros((1024, 2), np.int64), 0
+    pairs, found, whole = np.zeros((1024, 2), np.int64), 0, active.all()
     for a in np.flatnonzero(active):
         x0, y0, z0 = bounds[a, 0] - need, bounds[a, 1] - need, bounds[a, 2] - need
         x1, y1, z1 = bounds[a, 3] + need, bounds[a, 4] + need, bounds[a, 5] + need
-        for b in range(len(bounds)):
+        for b in range(a + 1 if whole else 0, len(bounds)):
             if (
                 bounds[b, 0] > x1
                 or bounds[b, 3] < x0
