@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from garmentq.core.mesh import self_intersections
 from garmentq.core.simulate import Energy, Pins, Scene, SelfContact, SolveSettings, Topology, equilibrium
+from garmentq.core.simulate.collision.apart import find_close, steady
 from garmentq.core.simulate.collision.closest import EDGE_EDGE, NODE_FACE, span, weigh
 from garmentq.core.simulate.collision.look_back import MANY, look_back
 from garmentq.core.simulate.collision.near import find_near
@@ -26,8 +28,8 @@ def lay_two(sheet, gap: float) -> tuple[Topology, np.ndarray]:
     ), nodes
 
 
-def list_touching(cloth: SelfContact, nodes: np.ndarray) -> set[tuple[int, ...]]:
-    """Return all pairs within 2 mm, each tested on its own."""
+def list_touching(cloth: SelfContact, nodes: np.ndarray, within: float = 2e-3) -> set[tuple[int, ...]]:
+    """Return all pairs within a distance [m], each tested on its own."""
     weights, rates, vector = np.zeros(4), np.zeros((2, 4)), np.zeros(3)
     faces, edges = cloth.faces.tolist(), cloth.edges.tolist()
     groups = [(NODE_FACE, (i, *f)) for i in range(len(nodes)) for f in faces if i not in f]
@@ -35,7 +37,7 @@ def list_touching(cloth: SelfContact, nodes: np.ndarray) -> set[tuple[int, ...]]
     found = set()
     for kind, pair in groups:
         weigh(nodes, np.array(pair), kind, weights, rates)
-        if span(nodes, np.array(pair), weights, vector) < 2e-3:
+        if span(nodes, np.array(pair), weights, vector) < within:
             found.add((kind, *pair))
     return found
 
@@ -64,6 +66,45 @@ def test_a_search_around_what_moved_finds_what_a_full_one_would(sheet):
         known = list_touching(cloth, nodes + near.margin * rng.uniform(-0.2, 0.2, nodes.shape) / np.sqrt(3.0))
         assert known <= set(names)
     assert len(known) > 20
+
+
+def roll(sheet) -> tuple[Topology, np.ndarray]:
+    """Return a tube, 60 mm long and 96 mm around, sewn along one line, and where its nodes lie when flat [m]."""
+    flat, faces = sheet(17, 11, 0.096, 0.06)
+    last = np.isclose(flat[:, 0], 0.096)
+    first = np.array([np.argmin(np.linalg.norm(flat - [0.0, y], axis=1)) for y in flat[last, 1]])
+    number = np.cumsum(~last) - 1
+    number[last] = number[first]
+    return Topology.from_mesh(number[faces], flat[faces]), flat[~last]
+
+
+def test_patches_that_are_passed_over_hold_nothing_near(sheet):
+    """Bent, pressed, crumpled or sewn cloth that passes for flat, or a bend between two places, breaks this."""
+    topology, flat = roll(sheet)
+    cloth, rng = SelfContact.of(topology), np.random.default_rng(8)
+    count, searched = len(cloth.patches.joined), []
+    angle, radius = 2.0 * np.pi * flat[:, 0] / 0.096, 0.096 / (2.0 * np.pi)
+    places = [
+        np.column_stack([stretch * radius * np.cos(angle), flat[:, 1], press * radius * np.sin(angle)])
+        + rng.normal(0.0, noise, (len(flat), 3))
+        for stretch, press, noise in ((1.0, 1.0, 0.0), (1.3, 0.5, 2e-4), (1.5, 0.06, 2e-4), (1.5, 0.06, 1.5e-3))
+    ]
+    touching = 0
+    for nodes in places:
+        known = list_touching(cloth, nodes, float(cloth.reach.max()) + 2.0 * cloth.margin)
+        found = name_pairs(find_near(cloth, nodes))
+        assert set(found) == known and len(found) == len(known)
+        path, spans = steady(nodes[None])
+        close = find_close(cloth.patches, path, spans, float(cloth.reach.max()) + 2.0 * cloth.margin, None)
+        searched.append(len(close) / count)
+    assert searched[0] < 0.6 < searched[-1]
+    for start, end in itertools.pairwise(places):
+        found = set(name_pairs(find_near(cloth, start, end)))
+        for t in (0.0, 0.35, 0.7, 1.0):
+            known = list_touching(cloth, start + t * (end - start))
+            touching += len(known)
+            assert known <= found
+    assert touching > 500
 
 
 def test_a_way_holds_as_far_as_nothing_new_came_near(sheet):
