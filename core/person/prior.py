@@ -141,6 +141,33 @@ SHOD = 0.7
 """Log-odds of shoes before anything is seen: two of three persons that are scanned wear some."""
 
 
+AFAR = (0.10, 0.01)
+"""Distance [m] from the bare foot or shank from which on nothing is a shoe, and its softness: of 188,000 simulated
+samples of shoes one in a hundred lies beyond 0.07, remains of a floor have a median of 0.15."""
+GROUND = 0.012
+"""Height [m] above a scan's lowest samples up to which what faces up may be its floor: bumps and noise, no instep."""
+LEVEL = 0.9
+"""Least vertical component of a floor's normals. A sole faces down, and a shoe's welt is narrower than a sample."""
+CLEAR = 0.015
+"""Distance [m] from the body beyond which low and level samples are floor: the top of bare toes is nearer."""
+FLOORED = 0.98
+"""Probability that what is low, level and clear of the body is floor: a thing may lie there, and is no shoe either."""
+
+
+def stray_probability(points: PersonPoints, features: Features) -> np.ndarray:
+    """Compute the probability that samples about the feet are neither shoe nor skin, shape [n].
+
+    That is what is left of a floor, level and lowest, and what a surface closes it with or else lies far from the legs.
+    """
+    parts = features.place.parts
+    low = parts[:, PART_NAMES.index("foot")] + parts[:, PART_NAMES.index("shank")] > 0.5
+    distance = features.column("distance") * LENGTH
+    height = points.positions[:, 1] - np.quantile(points.positions[:, 1], 0.002)
+    floor = (height < GROUND) & (points.normals[:, 1] > LEVEL) & (distance > CLEAR)
+    afar = _soft((distance - AFAR[0]) / AFAR[1])
+    return np.asarray(np.where(low, np.maximum(afar, np.where(floor, FLOORED, 0.0)), 0.0))
+
+
 def shoe_probability(features: Features) -> float:
     """Compute the probability that the person wears shoes, from the feet's usual offset and roughness."""
     foot = features.place.parts[:, PART_NAMES.index("foot")] > 0.7

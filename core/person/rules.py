@@ -12,7 +12,7 @@ from .features import Features
 from .limbs import FOLDED, Limb
 from .part import PARTS, Part
 from .points import FittedPerson, PersonPoints
-from .prior import hair_probability, long_hair, shoe_probability
+from .prior import hair_probability, long_hair, shoe_probability, stray_probability
 
 FLOOR = 0.005
 """Probability that every part keeps everywhere: rules do not know bags and coats."""
@@ -81,6 +81,9 @@ def combine(
     lock = long_hair(points, features, fit.body, hair * bare * (1 - shoe))
     out *= (1 - lock)[:, None]
     out[:, column[Part.HAIR]] += lock
+    stray = stray_probability(points, features) * (1 - cloth)
+    out *= (1 - stray)[:, None]
+    out[:, column[Part.OTHER]] += stray
     out += FLOOR
     return np.asarray(out / out.sum(axis=1, keepdims=True))
 
