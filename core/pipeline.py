@@ -98,13 +98,18 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
                     *drape.warnings,
                     *fit.warnings,
                     *(change.tell() for change in fit.changes),
+                    *(corner.tell() for corner in fit.corners),
                 )
             )
         ),
         stage_seconds=clock.seconds,
         cpu_seconds=clock.total,
         peak_mb=peak_mb(),
-        manifest=describe(case) | {"panel_changes": [asdict(change) for change in fit.changes]},
+        manifest=describe(case)
+        | {
+            "panel_changes": [asdict(change) for change in fit.changes],
+            "proved_corners": [corner.record() for corner in fit.corners],
+        },
         estimates=fit.estimates,
         nearest_fabrics=fit.nearest,
         point_std=fit.point_std,
@@ -285,7 +290,9 @@ def measure(case: Case, drape: GradedDrape, fit: Fit) -> dict[str, float | None]
     if fit.redrape is not None:
         metrics |= {"redrape.residual": fit.redrape.residual, "redrape.iterations": float(fit.redrape.iterations)}
     metrics |= measure_fit(fit.garment, fit.meshes, truth)
-    metrics |= measure_seams(fit.garment.pattern) | measure_fairness(fit.garment.pattern, case.base)
+    metrics |= measure_seams(fit.garment.pattern) | measure_fairness(
+        fit.garment.pattern, case.base, {corner.join: corner.angle for corner in fit.corners}
+    )
     metrics |= measure_plausibility(fit.garment.pattern)
     metrics |= measure_contour_shapes(fit.garment, fit.meshes.last_drape, case.seen, case.body)
     metrics |= measure_wear(case.target, case.body, fit.meshes.detail, fit.garment.faces, case.settings.seed)

@@ -23,6 +23,7 @@ from .locks import find_held, keep_held
 from .material import fit_bending, nearest_fabrics, posterior, refine_bending, state_density
 from .panel_change import change_panels
 from .result import Fit
+from .rim_corners import prove_corners
 from .scene import FitScene
 from .settings import MaterialSettings, ShapeSettings
 from .shape import ShapeProblem, fit_shape
@@ -112,7 +113,8 @@ def fit_pattern(
         bending = (estimate,)
     estimates = (*bending, *membrane, state_density(fabric))
     unfair = move_pattern(refitted, shape.pattern)
-    recovered = fair_garment(unfair, like, held)
+    corners = prove_corners(unfair, registered, case.seen, like)
+    recovered = fair_garment(unfair, like, held, corners)
     rest = shape.drape
     started = problem.garment is refitted and recovered is unfair and rest.converged
     if not started or len(self_intersections(rest.nodes, recovered.faces)):
@@ -136,4 +138,5 @@ def fit_pattern(
         warnings=() if rest.converged else (f"the simulation mesh is {rest.outcome.advice}",),
         base=like,
         changes=changed.changes,
+        corners=corners,
     )

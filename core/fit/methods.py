@@ -25,6 +25,7 @@ from .inverse import fit_inverse
 from .locks import find_held
 from .material import nearest_fabrics
 from .result import Fit
+from .rim_corners import ProvedCorner, prove_corners
 from .settings import ShapeSettings
 
 
@@ -47,7 +48,8 @@ class Graded:
         """Return the graded pattern with its detail mesh, without a simulation mesh."""
         detail = _deform(case, drape.garment, clock)
         meshes = Meshes(drape.garment.nodes, detail.nodes)
-        return Fit(_fair(case, drape, drape.garment).at(detail.nodes), case.fabric, meshes, warnings=detail.warnings)
+        fair, corners = _fair(case, drape, drape.garment, detail.nodes)
+        return Fit(fair, case.fabric, meshes, warnings=detail.warnings, corners=corners)
 
 
 @dataclass(frozen=True)
@@ -89,13 +91,15 @@ class Inverse:
         with clock.stage("fit", "descending through the simulator") as hooks:
             found = fit_inverse(case, drape, self.settings, hooks)
         detail = _deform(case, found.garment, clock)
+        fair, corners = _fair(case, drape, found.garment, detail.nodes)
         return Fit(
-            garment=_fair(case, drape, found.garment).at(detail.nodes),
+            garment=fair,
             fabric=found.fabric,
             meshes=Meshes(found.graded, detail.nodes, found.garment.nodes),
             estimates=found.estimates,
             nearest=nearest_fabrics(found.fabric),
             warnings=(*found.warnings, *detail.warnings),
+            corners=corners,
         )
 
 
@@ -103,9 +107,13 @@ METHODS: Mapping[str, Method] = {"deform": Graded(), "inverse": Inverse(), "hybr
 """Every method by the name that `RecoverySettings.method` has."""
 
 
-def _fair(case: Case, drape: GradedDrape, garment: Garment) -> Garment:
-    """Return a garment with fair curves; locked points stay."""
-    return fair_garment(garment, case.base, find_held(garment.pattern, case.base, drape.locks(case.settings)))
+def _fair(
+    case: Case, drape: GradedDrape, garment: Garment, nodes: np.ndarray
+) -> tuple[Garment, tuple[ProvedCorner, ...]]:
+    """Return a garment with fair curves at its nodes on the scan, and the corners it keeps; locked points stay."""
+    corners = prove_corners(garment, nodes, case.seen, case.base)
+    held = find_held(garment.pattern, case.base, drape.locks(case.settings))
+    return fair_garment(garment, case.base, held, corners).at(nodes), corners
 
 
 def _deform(case: Case, garment: Garment, clock: Clock) -> Deformation:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ..drape import WearerGeometry
     from ..simulate import Drape
     from .panel_change import PanelChange
+    from .rim_corners import ProvedCorner
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,7 @@ class Fit:
         warnings: What the user should know, one sentence each.
         base: The base pattern with the panels and darts of the recovered one, or None where they are the case's.
         changes: Darts that were added or closed.
+        corners: Corners that the scan proves where the base pattern is smooth.
     """
 
     garment: Garment
@@ -46,3 +48,4 @@ class Fit:
     warnings: tuple[str, ...] = ()
     base: Pattern | None = None
     changes: tuple[PanelChange, ...] = ()
+    corners: tuple[ProvedCorner, ...] = ()

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from ..pattern import Panel, Pattern, panel_outline, unplanned_corners
+from ..pattern.fairness import NONE_PROVED, SmoothJoin
 
 SEGMENTS = 64
 """Parts of each curve: a corner then shows as one angle, and a bend as many small ones."""
@@ -13,21 +16,29 @@ FELT = np.radians(2.0)
 """A stretch that turns by less than this as a whole counts as straight [rad]."""
 
 
-def measure_fairness(pattern: Pattern, base: Pattern) -> dict[str, float | None]:
+def measure_fairness(
+    pattern: Pattern, base: Pattern, proved: Mapping[SmoothJoin, float] = NONE_PROVED
+) -> dict[str, float | None]:
     """Measure corners and waves of a recovered pattern that its base pattern does not have.
 
     `pattern.corner_deg` is the largest corner of a boundary where the base pattern is smooth, within a panel or across
-    the end of a seam; None where it is smooth nowhere. `pattern.waves` counts how many more often than the base
-    pattern's the outlines change between turning left and right.
+    the end of a seam; None where it is smooth nowhere. Where the scan proves a corner it is the difference from that.
+    `pattern.proved_corner_deg` is the largest of those; None where there is none. `pattern.waves` counts how many more
+    often than the base pattern's the outlines change between turning left and right.
 
     Args:
         pattern: The recovered pattern.
         base: The base pattern, with the same panels.
+        proved: Corners that the scan proves, by how far the boundary turns there [rad].
     """
-    corners = np.degrees(np.abs(unplanned_corners(pattern, base)))
+    corners = np.degrees(np.abs(unplanned_corners(pattern, base, proved)))
     pairs = zip(pattern.panels, base.panels, strict=True)
     waves = sum(max(0, count_waves(ours) - count_waves(theirs)) for ours, theirs in pairs)
-    return {"pattern.corner_deg": float(corners.max()) if len(corners) else None, "pattern.waves": float(waves)}
+    return {
+        "pattern.corner_deg": float(corners.max()) if len(corners) else None,
+        "pattern.proved_corner_deg": max((float(np.degrees(abs(angle))) for angle in proved.values()), default=None),
+        "pattern.waves": float(waves),
+    }
 
 
 def count_waves(panel: Panel) -> int:

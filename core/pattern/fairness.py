@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -29,6 +29,10 @@ ROUNDS = 8
 """Most rounds in which curves are turned, moved and sewn equal in turn: what each undoes of the others halves, so that
 corners of 30 degrees fall below 0.5."""
 
+AS_PROVED = np.radians(2.0)
+"""A proved corner within this of its angle stays as it was fitted [rad]: scans tell corners to 0.5 to 2 degrees, and a
+straight hem need not become a curve for the difference."""
+
 ALIKE = 0.3
 """Two edges that meet at less than 33 degrees count as one line: a point then moves across both by their mean, not far
 along them."""
@@ -53,6 +57,10 @@ class SmoothJoin:
     seam: tuple[EdgeRef, ...] = ()
 
 
+NONE_PROVED: Mapping[SmoothJoin, float] = {}
+"""Corners of no scan."""
+
+
 @once
 def find_smooth_joins(pattern: Pattern) -> tuple[SmoothJoin, ...]:
     """Find every place where a pattern's boundary is smooth: those where its own corner is below `SMOOTH`."""
@@ -73,12 +81,20 @@ def measure_corner(pattern: Pattern, join: SmoothJoin) -> float:
     return float((corner + np.pi) % (2.0 * np.pi) - np.pi)
 
 
-def unplanned_corners(pattern: Pattern, base: Pattern) -> np.ndarray:
-    """Measure the corners of a pattern [rad] wherever its base pattern is smooth, shape [join_count]."""
-    return np.array([measure_corner(pattern, join) for join in find_smooth_joins(base)])
+def unplanned_corners(pattern: Pattern, base: Pattern, proved: Mapping[SmoothJoin, float] = NONE_PROVED) -> np.ndarray:
+    """Measure the corners of a pattern [rad] wherever its base pattern is smooth, shape [join_count].
+
+    Where a corner is proved it is planned: what counts is how far the pattern's is from that angle [rad].
+    """
+    return np.array([measure_corner(pattern, join) - proved.get(join, 0.0) for join in find_smooth_joins(base)])
 
 
-def fair_curves(pattern: Pattern, base: Pattern, held: Collection[Corner] = ()) -> Pattern:
+def fair_curves(
+    pattern: Pattern,
+    base: Pattern,
+    held: Collection[Corner] = (),
+    proved: Mapping[SmoothJoin, float] = NONE_PROVED,
+) -> Pattern:
     """Turn the ends of a pattern's curves until each corner is its base pattern's again, where that one is smooth.
 
     Each of the two edges of a boundary turns its tangent by half of what the corner is off, and moves across itself so
@@ -90,11 +106,13 @@ def fair_curves(pattern: Pattern, base: Pattern, held: Collection[Corner] = ()) 
         pattern: The graded or fitted pattern.
         base: The pattern that it was graded from, with the same panels and edges.
         held: Control points that stay where they are; an edge between two of them stays as it is, too.
+        proved: Corners that the scan proves, by how far the boundary turns there [rad]: they are kept within
+            `AS_PROVED` of that, in place of the base pattern's.
     """
     for _ in range(ROUNDS):
         turns: dict[EdgeRef, np.ndarray] = {}
         for join in find_smooth_joins(base):
-            corner = measure_corner(pattern, join) - measure_corner(base, join)
+            corner = _too_much(measure_corner(pattern, join), measure_corner(base, join), proved.get(join))
             if abs(corner) < LEAST:
                 continue
             ends = [end for end in _boundary_ends(pattern, join) if _can_bend(pattern, end[0], held)]
@@ -106,6 +124,20 @@ def fair_curves(pattern: Pattern, base: Pattern, held: Collection[Corner] = ()) 
             break
         pattern = equalise_seams(_keep_area(_turn_ends(pattern, turns), pattern, held), held, like=base)
     return pattern
+
+
+def boundary_edges(pattern: Pattern, join: SmoothJoin) -> tuple[EdgeRef, EdgeRef]:
+    """Return the two edges of the boundary that meets at a join."""
+    (first, _), (last, _) = _boundary_ends(pattern, join)
+    return first, last
+
+
+def _too_much(corner: float, plain: float, proved: float | None) -> float:
+    """Return by how much a corner has to turn back [rad], given its base pattern's and what is proved of it."""
+    if proved is None:
+        return corner - plain
+    off = corner - proved
+    return float(np.sign(off) * max(0.0, abs(off) - AS_PROVED))
 
 
 def _across_seams(pattern: Pattern) -> Iterator[SmoothJoin]:
