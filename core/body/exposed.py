@@ -172,11 +172,7 @@ def penetration_depth(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface
         faces: Garment faces, shape [face_count, 3].
         skin: The body.
     """
-    points = np.concatenate([nodes, nodes[faces].mean(axis=1)])
-    inside = points[skin.contains(points)]
-    if not len(inside):
-        return 0.0
-    return float(skin.closest(inside).distance.max())
+    return float(_depths(nodes, faces, skin)[1].max(initial=0.0))
 
 
 def pinched_depth(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface) -> tuple[float, float]:
@@ -190,13 +186,16 @@ def pinched_depth(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface) ->
         faces: Garment faces, shape [face_count, 3].
         skin: The body.
     """
-    points = np.concatenate([nodes, nodes[faces].mean(axis=1)])
-    inside = points[skin.contains(points)]
-    if not len(inside):
-        return 0.0, 0.0
-    depth = skin.closest(inside).distance
+    inside, depth = _depths(nodes, faces, skin)
     swallowed = skin.swallowed
-    if swallowed is None:
-        return float(depth.max()), 0.0
+    if swallowed is None or not len(inside):
+        return float(depth.max(initial=0.0)), 0.0
     pinched = swallowed.distance(inside) < depth
     return float(depth[~pinched].max(initial=0.0)), float(depth[pinched].max(initial=0.0))
+
+
+def _depths(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface) -> tuple[np.ndarray, np.ndarray]:
+    """Return a garment's nodes and face centres inside a body [m], [n, 3], and their ways to its exposed skin [m]."""
+    points = np.concatenate([nodes, nodes[faces].mean(axis=1)])
+    inside = points[skin.contains(points)]
+    return inside, skin.closest(inside).distance if len(inside) else np.zeros(0)
