@@ -122,7 +122,7 @@ def solve(out: Path, substeps: int, iterations: int) -> None:
 
 
 def _take_flat(model: object, rest: np.ndarray) -> None:
-    """Give Newton's cloth the flat pattern as its rest shape, and flat hinges, in place of where it is drawn."""
+    """Compute the rest shape of Newton's cloth from the flat pattern, with flat hinges, and set it in the model."""
     import warp as wp
 
     frame = np.stack([rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0]], axis=2)

@@ -1,4 +1,4 @@
-"""Give a mesh of a person the skinning weights of the model that was fitted to it."""
+"""Find the skinning weights of a person's mesh by those of the model that was fitted to it."""
 
 from __future__ import annotations
 

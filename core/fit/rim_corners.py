@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..mesh import corner_angles
+from ..mesh import rim_turns
 from ..pattern import EdgeRef, Garment, Pattern
 from ..pattern.editing.partners import mirror_corners
 from ..pattern.fairness import SMOOTH, SmoothJoin, boundary_edges, find_smooth_joins
@@ -138,13 +138,9 @@ class _Rim:
         """Return the rim along a contour of the target."""
         points = target.vertices[contour.vertices]
         side = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
-        angles = np.bincount(
-            target.faces.ravel(),
-            corner_angles(target.vertices, target.faces).ravel(),
-            minlength=len(target.vertices),
-        )
+        turn = rim_turns(target.vertices[target.faces], target.faces, contour.vertices)
         arc = np.concatenate([[0.0], np.cumsum(side)[:-1]])
-        return cls(points, arc, 0.5 * (side + np.roll(side, 1)), np.pi - angles[contour.vertices])
+        return cls(points, arc, 0.5 * (side + np.roll(side, 1)), turn)
 
     @property
     def length(self) -> float:

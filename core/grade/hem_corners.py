@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..body import Body
-from ..mesh import ClosedCurve, corner_angles
+from ..mesh import ClosedCurve, rim_turns
 from ..pattern import Pattern, edge_length, equalise_seams
 from ..segment import Contour, Target
 
@@ -38,7 +38,7 @@ published trousers differ by up to a half at the hem, a quarter each from their 
 
 @dataclass(frozen=True)
 class HemShare:
-    """Say how long an edge is between its two corners.
+    """Describe how long an edge is between its two corners.
 
     Attributes:
         contour: Its name.
@@ -104,12 +104,11 @@ def share_by_hems(base: Pattern, target: Target, body: Body) -> tuple[Pattern, t
 
 def find_share(contour: Contour, target: Target, body: Body) -> HemShare | None:
     """Find the two corners of a target's edge, one at each side; None where it has not just these two."""
-    angles = corner_angles(target.vertices, target.faces)
-    around = np.bincount(target.faces.ravel(), angles.ravel(), len(target.vertices))
+    turns = rim_turns(target.vertices[target.faces], target.faces, contour.vertices)
     curve = ClosedCurve(target.vertices[contour.vertices])
     arc, whole = curve.arc[:-1], float(curve.arc[-1])
     places = np.arange(0.0, whole, NARROW / 4)
-    narrow, broad = (_turn(places, arc, whole, np.pi - around[contour.vertices], width) for width in (NARROW, BROAD))
+    narrow, broad = (_turn(places, arc, whole, turns, width) for width in (NARROW, BROAD))
     corners = _peaks(places, whole, np.abs(narrow), np.abs(broad))
     if len(corners) != 2:
         return None
@@ -122,8 +121,7 @@ def find_share(contour: Contour, target: Target, body: Body) -> HemShare | None:
     between = (places > first) & (places < second)
     share = float((second - first) / whole)
     front = share if ahead[between].mean() > ahead[~between].mean() else 1.0 - share
-    turns = [float(narrow[corner]) for corner in corners]
-    return HemShare(contour.name, front, (turns[0], turns[1]))
+    return HemShare(contour.name, front, (float(narrow[corners[0]]), float(narrow[corners[1]])))
 
 
 def _turn(places: np.ndarray, arc: np.ndarray, whole: float, turns: np.ndarray, width: float) -> np.ndarray:

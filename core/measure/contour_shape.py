@@ -8,7 +8,7 @@ import numpy as np
 
 from ..body import JOINTS, PARENTS, Body
 from ..grade import NecklineFit, fit_necklines
-from ..mesh import ClosedCurve, corner_angles, resample_polyline
+from ..mesh import ClosedCurve, resample_polyline, rim_turns
 from ..pattern import Garment
 from ..pattern.parts import Neckline, corner_turn
 from ..segment import Contour, Target, smooth_loop, unroll_neck
@@ -105,11 +105,10 @@ def flat_turn(garment: Garment, loop: np.ndarray, middle: int) -> float:
         middle: Which of them.
     """
     flat = np.c_[garment.uv, np.zeros(len(garment.uv))]
-    angles = np.bincount(garment.faces.ravel(), corner_angles(flat, garment.uv_faces).ravel(), len(garment.nodes))
     order = np.roll(loop, -middle)
     arc = ClosedCurve(garment.nodes[order]).arc
     within = np.minimum(arc[:-1], arc[-1] - arc[:-1]) < CORNER_SPAN
-    return abs(float((np.pi - angles[order[within]]).sum()))
+    return abs(float(rim_turns(flat[garment.uv_faces], garment.faces, order)[within].sum()))
 
 
 def _largest_gap(line: np.ndarray, other: np.ndarray) -> float:

@@ -106,6 +106,26 @@ def corner_angles(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     return angles
 
 
+def rim_turns(corners: np.ndarray, faces: np.ndarray, rim: np.ndarray) -> np.ndarray:
+    """Compute by how much a rim turns in its surface at each of its vertices [rad]: pi less the faces' angles there.
+
+    That is what its outline turns by where the surface is laid flat, whatever folds it hangs in.
+
+    Args:
+        corners: Positions of the faces' corners [m], in space or in the flat cloth, shape [face_count, 3, 3].
+        faces: Shape [face_count, 3].
+        rim: Vertices along it, shape [n].
+
+    Returns:
+        Positive where the rim bulges out, shape [n].
+    """
+    touched = np.isin(faces, rim).any(axis=1)
+    points = corners[touched].reshape(-1, 3)
+    angles = corner_angles(points, np.arange(len(points)).reshape(-1, 3))
+    sums = np.bincount(faces[touched].ravel(), angles.ravel(), minlength=int(rim.max()) + 1)
+    return np.asarray(np.pi - sums[rim])
+
+
 def shape_gradients(rest: np.ndarray) -> np.ndarray:
     """Compute the gradients of the three linear shape functions of flat triangles [1/m], shape [face_count, 3, 2].
 

@@ -124,7 +124,7 @@ _FOOT = ("ankle", "foot")
 
 @dataclass(frozen=True)
 class _Search:
-    """Hold what the search for the least angles needs of a wearer: faces of each limb, and of what it may meet."""
+    """Describe what the search for the least angles needs of a wearer: faces of each limb, and of what it may meet."""
 
     mover: MovingBody
     gaps: LimbGaps

@@ -50,23 +50,34 @@ def pair_boxes(bounds: np.ndarray, inflation: float, active: np.ndarray) -> np.n
     return np.asarray(_find_overlaps(bounds, Grid.of(bounds), active))
 
 
+@njit(cache=True, inline="always")
+def _grow(boxes, m, need):  # type: ignore[no-untyped-def]
+    """Return the lowest and the highest corner of a box, moved outwards by `need` [m]."""
+    low = (boxes[m, 0] - need, boxes[m, 1] - need, boxes[m, 2] - need)
+    return low, (boxes[m, 3] + need, boxes[m, 4] + need, boxes[m, 5] + need)
+
+
+@njit(cache=True, inline="always")
+def _beside(boxes, m, low, high):  # type: ignore[no-untyped-def]
+    """Check whether a box lies beside the one between two corners [m]."""
+    return (
+        boxes[m, 0] > high[0]
+        or boxes[m, 3] < low[0]
+        or boxes[m, 1] > high[1]
+        or boxes[m, 4] < low[1]
+        or boxes[m, 2] > high[2]
+        or boxes[m, 5] < low[2]
+    )
+
+
 @njit(cache=True)
 def _test_all(bounds, need, active):  # type: ignore[no-untyped-def]
     """Return the indices of the boxes that are nearer to active ones than `need` [m], [pair_count, 2]."""
     pairs, found, whole = np.zeros((1024, 2), np.int64), 0, active.all()
     for a in np.flatnonzero(active):
-        x0, y0, z0 = bounds[a, 0] - need, bounds[a, 1] - need, bounds[a, 2] - need
-        x1, y1, z1 = bounds[a, 3] + need, bounds[a, 4] + need, bounds[a, 5] + need
+        low, high = _grow(bounds, a, need)
         for b in range(a + 1 if whole else 0, len(bounds)):
-            if (
-                bounds[b, 0] > x1
-                or bounds[b, 3] < x0
-                or bounds[b, 1] > y1
-                or bounds[b, 4] < y0
-                or bounds[b, 2] > z1
-                or bounds[b, 5] < z0
-                or (b <= a and active[b])
-            ):
+            if _beside(bounds, b, low, high) or (b <= a and active[b]):
                 continue
             if found == len(pairs):
                 pairs = np.concatenate((pairs, np.zeros_like(pairs)))
@@ -84,23 +95,15 @@ def _find_overlaps(bounds, grid, active):  # type: ignore[no-untyped-def]
     for c in range(len(starts) - 1):
         i, j, k = c // (counts[1] * counts[2]), c // counts[2] % counts[1], c % counts[2]
         for m in range(starts[c], starts[c + 1]):
-            x0, y0, z0 = copies[m, 0], copies[m, 1], copies[m, 2]
-            x1, y1, z1 = copies[m, 3], copies[m, 4], copies[m, 5]
+            low, high = _grow(copies, m, 0.0)
             for n in range(m + 1, starts[c + 1]):
-                if (
-                    copies[n, 0] > x1
-                    or copies[n, 3] < x0
-                    or copies[n, 1] > y1
-                    or copies[n, 4] < y0
-                    or copies[n, 2] > z1
-                    or copies[n, 5] < z0
-                ):
+                if _beside(copies, n, low, high):
                     continue
                 # the pair belongs to the cell of the lowest corner of what both share
                 if (
-                    max(0, int(np.floor((max(x0, copies[n, 0]) - origin[0]) / side))) != i
-                    or max(0, int(np.floor((max(y0, copies[n, 1]) - origin[1]) / side))) != j
-                    or max(0, int(np.floor((max(z0, copies[n, 2]) - origin[2]) / side))) != k
+                    max(0, int(np.floor((max(low[0], copies[n, 0]) - origin[0]) / side))) != i
+                    or max(0, int(np.floor((max(low[1], copies[n, 1]) - origin[1]) / side))) != j
+                    or max(0, int(np.floor((max(low[2], copies[n, 2]) - origin[2]) / side))) != k
                 ):
                     continue
                 if not (active[members[m]] or active[members[n]]):
@@ -178,22 +181,14 @@ def pair_parts(spans, close, lists, groups, chosen, need):  # type: ignore[no-un
                     spans, others, other_members, (other_starts[d], other_starts[d + 1]), other_boxes, other_wholes[d]
                 )
                 other_known[d] = True
-            whole = wholes[d] if same else other_wholes[d]
+            around = wholes if same else other_wholes
             for m in range(starts[c], starts[c + 1]):
                 a = members[m]
-                if not first[a] or _miss(boxes, m, whole, need):
+                low, high = _grow(boxes, m, need)
+                if not first[a] or _beside(around, d, low, high):
                     continue
-                x0, y0, z0 = boxes[m, 0] - need, boxes[m, 1] - need, boxes[m, 2] - need
-                x1, y1, z1 = boxes[m, 3] + need, boxes[m, 4] + need, boxes[m, 5] + need
                 for k in range(m + 1 if same and c == d else other_starts[d], other_starts[d + 1]):
-                    if (
-                        other_boxes[k, 0] > x1
-                        or other_boxes[k, 3] < x0
-                        or other_boxes[k, 1] > y1
-                        or other_boxes[k, 4] < y0
-                        or other_boxes[k, 2] > z1
-                        or other_boxes[k, 5] < z0
-                    ):
+                    if _beside(other_boxes, k, low, high):
                         continue
                     b = other_members[k]
                     shared, touched = not second[b], len(moved) == 0
@@ -212,19 +207,6 @@ def pair_parts(spans, close, lists, groups, chosen, need):  # type: ignore[no-un
                     pairs[found, 0], pairs[found, 1] = a, b
                     found += 1
     return pairs[:found]
-
-
-@njit(cache=True, inline="always")
-def _miss(boxes, m, whole, need):  # type: ignore[no-untyped-def]
-    """Return whether a box is by more than `need` [m] beside another one."""
-    return (
-        whole[0] > boxes[m, 3] + need
-        or whole[3] < boxes[m, 0] - need
-        or whole[1] > boxes[m, 4] + need
-        or whole[4] < boxes[m, 1] - need
-        or whole[2] > boxes[m, 5] + need
-        or whole[5] < boxes[m, 2] - need
-    )
 
 
 @njit(cache=True)
