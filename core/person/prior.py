@@ -152,18 +152,24 @@ CLEAR = 0.015
 """Distance [m] from the body beyond which low and level samples are floor: the top of bare toes is nearer."""
 FLOORED = 0.98
 """Probability that what is low, level and clear of the body is floor: a thing may lie there, and is no shoe either."""
+REMAINS = 0.05
+"""Least share of floor in the samples about feet and shanks of a scan that has any left: of 97 simulated scans
+six have 0.31 and more, all others at most 0.006."""
 
 
 def stray_probability(points: PersonPoints, features: Features) -> np.ndarray:
     """Compute the probability that samples about the feet are neither shoe nor skin, shape [n].
 
-    That is what is left of a floor, level and lowest, and what a surface closes it with or else lies far from the legs.
+    That is what is left of a floor, level and lowest, and where there is one, what a surface closes it with or else
+    lies far from the legs. Without a floor what is far from them is a skirt.
     """
     parts = features.place.parts
     low = parts[:, PART_NAMES.index("foot")] + parts[:, PART_NAMES.index("shank")] > 0.5
     distance = features.column("distance") * LENGTH
     height = points.positions[:, 1] - np.quantile(points.positions[:, 1], 0.002)
     floor = (height < GROUND) & (points.normals[:, 1] > LEVEL) & (distance > CLEAR)
+    if floor[low].sum() < REMAINS * low.sum():
+        return np.zeros(len(low))
     afar = _soft((distance - AFAR[0]) / AFAR[1])
     return np.asarray(np.where(low, np.maximum(afar, np.where(floor, FLOORED, 0.0)), 0.0))
 

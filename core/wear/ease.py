@@ -71,6 +71,11 @@ class Figure:
         """Return x of the body's middle [m]."""
         return float(self.tape.body.joint("pelvis")[0])
 
+    def trunk(self, level: float) -> np.ndarray:
+        """Return the middle of the trunk [m], shape [3], at a height, on the line from pelvis to neck."""
+        pelvis, neck = (self.tape.body.joint(name) for name in ("pelvis", "neck"))
+        return pelvis + (level - pelvis[1]) / (neck[1] - pelvis[1]) * (neck - pelvis)
+
     def arm(self, side: str, level: float) -> np.ndarray:
         """Return the middle of an arm [m], shape [3], where it is as far from the body's middle as a level's x."""
         shoulder, elbow = (self.tape.body.joint(f"{side}_{joint}") for joint in ("shoulder", "elbow"))
@@ -256,9 +261,8 @@ def _round_hips(garment: Garment, nodes: np.ndarray, figure: Figure, place: str)
 
 def _line(garment: Garment, nodes: np.ndarray, figure: Figure, level: float) -> float | None:
     """Return the length of the cloth round the trunk at a height [m], or None where none goes round."""
-    half = abs(float(figure.tape.body.joint("left_shoulder")[0]) - figure.centre)
     cut = cut_cloth(garment, nodes, 1, level)
-    return cut.length(np.abs(cut.middles - figure.centre) < half)
+    return cut.length(cut.goes_round(figure.trunk(level)[::2]))  # a fold that the plane cuts off is no girth
 
 
 def _round_arms(garment: Garment, nodes: np.ndarray, figure: Figure, place: str) -> Ease | None:

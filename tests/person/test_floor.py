@@ -51,3 +51,26 @@ def test_a_floor_is_no_shoe_and_bare_feet_are_no_floor():
     alone = np.arange(len(body.vertices))
     points = sample_person(RawScan(body.vertices, body.faces, None, False, None, None, alone, alone), fit)
     assert stray_probability(points, describe_points(points, fit)).max() < 0.01
+
+
+def test_a_skirt_far_from_the_shanks_is_cloth():
+    """Broken where what lies far from the legs counts as remains of a floor that the scan does not have."""
+    fit = Fit(builtin_body("builtin:female,pose=A"))
+    body = fit.body
+    around, rows = 120, 30
+    turns = np.arange(around) * 2 * np.pi / around
+    angle, height = (axis.ravel() for axis in np.meshgrid(turns, np.linspace(0.08, 0.5, rows)))
+    low = body.vertices[:, 1].min()
+    tube = np.column_stack([0.35 * np.sin(angle), low + height, 0.35 * np.cos(angle)])
+    start = (np.arange(rows - 1)[:, None] * around + np.arange(around)).ravel()
+    after = (np.arange(rows - 1)[:, None] * around + (np.arange(around) + 1) % around).ravel()
+    sides = np.concatenate([
+        np.column_stack([start, after, after + around]), np.column_stack([start, after + around, start + around])
+    ])  # fmt: skip
+    vertices = np.concatenate([body.vertices, tube])
+    count = np.arange(len(vertices))
+    faces = np.concatenate([body.faces, sides + len(body.vertices)])
+    points = sample_person(RawScan(vertices, faces, None, False, None, None, count, count), fit)
+    features = describe_points(points, fit)
+    assert (features.column("distance") > 3.0).sum() > 500
+    assert not stray_probability(points, features).any()

@@ -106,6 +106,12 @@ def test_cloth_beside_an_arm_is_no_sleeve(body, shirt):
     assert "upper_arm" not in {one.place for one in ease_at(shirt, fallen, figure)}
 
 
+def test_cloth_in_front_of_the_trunk_is_no_girth(body, shirt):
+    """Broken where a fold that the plane cuts off counts as the chest: it is as near to the middle as the trunk is."""
+    before = carry_back(shirt.nodes, body) + [0.0, 0.0, 0.6]
+    assert not {"chest", "waist"} & {one.place for one in ease_at(shirt, before, Figure.of(body))}
+
+
 def chord(pattern, height: float) -> float:
     """Return the length of a pattern round the body at a height of its draft [m]: straight across each flat panel."""
     found = 0.0
