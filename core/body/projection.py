@@ -11,9 +11,6 @@ from .exposed import ExposedSurface
 ROUNDS = 12
 """Rounds of pushing: moving a face's corners for its centre may bring a neighbour in again; this settles in 2 to 6."""
 
-NEAR = 0.02
-"""Points further out than this [m] are not looked at again: no round moves anything so far."""
-
 EASIER = (0.5, 0.1)
 """Shares of the clearance that are tried where the whole of it makes cloth cross: in a gap between two parts of the
 body that is narrower than two clearances, layers change places."""
@@ -74,12 +71,12 @@ def _push(nodes: np.ndarray, skin: ExposedSurface, faces: np.ndarray, clearance:
             inside = depth < 0
             worst = float(-depth.min(initial=0.0))
             _keep_larger(push, faces[at_faces[inside]], outward[inside])
-            at_faces = at_faces[depth < NEAR]
-        at_nodes = at_nodes[distance < NEAR]
-        # what has not moved is no lower than it was, and it was not low
+        # Whatever moved is looked at again, a node that a face took along too; and what is inside without a move:
+        # at the clearance from one side of a crease, and behind the other.
         moved = (push != 0).any(axis=1)
-        at_nodes, at_faces = at_nodes[moved[at_nodes]], at_faces[moved[faces[at_faces]].any(axis=1)]
-        if not (push != 0).any() or (worst < 1e-4 and float(distance.min(initial=1.0)) >= clearance - 1e-5):
+        at_faces = np.flatnonzero(moved[faces].any(axis=1))
+        at_nodes = np.union1d(np.flatnonzero(moved), at_nodes[distance < 0])
+        if not moved.any() or (worst < 1e-4 and float(distance.min(initial=1.0)) >= clearance - 1e-5):
             break
         nodes += push
     # A clearance from one side of a sharp crease is inside the other side, and back: such a node goes to its rim.

@@ -100,3 +100,19 @@ def test_far_cloth_stays_where_a_crease_is_left(thighs):
     away = flat + [0.0, 0.0, 0.4]
     moved = project_outside(np.concatenate([layers, away]), thighs, np.concatenate([faces, faces + len(flat)]))
     assert np.array_equal(moved[len(flat) :], away)
+
+
+def test_a_point_at_the_clearance_behind_a_crease_leaves() -> None:
+    """Breaks where a point that is a clearance from one part and inside another counts as out, for it need not move."""
+    one, other = (trimesh.creation.icosphere(2, 0.1) for _ in range(2))
+    other.apply_translation([0.12, 0.0, 0.0])
+    both = trimesh.util.concatenate([one, other])
+    skin = ExposedSurface(np.array(both.vertices), np.array(both.faces))
+    share = np.random.default_rng(3).dirichlet(
+        np.ones(3), (len(skin.faces), 20)
+    )  # a face in the open is so to its most
+    points = (share @ skin.vertices[skin.faces] + 1e-3 * skin.normals[:, None]).reshape(-1, 3)
+    inside = points[skin.measure(points)[0] < 0]
+    inside = inside[np.abs(skin.measure(inside)[0] + 1e-3) < 1e-9]
+    assert len(inside)
+    assert skin.measure(project_outside(inside, skin))[0].min() > -1e-9
