@@ -1,4 +1,6 @@
-"""Make target packs of what `foreign_draft.py` drafted: draped by Blender's cloth, nothing of `core.simulate`.
+"""Make target packs of what `foreign_draft.py` and `foreign_own.py` draft, draped by Blender's cloth.
+
+Nothing of `core.simulate` runs.
 
     python benchmarks/foreign_drapes.py DRAFTS BODY.ply OUT --blender PYTHON [--only NAME]...
 
