@@ -10,9 +10,10 @@ from ..mesh import HalfEdges, find_components
 ACROSS = 0.01
 """Length of a leg below which it is none [m]: the spacing of the body's vertices."""
 
-ASIDE = 0.125
-"""Share of its width by which a leg's middle lies beside the wearer's, at least. A leg that ends there has half;
-flat, the forks of trousers reach a third of a leg's width across (0.19 and 0.24 on two), and a skirt's middle is 0."""
+ASIDE = 0.05
+"""Share of its width by which a leg's middle lies beside the wearer's, at least. A leg that ends there has half; flat,
+the forks of trousers reach a third of a leg's width across (0.13, 0.19 and 0.24 on three), and a skirt's middle is 0,
+its front and back apart or sewn."""
 
 
 def spread_legs(nodes: np.ndarray, faces: np.ndarray, body: Body) -> np.ndarray:

@@ -10,9 +10,11 @@ from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target
 
-STEPS = IsometrySettings(stay_band=1.0)
+STEPS = IsometrySettings(stay_band=1.0, stay_hidden=1.0)
 """As `IsometrySettings` says; and bands keep the graded shape: where their long seams lie on a smooth surface cannot be
-seen, and without it a stiff skirt's waistband lost half its width to the skirt."""
+seen, and without it a stiff skirt's waistband lost half its width to the skirt. So does what a hanging arm hides: with
+these nodes held where the drape sagged to, a T-shirt's armholes came out 8 % too long and its sleeves 17 % too
+short."""
 
 SETTLED = 3e-4
 """Largest motion of a control point in one step [m] below which the pattern rests: far less than what is left."""

@@ -44,6 +44,9 @@ class IsometrySettings:
         keep: Damping of the control points, relative to the mean diagonal of their matrix.
         stay: Cost by area of a panel's strain from where the fit began; 0 lets panels go wherever isometry leads.
         stay_band: The same for panels narrower than 12 cm.
+        stay_hidden: The same for faces at nodes that a hanging arm hides where a sleeve begins, or next to them; where
+            it is not 0 these nodes are not held in place but go where their panels lead them. A drape sags in the
+            armpit, and lengths measured from there are wrong by as much.
     """
 
     vertices: int = 1000
@@ -58,6 +61,7 @@ class IsometrySettings:
     keep: float = 1e-4
     stay: float = 0.0
     stay_band: float = 0.0
+    stay_hidden: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -75,11 +79,12 @@ class Isometry:
     Notation: F_f the map from face f's present flat shape to 3D, J_f the map to its new flat shape, linear in c;
     U_f the strain that the cloth has on the target; q_v, n_v closest point and normal on the target, l `surface`; r_k
     what the rules of `Proportions` miss, w `proportion`, A the garment's area; J_f G_f the map from the flat shape at
-    the start, b_f `stay` or `stay_band`.
+    the start, b_f `stay`, `stay_band` or `stay_hidden`.
 
     Attributes:
         goal: The target.
         hidden: Nodes between the trunk and a hanging arm, which stay where they are, shape [node_count].
+        loose: Nodes that `stay_hidden` leaves free, shape [node_count]; none of them is `hidden`.
         borders: Nodes of each open contour, and the target's contour or, where it is not trusted, their own place [m].
         strain: U, shape [face_count, 2, 2].
         free: Control points (x0, y0, ...) by effective ones, shape [2 point_count, effective_count].
@@ -93,6 +98,7 @@ class Isometry:
 
     goal: TriangleSurface
     hidden: np.ndarray
+    loose: np.ndarray
     borders: tuple[tuple[np.ndarray, ClosedCurve], ...]
     strain: np.ndarray
     free: np.ndarray
@@ -133,8 +139,13 @@ class Isometry:
             if other is not None and other.trusted:
                 loop = target.vertices[other.vertices]
             borders.append((contour.vertices, ClosedCurve(loop)))
-        hidden = Armpits.of(garment, body).hidden
-        hidden[[node for line, _ in borders for node in line]] = False
+        armpits = Armpits.of(garment, body)
+        hidden, loose = armpits.hidden, np.zeros_like(armpits.hidden)
+        if settings.stay_hidden > 0.0 and armpits.held.any():
+            loose[garment.faces[hidden[garment.faces].any(axis=1)]] = True  # beside them lies what scans have instead
+        on_border = [node for line, _ in borders for node in line]
+        hidden[on_border] = loose[on_border] = False
+        hidden &= ~loose
         free = find_symmetry(like).matrix.toarray()
         # faces alone couple nodes; with the hinges, whose blocks stay zero, elimination keeps its order and round-off
         hinges = HalfEdges.of(garment.faces, len(garment.nodes)).hinge_vertices
@@ -142,12 +153,13 @@ class Isometry:
         return cls(
             goal=TriangleSurface(target.vertices, target.faces),
             hidden=hidden,
+            loose=loose,
             borders=tuple(borders),
             strain=strain,
             free=free,
             proportions=find_proportions(like),
             start=garment.pattern.points,
-            anchor=_anchor(garment, free, settings),
+            anchor=_anchor(garment, free, loose, settings),
             coupled=coupled,
             solver=make_solver(coupled),
             settings=settings,
@@ -204,6 +216,7 @@ class Isometry:
         found, seen = match_surface(self.goal, nodes, own, chosen.facing)
         for line, _ in self.borders:
             seen[line] = False
+        seen &= ~self.loose
         normal = self.goal.face_normals[found.face]
         blocks = (np.where(seen, mass, 0.0) / chosen.surface**2)[:, None, None] * normal[:, :, None] * normal[:, None]
         blocks[self.hidden] = (mass[self.hidden] / chosen.surface**2)[:, None, None] * np.eye(3)
@@ -234,11 +247,13 @@ class Isometry:
         return solve_sewn(matrix + pull * rates.T @ rates, right + pull * rates.T @ missing, rows, np.zeros(len(rows)))
 
 
-def _anchor(garment: Garment, free: np.ndarray, settings: IsometrySettings) -> np.ndarray:
+def _anchor(garment: Garment, free: np.ndarray, loose: np.ndarray, settings: IsometrySettings) -> np.ndarray:
     """Return the matrix that holds the panels' shape where it is, by the effective control points."""
     on_uv, area = gradient_operator(garment.rest, garment.uv_faces, len(garment.uv))
     narrow = narrow_panels(garment.pattern)[garment.panel_of_face]
-    weight = area * np.where(narrow, settings.stay_band, settings.stay)
+    stay = np.where(narrow, settings.stay_band, settings.stay)
+    unseen = loose[garment.faces].any(axis=1)
+    weight = area * np.where(unseen, np.maximum(stay, settings.stay_hidden), stay)
     rates = _slope_rates(garment, on_uv, free).reshape(4 * len(area), -1)
     return np.asarray(rates.T @ (np.repeat(weight, 4)[:, None] * rates))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from garmentq.core.body import builtin_body, carry_outside
 from garmentq.core.drape.follow import FollowSettings, Threads
 from garmentq.core.drape.ironing import iron_crossings
@@ -81,12 +82,14 @@ def test_a_jammed_bundle_still_moves() -> None:
     assert len(left) == 0 and np.abs(moved - nodes).max() >= 0.9e-3 - 1e-12
 
 
-def test_legs_are_laid_along_the_wearers() -> None:
-    """Breaks where straight legs stay upright on legs that stand apart, or a skirt is torn in two."""
+@pytest.mark.parametrize("across", [0.01, 0.09])
+def test_legs_are_laid_along_the_wearers(across: float) -> None:
+    """Breaks where straight legs stay upright on legs that stand apart, though each reaches across the middle by less
+    than half of it, or a skirt is torn in two."""
     body = builtin_body("builtin:male,pose=T")
     flat, faces = lattice(12, 0.02)
-    leg = np.column_stack([flat[:, 0] - 0.01, 0.1 + 3.0 * flat[:, 2], np.zeros(len(flat))])
-    left, right = leg, leg * [-1.0, 1.0, 1.0] - [0.02, 0.0, 0.0]
+    leg = np.column_stack([flat[:, 0] - across, 0.1 + 3.0 * flat[:, 2], np.zeros(len(flat))])
+    left, right = leg, leg * [-1.0, 1.0, 1.0]
     nodes, both = np.concatenate([left, right]), np.concatenate([faces, faces + len(flat)])
     nodes[:, 0] += body.joint("pelvis")[0]
     spread = spread_legs(nodes, both, body)
@@ -98,3 +101,5 @@ def test_legs_are_laid_along_the_wearers() -> None:
     np.testing.assert_array_equal(spread[:, 1:], nodes[:, 1:])
     skirt = np.column_stack([4.0 * (flat[:, 0] - 0.11), leg[:, 1], leg[:, 2]])
     np.testing.assert_array_equal(spread_legs(skirt, faces, body), skirt)
+    slit = np.concatenate([skirt, skirt * [-1.0, 1.0, 1.0] + [0.0, 0.0, 0.02]])
+    np.testing.assert_array_equal(spread_legs(slit, both, body), slit)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from garmentq.core.body import JOINTS, builtin_body, lies_under_arm, skin, weights_at
+from garmentq.core.fit.isometry import STEPS, fit_isometry
 from garmentq.core.grade import grade_pattern, register_coarsely
 from garmentq.core.grade.armpits import Armpits
 from garmentq.core.pattern import load_draped_template
@@ -66,3 +69,22 @@ def test_arms_that_are_raised_hide_nothing(worn):
     found = Armpits.of(worn, raised)
     assert not found.hidden.any()
     assert not found.held.any()
+
+
+SAG = 0.03
+"""How far cloth has sagged in the armpit [m]."""
+
+
+def test_cloth_that_sags_in_the_armpit_leaves_its_panels_as_they_are(worn, body):
+    """Broken where hidden cloth is held where a drape sagged to: sides get shorter, and armholes longer, by as much."""
+    seen = worn.faces[~lies_under_arm(worn.nodes, body)[worn.faces].any(axis=1)]
+    scan = Target(worn.nodes, seen, np.zeros_like(worn.nodes), worn.contours, (), "tshirt")
+    sunk = worn.nodes - SAG * lies_under_arm(worn.nodes, body)[:, None] * [0.0, 1.0, 0.0]
+
+    def longest_way(stay_hidden: float) -> float:
+        settings = replace(STEPS, stay_hidden=stay_hidden)
+        fitted = fit_isometry(worn, sunk, scan, body, worn.pattern, settings)
+        return float(np.linalg.norm(fitted.pattern.points - worn.pattern.points, axis=1).max())
+
+    assert longest_way(STEPS.stay_hidden) < 0.006
+    assert longest_way(0.0) > 0.012  # what it is with the nodes held
