@@ -82,8 +82,9 @@ def hang(name: str, gender: str, poses: tuple[str, ...]) -> None:
     [
         "tshirt+neckline=boat,sleeve=cap",
         "tshirt+neckline=v,sleeve_head=raglan",
+        "tank+yoke=front",
         "tshirt+collar=stand",
-        "long_sleeve_tshirt+sleeve_head=set-in,yoke=back,cuff=band",
+        "long_sleeve_tshirt+sleeve_head=set-in,yoke=shoulders,cuff=band",
         "dress+neckline=v,skirt=half-circle,waist=seam",
         "sleeved_dress+sleeve_head=set-in,shaping=princess",
         "dress+shaping=princess,skirt=gored,waist=seam",

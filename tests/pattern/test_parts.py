@@ -9,6 +9,7 @@ import pytest
 from garmentq.core.pattern import (
     BodyMeasures,
     EdgeRef,
+    Pattern,
     check_outline,
     edge_length,
     find_cut,
@@ -72,15 +73,17 @@ def many_cuts() -> dict[str, Cut]:
     for skirt, panels, bodice in product(Skirt, (2, 4), (Bodice.BOXY, Bodice.SHIFT)):
         found[f"{bodice} seam {skirt} {panels}"] = Cut(bodice, skirt=skirt, panels=panels, waist=Waist.SEAM)
     found |= {f"{legs} {band} legs": Cut(legs=legs, waistband=band) for legs, band in product(Legs, Waistband)}
-    for bodice, sleeve, head, yoke in product((Bodice.BOXY, Bodice.SHIFT), Sleeve, SleeveHead, (Yoke.NONE, Yoke.BACK)):
+    for bodice, sleeve, head, yoke in product((Bodice.BOXY, Bodice.SHIFT), Sleeve, SleeveHead, tuple(Yoke)[:-1]):
         found[f"{bodice} {sleeve} {head} {yoke}"] = Cut(bodice, sleeve=sleeve, sleeve_head=head, yoke=yoke)
     for kind, head, collar in product(Neckline, SleeveHead, Collar):
         cut = Cut(Bodice.BOXY, kind, sleeve=Sleeve.SHORT, sleeve_head=head, collar=collar)
         found[f"{kind} {head} {collar}"] = cut
+    for kind, face in product(Neckline, (Yoke.BACK, Yoke.FRONT)):
+        found[f"{kind} {face} yoke"] = Cut(Bodice.SKIMMING, kind, kind, yoke=face)
     found["suit stand"] = Cut(Bodice.SHIFT, legs=Legs.STRAIGHT, collar=Collar.STAND)
     for sleeve, head in product(Sleeve, SleeveHead):
         found[f"{sleeve} {head} cuff"] = Cut(Bodice.SHIFT, sleeve=sleeve, sleeve_head=head, cuff=Cuff.BAND)
-    for sleeve, head, yoke in product(Sleeve, SleeveHead, (Yoke.NONE, Yoke.BACK)):
+    for sleeve, head, yoke in product(Sleeve, SleeveHead, tuple(Yoke)[:-1]):
         cut = Cut(Bodice.SHIFT, sleeve=sleeve, sleeve_head=head, yoke=yoke, sleeve_pieces=SleevePieces.TWO)
         found[f"{sleeve} {head} {yoke} two pieces"] = cut
     for skirt, shaping, waist in product(Skirt, Shaping, Waist):
@@ -241,3 +244,22 @@ def test_a_sleeve_of_two_pieces_is_cut_as_two():
     assert sorted(pieces) == ["BACK", "FRONT", "SLEEVE", "UNDERSLEEVE"]
     sides = {edge.label for panel in load_template(name).panels for edge in panel.edges}
     assert {"forearm.left", "hindarm.left", "forearm.right", "hindarm.right"} <= sides
+
+
+@pytest.mark.parametrize("kind", Neckline)
+@pytest.mark.parametrize("face", [Yoke.FRONT, Yoke.BACK])
+def test_a_yoke_divides_a_face_and_changes_no_line_of_it(kind, face):
+    """Breaks where cloth is lost at a yoke's seam, or a neckline that reaches below it is cut off there."""
+    whole = Cut(Bodice.SKIMMING, kind, kind)
+    plain, divided = draft_cut(whole, CURVY), draft_cut(whole.choose({"yoke": str(face)}), CURVY)
+    pieces = [panel for panel in divided.panels if panel.name.startswith(str(face))]
+    yokes = [panel.name for panel in pieces if panel.name != str(face)]
+    assert sum(panel_area(panel) for panel in pieces) == pytest.approx(panel_area(plain.panel(str(face))), rel=1e-4)
+    assert sorted(yokes) in ([f"{face}_yoke"], [f"{face}_yoke_left", f"{face}_yoke_right"])
+    assert divided.symmetric
+
+    def rim(pattern: Pattern) -> float:
+        edges = [(panel, i) for panel in pattern.panels for i, edge in enumerate(panel.edges) if edge.contour == "neck"]
+        return sum(edge_length(panel, i) for panel, i in edges)
+
+    assert rim(divided) == pytest.approx(rim(plain), rel=1e-5)

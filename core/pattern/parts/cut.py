@@ -22,12 +22,13 @@ class PartsConflict(BadInput):
 
 
 class Bodice(StrEnum):
-    """How the trunk is covered: by its girths, from wide to close."""
+    """How the trunk is covered: by its girths, from wide to close, and where the shoulders are bare."""
 
     NONE = "none"
     BOXY = "boxy"
     SHIFT = "shift"
     SKIMMING = "skimming"
+    HALTER = "halter"
     STRAPLESS = "strapless"
 
 
@@ -86,7 +87,14 @@ class Yoke(StrEnum):
 
     NONE = "none"
     BACK = "back"
+    FRONT = "front"
+    SHOULDERS = "shoulders"
     HIP = "hip"
+
+    @property
+    def faces(self) -> tuple[str, ...]:
+        """Return which faces of a bodice it divides, `front` and `back`; none of them around the hips."""
+        return ("front", "back") if self is Yoke.SHOULDERS else (str(self),) if self in (Yoke.FRONT, Yoke.BACK) else ()
 
 
 class Collar(StrEnum):
@@ -151,7 +159,7 @@ class Cut:
         waist: Whether a bodice and its skirt are cut in one piece or sewn to each other.
         sleeve_head: How each sleeve meets the bodice.
         shaping: Of bodice and skirt at the waist.
-        yoke: Across the back of a bodice, or around the hips above a skirt.
+        yoke: Across the back of a bodice, its front or both, or around the hips above a skirt.
         collar: On the neckline.
         cuff: On each sleeve.
         sleeve_pieces: Of each sleeve.

@@ -14,6 +14,7 @@ from .cut import (
     Cuff,
     Cut,
     Legs,
+    Neckline,
     PartsConflict,
     Shaping,
     Skirt,
@@ -52,19 +53,24 @@ def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None =
     if cut.cuff is not Cuff.NONE and cut.sleeve in (Sleeve.NONE, Sleeve.CAP):
         raise PartsConflict("a cuff needs a sleeve that goes round the arm; choose sleeve=short, elbow or long.")
     if cut.bodice is Bodice.STRAPLESS:
-        if cut.sleeve is not Sleeve.NONE or cut.collar is not Collar.NONE or cut.yoke is Yoke.BACK:
-            raise PartsConflict(
-                "a strapless bodice has no shoulders; choose sleeve=none, collar=none and no back yoke."
-            )
+        if cut.sleeve is not Sleeve.NONE or cut.collar is not Collar.NONE or cut.yoke.faces:
+            raise PartsConflict("a strapless bodice has no shoulders; choose sleeve=none, collar=none and yoke=none.")
         if cut.legs is not Legs.NONE:
             raise PartsConflict("legs are not drafted in one with a strapless bodice; choose another bodice.")
+    if cut.bodice is Bodice.HALTER:
+        if cut.sleeve is not Sleeve.NONE or cut.yoke.faces:
+            raise PartsConflict("a halter leaves the shoulders bare; choose sleeve=none and yoke=none.")
+        if Neckline.BOAT in (cut.neckline, cut.back_neckline):
+            raise PartsConflict("a boat neck ends at the shoulders, which a halter has not; choose another neckline.")
+        if cut.shaping is Shaping.PRINCESS:
+            raise PartsConflict("a princess seam begins at the shoulder seam, of which a halter has too little.")
     if cut.sleeve_pieces is SleevePieces.TWO:
         if cut.sleeve is not Sleeve.LONG or cut.sleeve_head is not SleeveHead.SET_IN or cut.cuff is not Cuff.NONE:
             raise PartsConflict(
                 "a sleeve of two pieces is long, set in and without a cuff: sleeve=long,sleeve_head=set-in."
             )
-        if cut.yoke is Yoke.BACK:
-            raise PartsConflict("a back yoke and a sleeve of two pieces would cut one armhole in three; leave one out.")
+        if cut.yoke.faces:
+            raise PartsConflict("a yoke and a sleeve of two pieces would cut one armhole in three; leave one out.")
     if cut.bodice is Bodice.NONE and (cut.collar is not Collar.NONE or cut.sleeve_head is not SleeveHead.FLAT):
         raise PartsConflict("a collar and a sleeve's head need a bodice; choose one, or leave them out.")
     if cut.waist is Waist.SEAM and (cut.bodice is Bodice.NONE or cut.skirt is Skirt.NONE):

@@ -132,8 +132,8 @@ def _check(cut: Cut) -> None:
         raise PartsConflict("a pleated skirt is drafted on a yoke; add yoke=hip.")
     if cut.yoke is Yoke.HIP and cut.skirt in (*DARTED, Skirt.GORED):
         raise PartsConflict(f"a {cut.skirt} skirt has no yoke; choose a gathered, tiered, pleated or circle one.")
-    if cut.bodice is Bodice.NONE and cut.yoke is Yoke.BACK:
-        raise PartsConflict("a back yoke is a bodice's; choose yoke=hip.")
+    if cut.bodice is Bodice.NONE and cut.yoke.faces:
+        raise PartsConflict(f"a yoke={cut.yoke} is a bodice's; choose yoke=hip.")
     if cut.bodice is not Bodice.NONE:
         if cut.skirt is Skirt.GORED and cut.shaping is Shaping.NONE:
             raise PartsConflict("gores meet a bodice's darts or princess seams; add shaping=darts or shaping=princess.")

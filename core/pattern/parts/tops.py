@@ -36,12 +36,12 @@ from .cut import (
     SleeveHead,
     SleevePieces,
     Waist,
-    Yoke,
 )
 from .necklines import Throat, draw_neckline, side_neck
 from .shaping import APEX_BELOW, GODET, Waistline, draw_princess
 from .skirts import half_waist
 from .sleeves import SLEEVES, SleeveEnd, half_sleeves, raglan_sleeves, set_in_caps, two_piece_sleeves
+from .yokes import cut_yoke, divide_armhole
 
 FACES = ("front", "back")
 
@@ -55,12 +55,12 @@ slant, from the hollow of the collarbone in front and from beside the nape behin
 STRAPLESS_DROP = 0.03
 """How far below the armpit a strapless bodice ends [m]: as a sleeveless armhole does."""
 
+HALTER_STRAP = 0.033
+"""Width of a halter at its shoulder seam [m]: its armholes are cut in to beside the neck, in front and behind."""
+
 UNDER_SHARE = 0.35
 """Share of each armhole that the under sleeve of a sleeve of two pieces is sewn to: its seams then begin at the front
 and back pitch points, a third of the armhole above the underarm."""
-
-YOKE_SHARE = 0.6
-"""Share of the back's armhole below its yoke: 8 to 9 cm below the shoulder, as shirts have it."""
 
 
 @dataclass(frozen=True)
@@ -139,9 +139,10 @@ def draw_shoulder(cut: Cut, m: BodyMeasures) -> Shoulder:
 
     With sleeves: bust + 10 cm (boxy: a regular T-shirt's) or + 8 cm (the arms move), armhole 7 or 6 cm below the
     armpit, 1 cm of shoulder drop, neck 2 cm wider than the body's at each side. Set in: the shoulder ends at its bone,
-    and the armhole 3.5 cm below the armpit. Without: bust + 4 cm (skimming, as ribbed tanks are close), + 5 cm, or
-    + 6 cm where the trunk bends in legs of one piece with it; armhole 3 cm below the armpit; a skimming bodice hangs by
-    straps of 5.5 cm. The front's armhole is hollowed 8 mm more than the back's.
+    and the armhole 3.5 cm below the armpit. Without: bust + 4 cm (skimming, as ribbed tanks are close), + 5 cm, or + 6
+    cm where the trunk bends in legs of one piece with it; armhole 3 cm below the armpit; a skimming bodice hangs by
+    straps of 5.5 cm, a halter, as close, by `HALTER_STRAP` beside the neck (H. Joseph-Armstrong, halter). The front's
+    armhole is hollowed 8 mm more than the back's.
 
     Raises:
         PartsConflict: where a sleeve's head, a yoke or a collar has not what it is sewn to.
@@ -157,9 +158,9 @@ def draw_shoulder(cut: Cut, m: BodyMeasures) -> Shoulder:
             tip, drop, hollows = (m.shoulder_half_width, -0.037), 0.035, (0.060, 0.052)
     else:
         neck = (m.neck_half_width + 0.025, -0.005)
-        strapped = cut.bodice is Bodice.SKIMMING
-        tip = (neck[0] + 0.052, -0.023) if strapped else (m.shoulder_half_width - 0.02, -0.034)
-        ease = {Bodice.BOXY: 0.10, Bodice.SHIFT: 0.05, Bodice.SKIMMING: 0.04}[cut.bodice]
+        tips = {Bodice.SKIMMING: (neck[0] + 0.052, -0.023), Bodice.HALTER: (neck[0] + HALTER_STRAP, -0.017)}
+        tip = tips.get(cut.bodice, (m.shoulder_half_width - 0.02, -0.034))
+        ease = {Bodice.BOXY: 0.10, Bodice.SHIFT: 0.05}.get(cut.bodice, 0.04)
         ease, drop = ease if cut.legs is Legs.NONE else 0.06, 0.03
         hollows, rise = (0.058, 0.050), (0.016, 0.09)
     under = ((m.bust + ease) / 4, m.armpit_height - drop - m.nape_height)
@@ -171,31 +172,30 @@ def draw_shoulder(cut: Cut, m: BodyMeasures) -> Shoulder:
     armholes: list[tuple[Stroke, ...]] = []
     for side, hollow in zip(FACES, hollows, strict=True):
         scye = ((under[0] - hollow, under[1] + 0.004), (tip[0] - rise[0], tip[1] - rise[1]))
+        if cut.bodice is Bodice.HALTER:
+            scye = _diagonal(under, tip)
         if sleeved:
             armholes.append((Stroke(tip, scye, label=f"scye.{side}.left", notch=0.45),))
         else:
             armholes.append((Stroke(tip, scye, contour="armhole.left"),))
-    if cut.yoke is Yoke.BACK:
-        _check_yoke(cut)
-        labels = ("scye.back.left", "scye.back.yoke.left") if sleeved else ("", "")
-        armholes[1] = cut_stroke(under, armholes[1][0], YOKE_SHARE, labels)
     if cut.sleeve_pieces is SleevePieces.TWO:
         armholes = [
             cut_stroke(under, whole[0], UNDER_SHARE, (f"scye.{side}.under.left", f"scye.{side}.left"))
             for side, whole in zip(FACES, armholes, strict=True)
         ]
     necklines = [tuple(draw_neckline(throat, neck)) for throat in throats]
+    for face in cut.yoke.faces:
+        divided = FACES.index(face)
+        armholes[divided] = divide_armhole(cut, face, under, armholes[divided][0], necklines[divided])
     if cut.collar is Collar.STAND:
         necklines = [sew_collar(cut, face, line) for face, line in zip(FACES, necklines, strict=True)]
     return Shoulder(neck, tip, under, (armholes[0], armholes[1]), (necklines[0], necklines[1]), cut.sleeve_head)
 
 
-def _check_yoke(cut: Cut) -> None:
-    """Check that a back yoke has a shoulder and an armhole to be cut from."""
-    if cut.sleeve_head is SleeveHead.RAGLAN:
-        raise PartsConflict("a back yoke ends at an armhole, which a raglan sleeve has not; choose one of them.")
-    if cut.shaping is Shaping.PRINCESS or cut.legs is not Legs.NONE:
-        raise PartsConflict("a back yoke is not drafted across princess seams or above legs; choose yoke=none.")
+def _diagonal(under: Point, tip: Point) -> tuple[Point, Point]:
+    """Return the handles of a halter's armhole, which runs across to the neck and is hollowed by a tenth of its way."""
+    (u, v), (x, y) = under, tip
+    return (u - 0.40 * (u - x), v + 0.15 * (y - v)), (x + 0.15 * (u - x), y - 0.40 * (y - v))
 
 
 def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
@@ -214,9 +214,9 @@ def draw_top(cut: Cut, m: BodyMeasures) -> list[Panel]:
     panels = []
     for face, name in enumerate(FACES):
         upper, apex = shoulder.strokes(face), shoulder.under[1] - APEX_BELOW[face]
-        if cut.yoke is Yoke.BACK and name == "back":
-            upper, yoke = _cut_yoke(upper)
-            panels.append(place_panel("back_yoke", yoke, m.nape_height))
+        if name in cut.yoke.faces:
+            upper, pieces = cut_yoke(name, upper)
+            panels += [place_panel(part, outline, m.nape_height) for part, outline in pieces]
         if cut.shaping is Shaping.PRINCESS:
             outlines = draw_princess(name, line, side, upper, apex, cut.waist is Waist.SEAM)
         else:
@@ -269,20 +269,6 @@ def _check_shaping(cut: Cut) -> None:
         raise PartsConflict("a bodice's darts begin at a waist seam; add waist=seam, or choose shaping=princess.")
 
 
-def _cut_yoke(upper: list[Stroke]) -> tuple[list[Stroke], Outline]:
-    """Cut the upper end of a back along a level line from the armhole; return what is left of it, and the yoke.
-
-    Raises:
-        PartsConflict: where the neckline reaches below that line.
-    """
-    lower, rest = upper[0], upper[1:]
-    (x, y), deep = lower.end, rest[-1].end[1]
-    if deep < y + 0.02:
-        raise PartsConflict("this back neckline is deeper than a yoke; choose back_neckline=crew, or yoke=none.")
-    seam = Stroke((x, y), label="yoke.left")
-    return [lower, Stroke((0.0, y), label="yoke.left")], unfold_closed(Outline((0.0, y), (seam, *rest)))
-
-
 def _side_seam(cut: Cut, m: BodyMeasures, under: Point, line: Waistline) -> list[Stroke]:
     """Draw the side seam from the hem to the underarm point; the first stroke only ends where it begins.
 
@@ -304,7 +290,7 @@ def _side_seam(cut: Cut, m: BodyMeasures, under: Point, line: Waistline) -> list
         hip = waist = max(hip, under[0])
     knee = m.crotch_height - 0.29
     widths = {Skirt.A_LINE: 0.34, Skirt.STRAIGHT: hip, Skirt.PENCIL: hip - 0.015}
-    if cut.skirt is Skirt.NONE and cut.bodice in (Bodice.SKIMMING, Bodice.STRAPLESS):
+    if cut.skirt is Skirt.NONE and cut.bodice in (Bodice.SKIMMING, Bodice.HALTER, Bodice.STRAPLESS):
         sides = [((m.hip + 0.02) / 4, m.hip_height + 0.05), ((m.waist + 0.12) / 4, m.waist_height)]
     elif cut.skirt is Skirt.NONE:
         sides = [(hip, m.hip_height), (waist, m.waist_height)]
