@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 from garmentq.core.animate import AnimateSettings, Animation, animate, clear_motion, measure_animation
+from garmentq.core.animate.settings import Pace
 from garmentq.core.export.animation import write_animation
 from garmentq.core.measure import read_packs
 from garmentq.core.motion import LeadIn, Pose, find_shipped, load_motion, retarget
@@ -60,7 +61,8 @@ def main() -> None:
         told = measure_animation(found)
         away = "–"
         if given.half:
-            fine = move(worn, motion, replace(settings, longest=settings.longest / 2, travel=settings.travel / 2))
+            half = Pace(settings.pace.travel / 2, settings.pace.longest / 2)
+            fine = move(worn, motion, replace(settings, pace=half))
             away = f"{1e3 * np.sqrt(((fine.frames - found.frames) ** 2).sum(axis=2).mean(axis=1)).max():.1f}"
         print(
             f"| {name} | {told['frames']:.0f} | {told['frames_not_converged']:.0f} | {told['max_depth_mm']:.2f} | "

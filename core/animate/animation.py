@@ -16,7 +16,7 @@ from ..mesh import self_intersections
 from ..motion import LeadIn
 from ..simulate import State
 from ..wear import Worn
-from .settings import AnimateBad, AnimateSettings
+from .settings import AnimateBad, AnimateSettings, Pace
 from .stage import Cloth, Moment, Stage
 
 STAGE = "animate"
@@ -108,8 +108,8 @@ def animate(worn: Worn, motion: LeadIn, settings: AnimateSettings, hooks: Hooks 
     """Move a wearer, and the garment with it.
 
     From the garment at rest in the wearer's own pose, the wearer goes into the motion in `settings.lead` seconds, which
-    are not delivered; then comes a frame every 1 / fps seconds. Every delivered frame is taken out of the body
-    (`project_outside`); the cloth in motion itself goes on from where the steps left it.
+    are not delivered, by steps of their own (`lead_pace`); then comes a frame every 1 / fps seconds. Every delivered
+    frame is taken out of the body (`project_outside`); the cloth in motion itself goes on from where the steps left it.
 
     Args:
         worn: The garment on the wearer.
@@ -181,8 +181,8 @@ def _run(
     first.
     """
     settings = stage.settings
-    lead = int(np.ceil(settings.lead * settings.fps - 1e-9)) if done == 0 else 0
-    path = [*(times[0] - np.arange(lead, 0, -1) / settings.fps), *times[max(done - 1, 0) :]]
+    lead = int(np.ceil(settings.lead / settings.lead_pace.longest - 1e-9)) if done == 0 else 0
+    path = [*(times[0] - settings.lead * np.arange(lead, 0, -1) / max(lead, 1)), *times[max(done - 1, 0) :]]
     now, begun = stage.at(float(path[0])), time.process_time()
     cloth = Cloth(state, stage.layout)
     if done == 0 and lead == 0:
@@ -194,15 +194,17 @@ def _run(
         begun = time.process_time()
         if index % CHUNK == 0 and index > 0:
             cloth = Cloth(cloth.state, stage.layout)
-        cloth, now, tally = _advance(stage, cloth, now, (float(before), float(after)))
+        pace = settings.pace if before >= times[0] - 1e-9 else settings.lead_pace
+        cloth, now, tally = _advance(stage, cloth, now, (float(before), float(after)), pace)
         if after >= times[0] - 1e-9:
             yield index, cloth.state, *_judge(stage, cloth.state, now, tally, begun)
 
 
-def _advance(stage: Stage, cloth: Cloth, now: Moment, span: tuple[float, float]) -> tuple[Cloth, Moment, _Tally]:
-    """Advance from one frame to the next, in as many steps as the skin's way asks for."""
-    later = stage.mover.vertices(stage.motion.at(span[1]))
-    count = stage.count_steps(now, later, cloth.state.nodes, span[1] - span[0])
+def _advance(
+    stage: Stage, cloth: Cloth, now: Moment, span: tuple[float, float], pace: Pace
+) -> tuple[Cloth, Moment, _Tally]:
+    """Advance from one time [s] to another, in as many steps as the skin's way asks for."""
+    count = stage.count_steps(now, cloth.state.nodes, span, pace)
     marks = [span[0] + (span[1] - span[0]) * n / count for n in range(count)] + [span[1]]
     tally = _Tally()
     for start, end in pairwise(marks):

@@ -16,6 +16,21 @@ class AnimateBad(BadInput):
 
 
 @dataclass(frozen=True)
+class Pace:
+    """Limit a step of the wearer.
+
+    Attributes:
+        travel: Furthest that skin near the cloth moves in a step [m]: limbs of a brisk walk go as far in a frame. A
+            step of twice the way takes as many legs, and moves the cloth of a walk by 1 mm (RMS) against two of half
+            of it.
+        longest: Longest step [s].
+    """
+
+    travel: float = 0.06
+    longest: float = 1.0 / 30.0
+
+
+@dataclass(frozen=True)
 class AnimateSettings:
     """Set an animation.
 
@@ -25,10 +40,10 @@ class AnimateSettings:
         end: Time of the motion at which the frames end [s], that of the last one, or of one that loops the first left
             out; None: where it ends, or four seconds of one that loops.
         lead: Time in which the wearer goes from the own pose into the motion, before the first frame [s].
-        travel: Furthest that skin near the cloth moves in a step [m]: limbs of a brisk walk go as far in a frame. A
-            step of twice the way takes as many legs, and moves the cloth of a walk by 1 mm (RMS) against two of half
-            of it.
-        longest: Longest step [s].
+        pace: Limits of a step.
+        lead_pace: Limits of a step of the lead-in, whatever `pace` and `fps` are: cloth folds anew while the wearer
+            goes into the motion, and where it folds hangs on the steps (by 4 to 6 mm, be they ever so short). So one
+            motion has one beginning.
         halvings: Times that a step which does not converge is halved.
         step: The steps.
         contact: How the cloth touches the body.
@@ -40,8 +55,8 @@ class AnimateSettings:
     begin: float = 0.0
     end: float | None = None
     lead: float = 1.0
-    travel: float = 0.06
-    longest: float = 1.0 / 30.0
+    pace: Pace = Pace()
+    lead_pace: Pace = Pace()
     halvings: int = 3
     step: StepSettings = field(default_factory=StepSettings)
     contact: ContactSettings = field(default_factory=ContactSettings)

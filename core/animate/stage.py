@@ -17,7 +17,7 @@ from ..wear import Worn
 from .deliver import take_outside
 from .moving_skin import MovingSkin
 from .ride import carry_anchors
-from .settings import AnimateSettings
+from .settings import AnimateSettings, Pace
 
 
 @dataclass(frozen=True)
@@ -119,14 +119,14 @@ class Stage:
             return project_outside(nodes, moment.surface, self.worn.garment.faces)
         return take_outside(nodes, moment.surface, self.scene)
 
-    def count_steps(self, now: Moment, later: np.ndarray, nodes: np.ndarray, seconds: float) -> int:
-        """Return in how many steps the wearer goes from a moment to where the vertices [m] are `later`."""
+    def count_steps(self, now: Moment, nodes: np.ndarray, span: tuple[float, float], pace: Pace) -> int:
+        """Return in how many steps the wearer goes from a moment, the first of two times [s], to the other."""
+        later = self.mover.vertices(self.motion.at(span[1]))
         found = now.surface.closest(nodes)
         near = found.distance < NEAR
         corners = now.surface.faces[found.face[near]]
         way = np.linalg.norm((later - now.surface.vertices)[corners].mean(axis=1), axis=1).max(initial=0.0)
-        limit = self.settings
-        return max(1, int(np.ceil(way / limit.travel - 1e-9)), int(np.ceil(seconds / limit.longest - 1e-9)))
+        return max(1, int(np.ceil(way / pace.travel - 1e-9)), int(np.ceil((span[1] - span[0]) / pace.longest - 1e-9)))
 
     def step(self, cloth: Cloth, now: Moment, then: Moment, dt: float) -> Step:
         """Take a step of the cloth while the wearer goes from one moment to another in `dt` [s]."""

@@ -65,8 +65,13 @@ class ExposedSurface:
     def swallowed(self) -> TriangleSurface | None:
         """Return the skin of parts that run into each other, where it lies inside; None where there is none."""
         solid = self._solid
-        inside = ~self._bare_middles(solid.vertices, solid.faces)
+        inside = ~self._bare
         return TriangleSurface(solid.vertices, solid.faces[inside]) if inside.any() else None
+
+    @cached_property
+    def _bare(self) -> np.ndarray:
+        """Return which faces of the given mesh have their middles in the open, shape [n]."""
+        return self._bare_middles(self._solid.vertices, self._solid.faces)
 
     @cached_property
     def _creased(self) -> np.ndarray:
@@ -84,7 +89,7 @@ class ExposedSurface:
     def _keep_open(self, splits: int) -> tuple[np.ndarray, np.ndarray]:
         """Drop swallowed faces, and of those that are so in part what is; give vertices and faces."""
         vertices, faces = self._solid.vertices, self._solid.faces
-        bare = self._bare_middles(vertices, faces)
+        bare = self._bare
         mixed = _beside_creases(vertices, faces, bare)
         kept = []
         for _ in range(splits):

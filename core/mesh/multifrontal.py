@@ -10,6 +10,7 @@ from scipy.linalg.blas import dsyrk, dtrsm, ssyrk, strsm
 from scipy.linalg.lapack import dpotrf, spotrf
 
 from .dissection import LEAF, dissect
+from .substitution import substitute
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
@@ -129,7 +130,7 @@ class Cholesky:
         if right.ndim == 2:
             return np.stack([self.solve(column) for column in right.T], axis=1)
         x = np.ascontiguousarray(right[self._order], dtype=self._store.dtype)
-        _substitute(x, self._store, self._layout, self._joined, self._store.dtype.type(0.0))
+        substitute(x, self._store, self._layout, self._joined, self._store.dtype.type(0.0))
         result = np.zeros(len(x))
         result[self._order] = x
         return result
@@ -198,42 +199,3 @@ def _add_rest(update, link, n1, rest):  # type: ignore[no-untyped-def]
         column = link[c] - n1
         for r in range(c, count):
             rest[link[r] - n1, column] += update[r, c]
-
-
-@njit(cache=True, fastmath={"reassoc", "contract"})
-def _substitute(x, store, layout, joined, zero):  # type: ignore[no-untyped-def]
-    """Replace x by (L L^T)^-1 x, front by front down and up again.
-
-    `layout` [front_count, 5]: start in `store`, own rows, boundary rows, first row, start in `joined`, which holds the
-    boundaries' rows. Each front is L11 by columns, then L21 by columns. `zero` is of the factor's precision.
-    """
-    work = np.zeros(max(1, layout[:, 2].max()), x.dtype)
-    for p in range(len(layout)):
-        start, n1, n2, first, at = layout[p]
-        part, tail, rows = x[first : first + n1], work[:n2], joined[at : at + n2]
-        tail[:] = 0.0
-        for c in range(n1):
-            column = store[start + c * n1 : start + (c + 1) * n1]
-            low = store[start + n1 * n1 + c * n2 : start + n1 * n1 + (c + 1) * n2]
-            value = part[c] / column[c]
-            part[c] = value
-            for r in range(c + 1, n1):
-                part[r] -= column[r] * value
-            for r in range(n2):
-                tail[r] += low[r] * value
-        for r in range(n2):
-            x[rows[r]] -= tail[r]
-    for p in range(len(layout) - 1, -1, -1):
-        start, n1, n2, first, at = layout[p]
-        part, tail, rows = x[first : first + n1], work[:n2], joined[at : at + n2]
-        for r in range(n2):
-            tail[r] = x[rows[r]]
-        for c in range(n1 - 1, -1, -1):
-            column = store[start + c * n1 : start + (c + 1) * n1]
-            low = store[start + n1 * n1 + c * n2 : start + n1 * n1 + (c + 1) * n2]
-            total = zero
-            for r in range(c + 1, n1):
-                total += column[r] * part[r]
-            for r in range(n2):
-                total += low[r] * tail[r]
-            part[c] = (part[c] - total) / column[c]

@@ -56,7 +56,8 @@ def bending(x, elements, k, folds, order, exact, derivatives):  # type: ignore[n
         away, reach = 0.0, slip
         if moments[h] > 0.0:
             away = math.atan2(sine, cosine) - angles[h]
-            away -= 2.0 * math.pi * round(away / (2.0 * math.pi))
+            if abs(away) > math.pi:
+                away -= math.copysign(2.0 * math.pi, away)
             reach = math.sqrt(away * away + slip * slip)
             energy += moments[h] * (reach - slip)
         if order == 0:

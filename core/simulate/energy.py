@@ -16,12 +16,16 @@ from .collision.rubbing import Rubbing, lag_rubbing, rub
 from .collision.untangle import pull_apart
 from .contact import NO_BLOCKS, Forces, NodeElements, add_contact
 from .friction import Friction, friction
+from .loads import loads, longest
 from .membrane import foresee_stress, membrane
 from .scene import LEVEL, Scene
 
 NO_STRESS = np.zeros((0, 3))
 """Tells `membrane` to take the stress from the positions."""
 
+
+NOWHERE = np.zeros((0, 3))
+"""Target of inertia where there is none."""
 
 NO_SLOTS = np.zeros((0, 10), dtype=np.int64)
 """Where a kernel of pairs is not asked for Hessian blocks."""
@@ -38,6 +42,11 @@ class Inertia:
 
     target: np.ndarray
     weight: float
+
+    @property
+    def as_taken(self) -> tuple[np.ndarray, float]:
+        """Return both as the kernel takes them."""
+        return np.ascontiguousarray(self.target, dtype=np.float64), float(self.weight)
 
 
 @dataclass(frozen=True)
@@ -67,7 +76,7 @@ class Energy:
             return self
         if near is not None and near.covers(nodes) and (end is None or near.covers(end)):
             return self
-        if end is not None and float(((end - nodes) ** 2).sum(1).max()) <= cloth.margin**2:
+        if end is not None and longest(end - nodes) <= cloth.margin:
             end = None
         if near is not None and end is None:
             return replace(self, near=look_back(cloth, nodes[None], near)[0])
@@ -210,26 +219,19 @@ class Energy:
 
     def _add_loads(self, nodes: np.ndarray, order: int, exact: bool, gradient: np.ndarray, blocks: np.ndarray) -> float:
         """Add weight, rotation, inertia and springs: linear or quadratic. The PSD form drops the rotation's."""
-        scene = self.scene
-        masses, gravity = scene.masses, np.asarray(scene.gravity, dtype=np.float64)
-        energy = -float(masses @ (nodes @ gravity))
-        gradient -= masses[:, None] * scene.acceleration(nodes)
+        scene, tied = self.scene, (NOWHERE, 0.0) if self.inertia is None else self.inertia.as_taken
+        masses, diagonal = scene.masses, scene.topology.pattern.diagonal
+        found = Derivatives(gradient, blocks)
+        energy = float(loads(nodes, masses, np.asarray(scene.gravity, dtype=float), tied, order, diagonal, found))
         if self.push is not None:
             energy -= float((self.push * nodes).sum())
             gradient -= self.push
-        diagonal = scene.topology.pattern.diagonal
         if scene.rotation is not None:
             outward = LEVEL * (nodes - np.asarray(scene.rotation.centre))
             energy -= 0.5 * scene.rotation.rate**2 * float(masses @ (outward**2).sum(1))
+            gradient -= scene.rotation.rate**2 * masses[:, None] * outward
             if order == 2 and exact:
                 blocks[diagonal] -= scene.rotation.rate**2 * masses[:, None, None] * np.diag(LEVEL)
-        if self.inertia is not None:
-            stiffness = (self.inertia.weight * masses)[:, None]
-            away = nodes - self.inertia.target
-            energy += 0.5 * float((stiffness * away**2).sum())
-            gradient += stiffness * away
-            if order == 2:
-                blocks[diagonal] += stiffness[:, :, None] * np.eye(3)
         if scene.pins is not None and scene.pins.stiffness is not None:
             held, weights = scene.pins.nodes, scene.pins.stiffness * np.array(scene.pins.directions)
             away = nodes[held] - scene.pins.points

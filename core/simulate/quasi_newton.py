@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from .energy import Energy
+from .loads import longest
 from .settings import SolveSettings
 from .solver import Solver
 
@@ -118,16 +118,32 @@ def step_held(
 def _end_leg(energy: Energy, path: list[_Place], cut: bool) -> Leg:
     """Return the leg of a path."""
     end = path[-1]
-    motion = float(np.sqrt(((end.nodes - path[0].nodes) ** 2).sum(1).max()))
+    motion = float(longest(end.nodes - path[0].nodes))
     return Leg(end.nodes, energy.scene.relative_residual(end.gradient), motion, len(path) - 1, cut, energy)
 
 
+class _Pair(NamedTuple):
+    """A step of a leg [m], the gradient's change [N], both of shape [3 node_count], and their product."""
+
+    step: np.ndarray
+    change: np.ndarray
+    curvature: float
+
+
 class _Place(NamedTuple):
-    """A place of a leg: nodes [m], energy [J] and gradient [N] there."""
+    """A place of a leg: nodes [m], energy [J] and gradient [N] there, and what the step to it tells, if anything."""
 
     nodes: np.ndarray
     energy: float
     gradient: np.ndarray
+    pair: _Pair | None = None
+
+    def reached_from(self, before: _Place) -> _Place:
+        """Return the place with what the step from another one tells: but for round-off how the gradient changes."""
+        step, change = (self.nodes - before.nodes).ravel(), (self.gradient - before.gradient).ravel()
+        curvature = float(step @ change)
+        tells = curvature > _BENT * float(np.linalg.norm(step) * np.linalg.norm(change))
+        return self._replace(pair=_Pair(step, change, curvature) if tells else None)
 
 
 def _step(
@@ -139,36 +155,27 @@ def _step(
     looks along the step before it is taken.
     """
     here = path[-1]
-    direction = -_apply(solver, _corrections(path), here.gradient.ravel()).reshape(-1, 3)
+    pairs = [place.pair for place in path if place.pair is not None]
+    direction = -_apply(solver, pairs, here.gradient.ravel()).reshape(-1, 3)
     slope = float((here.gradient * direction).sum())
     if not np.isfinite(direction).all() or slope >= 0:
         return None, energy, 1.0
-    share = min(1.0, max_step / max(float(np.sqrt((direction**2).sum(1).max())), 1e-300))
+    share = min(1.0, max_step / max(float(longest(direction)), 1e-300))
     if wary and energy.scene.self_contact is not None:
         energy = replace(energy, near=None).watch(here.nodes, here.nodes + share * direction).hold(here.nodes)
     energy, free = energy.free_share(here.nodes, share * direction)
     return _search(energy, here, direction, slope, share * free), energy, free
 
 
-def _corrections(path: list[_Place]) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return the steps of a leg so far and the gradient's changes, but for those that tell nothing."""
-    pairs = []
-    for before, after in itertools.pairwise(path):
-        step, change = (after.nodes - before.nodes).ravel(), (after.gradient - before.gradient).ravel()
-        if float(step @ change) > _BENT * float(np.linalg.norm(step) * np.linalg.norm(change)):
-            pairs.append((step, change))
-    return pairs
-
-
-def _apply(solver: Solver, pairs: list[tuple[np.ndarray, np.ndarray]], gradient: np.ndarray) -> np.ndarray:
+def _apply(solver: Solver, pairs: list[_Pair], gradient: np.ndarray) -> np.ndarray:
     """Multiply with the corrected inverse (two-loop recursion)."""
     result, weights = gradient.copy(), []
-    for step, change in reversed(pairs):
-        weights.append(float(step @ result) / float(step @ change))
+    for step, change, curvature in reversed(pairs):
+        weights.append(float(step @ result) / curvature)
         result -= weights[-1] * change
     result = solver.solve(result)
-    for (step, change), weight in zip(pairs, reversed(weights), strict=True):
-        result += (weight - float(change @ result) / float(step @ change)) * step
+    for (step, change, curvature), weight in zip(pairs, reversed(weights), strict=True):
+        result += (weight - float(change @ result) / curvature) * step
     return result
 
 
@@ -179,7 +186,7 @@ def _search(energy: Energy, here: _Place, direction: np.ndarray, slope: float, s
         trial = here.nodes + share * direction
         reached, gradient = energy.gradient(trial)
         if np.isfinite(reached) and reached <= here.energy + ARMIJO * share * slope + noise:
-            return _Place(trial, reached, gradient)
+            return _Place(trial, reached, gradient).reached_from(here)
         # the lowest point of the parabola through what is known, between a tenth and a half of the step
         parabola = -0.5 * slope * share**2 / (reached - here.energy - slope * share) if np.isfinite(reached) else 0.0
         share = min(max(parabola, 0.1 * share), 0.5 * share)

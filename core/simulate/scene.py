@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from .bending_friction import BendingFriction
 from .collision.self_contact import SelfContact
 from .fabric import Fabric
 from .layers import Layer
+from .loads import longest
 from .pins import Pins
 from .settings import GRAVITY, ContactSettings, SettingsBad
 from .tangent_planes import TangentPlanes
@@ -64,7 +66,7 @@ class Scene:
     self_contact: SelfContact | None = None
     layers: tuple[Layer, ...] = ()
 
-    @property
+    @cached_property
     def masses(self) -> np.ndarray:
         """Return the lumped mass of each node [kg], shape [node_count]."""
         return self.per_node("density") * self.topology.rest.node_areas
@@ -95,7 +97,7 @@ class Scene:
             found[layer.nodes] = getattr(layer.fabric, name)
         return found
 
-    @property
+    @cached_property
     def mean_weight(self) -> float:
         """Return the mean weight of a node under standard gravity [N]: the unit of residuals."""
         return float(self.masses.mean()) * 9.81
@@ -121,4 +123,4 @@ class Scene:
 
     def relative_residual(self, gradient: np.ndarray) -> float:
         """Return the largest force [N] of a gradient, shape [node_count, 3], relative to the mean weight of a node."""
-        return float(np.sqrt((gradient**2).sum(1).max())) / self.mean_weight
+        return float(longest(gradient)) / self.mean_weight

@@ -13,6 +13,9 @@ from ..body import SignedDistance
 NOWHERE = -1e9
 """Offset of a plane that no node comes near [m]."""
 
+SPARE = 1e-6
+"""Distance that a node is to be beyond reach so as not to be measured again [m]: far above rounding."""
+
 FACING = 0.5
 """Cosine between two planes' normals below which they are of two surfaces: the sides of a crease or of a gap."""
 
@@ -37,29 +40,41 @@ class TangentPlanes:
     Attributes:
         normals: Unit normals of the plane nearest last and of one that faces it, shape [2, node_count, 3].
         offsets: Offsets [m], `NOWHERE` where a node has no plane, shape [2, node_count].
+        places: Where each node was when its distance was measured last [m], shape [node_count, 3].
+        distances: The distance then [m], shape [node_count].
     """
 
     normals: np.ndarray
     offsets: np.ndarray
+    places: np.ndarray
+    distances: np.ndarray
 
     @classmethod
     def none(cls, count: int) -> TangentPlanes:
         """Return no plane for any node."""
-        return cls(np.zeros((2, count, 3)), np.full((2, count), NOWHERE))
+        return cls(np.zeros((2, count, 3)), np.full((2, count), NOWHERE), np.zeros((count, 3)), np.zeros(count))
 
     def renewed(self, nodes: np.ndarray, body: SignedDistance, reach: float) -> TangentPlanes:
         """Return the planes of nodes [m], shape [node_count, 3], that are nearer to a body than a reach [m].
 
         Of the planes before, the one that faces the new one is kept for as long as it is within reach: in a crease,
-        where the nearest side changes with every move, a node so keeps off both.
+        where the nearest side changes with every move, a node so keeps off both. What has no plane and cannot have
+        come within reach since it was measured is not measured again: a distance changes by no more than the node's
+        way.
         """
-        distance, normals = body.measure(nodes)
+        way = np.sqrt(((nodes - self.places) ** 2).sum(axis=1))
+        asked = np.flatnonzero((self.distances - way < reach + SPARE) | (self.offsets > NOWHERE).any(axis=0))
+        distance, normals = self.distances.copy(), np.zeros_like(nodes)
+        places = self.places.copy()
+        if len(asked):
+            places[asked] = nodes[asked]
+            distance[asked], normals[asked] = body.measure(nodes[asked])
         offsets = np.where(distance < reach, (normals * nodes).sum(axis=1) - distance, NOWHERE)
         second, far = np.zeros_like(normals), np.full(len(nodes), NOWHERE)
         for each, offset in zip(self.normals[::-1], self.offsets[::-1], strict=True):
             faces = ((each * normals).sum(axis=1) < FACING) & ((each * nodes).sum(axis=1) - offset < reach)
             second, far = np.where(faces[:, None], each, second), np.where(faces, offset, far)
-        return TangentPlanes(np.stack([normals, second]), np.stack([offsets, far]))
+        return TangentPlanes(np.stack([normals, second]), np.stack([offsets, far]), places, distance)
 
     @property
     def arrays(self) -> PlaneArrays:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from garmentq.core.animate import AnimateBad, AnimateSettings, animate, judge_animation, list_times, measure_animation
 from garmentq.core.animate.moving_skin import MovingSkin
+from garmentq.core.animate.settings import Pace
 from garmentq.core.animate.stage import Cloth, Stage
 from garmentq.core.body import JOINTS, ExposedSurface, builtin_body, penetration_depth
 from garmentq.core.errors import Cancelled
@@ -185,12 +186,23 @@ def test_cloth_goes_with_the_leg(worn):
     assert [gate.verdict for gate in judge_animation(metrics)] == ["pass"] * 4
 
 
+def test_a_motion_has_one_beginning(worn):
+    """Broken where the lead-in's steps, and with them where cloth folds, follow the rate of frames or the steps."""
+    motion = replace(step_aside(worn), seconds=0.2)
+    settings = AnimateSettings(lead=0.2, end=1 / 30.0)
+    first = animate(worn, motion, settings).frames[0]
+    finer = replace(settings, fps=48.0, pace=Pace(0.005, 1 / 60))
+    np.testing.assert_array_equal(animate(worn, motion, finer).frames[0], first)
+    slower = replace(settings, lead_pace=Pace(0.06, 1 / 15))
+    assert not np.array_equal(animate(worn, motion, slower).frames[0], first)
+
+
 @pytest.mark.nightly
 def test_half_the_step_changes_little(worn):
     """Broken where the steps are too coarse for what they show."""
     motion = step_aside(worn)
     coarse = animate(worn, motion, AnimateSettings(lead=0.0))
-    fine = animate(worn, motion, AnimateSettings(lead=0.0, longest=1 / 60, travel=0.015))
+    fine = animate(worn, motion, AnimateSettings(lead=0.0, pace=Pace(0.015, 1 / 60)))
     rms = np.sqrt(((coarse.frames - fine.frames) ** 2).sum(axis=2).mean(axis=1)).max()
     assert rms < 5e-3
 
