@@ -15,6 +15,13 @@ SHALLOW = 0.05
 """A bite reaches into the garment by at least this much [m]; less is a tooth of a cut along triangles."""
 DEEP = 0.25
 """A bite reaches into the garment by at least this share of its rim; a fold of a hem runs sideways instead."""
+BELLY = 0.6
+"""A bite of a neck has at least this share of the area of the rectangle over its mouth that reaches as deep. A triangle
+has 0.5, and so has the lower part of a V, whose rim is 2.2 times its mouth where it is 21 cm wide and 20 cm deep, and
+2.7 near the tip where worn; a round hole whose rim is 2.5 times its mouth has 1.0."""
+POINTED = 4.0
+"""What has less area than that is a tear where its rim is so many times its mouth: that of a V is where it is twice as
+deep as wide."""
 SLIT = 0.02
 """A rim with less area than this share of its squared length is a slit's, whose area vector says nothing."""
 TURNED = 0.1
@@ -91,7 +98,7 @@ def _unseen_stretches(points: np.ndarray, unseen: np.ndarray) -> list[np.ndarray
 
 
 def bridge_bites(
-    points: np.ndarray, find_normals: Callable[[], np.ndarray]
+    points: np.ndarray, find_normals: Callable[[], np.ndarray], *, pointed: bool = False
 ) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
     """Cut bites off a contour along the chord of their mouth.
 
@@ -104,6 +111,7 @@ def bridge_bites(
         points: The contour [m], garment on the left, shape [n, 3].
         find_normals: Gives the surface's normals around there, averaged over some centimetres, shape [n, 3]; asked only
             where a stretch may be a bite.
+        pointed: True for a neck, whose design may be a V: what is as narrow as a V and has no more area is none.
 
     Returns:
         Indices of the points that stay on the contour, in order, and those of each bite, its mouth's two ends included.
@@ -111,7 +119,7 @@ def bridge_bites(
     kept = np.arange(len(points))
     bites: list[np.ndarray] = []
     normals = cache(find_normals)
-    while len(kept) > 8 and (bite := _find_bite(points[kept], partial(_take, normals, kept))) is not None:
+    while len(kept) > 8 and (bite := _find_bite(points[kept], partial(_take, normals, kept), pointed)) is not None:
         start, count = bite
         kept = np.roll(kept, -start)
         bites.append(kept[: count + 1])
@@ -123,17 +131,21 @@ def _take(normals: Callable[[], np.ndarray], rows: np.ndarray) -> np.ndarray:
     return normals()[rows]
 
 
-def _find_bite(points: np.ndarray, normals: Callable[[], np.ndarray]) -> tuple[int, int] | None:
+def _find_bite(
+    points: np.ndarray, normals: Callable[[], np.ndarray], pointed: bool
+) -> tuple[int, int] | None:
     """Find the start of the bite with the narrowest mouth and its number of steps, or None."""
     stride = -(-len(points) // FINEST)
-    found = _search_pairs(points[::stride], lambda: normals()[::stride])
+    found = _search_pairs(points[::stride], lambda: normals()[::stride], pointed)
     if found is None:
         return None
     start, count = found[0] * stride, found[1] * stride
     return start, min(count, len(points) - 2)
 
 
-def _search_pairs(points: np.ndarray, normals: Callable[[], np.ndarray]) -> tuple[int, int] | None:
+def _search_pairs(
+    points: np.ndarray, normals: Callable[[], np.ndarray], pointed: bool
+) -> tuple[int, int] | None:
     count = len(points)
     steps = ClosedCurve(points).lengths
     arc = np.concatenate([[0.0], np.cumsum(np.concatenate([steps, steps]))])
@@ -154,9 +166,18 @@ def _search_pairs(points: np.ndarray, normals: Callable[[], np.ndarray]) -> tupl
         if float((inside @ normal).max()) < max(SHALLOW, DEEP * float(length[row, column])):
             continue
         area, missing = _missing_area(points[rim], normals()[rim])
+        tear = float(length[row, column]) >= POINTED * float(chord[row, column])
+        if pointed and not tear and area < BELLY * _frame_area(points[rim]):
+            continue
         if missing > TURNED * area or area < SLIT * float(length[row, column]) ** 2:
             return first, steps_taken
     return None
+
+
+def _frame_area(points: np.ndarray) -> float:
+    """Return the area of the rectangle over a stretch's chord that reaches as deep as the stretch [m2]."""
+    run, chord = points - points[0], points[-1] - points[0]
+    return float(np.linalg.norm(np.cross(run, chord), axis=1).max())
 
 
 def _mean_length(normals: np.ndarray) -> float:

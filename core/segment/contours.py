@@ -134,7 +134,9 @@ def _bridge_bites(candidate: _Candidate, vertices: np.ndarray, faces: np.ndarray
     if candidate.name is None:
         return [candidate]
     loop = candidate.vertices
-    return _cut_off(candidate, vertices, *bridge_bites(vertices[loop], partial(_wide_normals, vertices, faces, loop)))
+    find_normals = partial(_wide_normals, vertices, faces, loop)
+    bites = bridge_bites(vertices[loop], find_normals, pointed=candidate.name == "neck")
+    return _cut_off(candidate, vertices, *bites)
 
 
 def _wide_normals(vertices: np.ndarray, faces: np.ndarray, loop: np.ndarray) -> np.ndarray:

@@ -28,10 +28,12 @@ class NeckLines:
     Attributes:
         front, back: From the side neck point, (half width, 0), to the middle, (0, depth): distance from the middle
             plane and length down the cloth [m], shape [n, 2].
+        middles: The points in front and behind where the smoothed contour crosses the middle plane [m], shape [2, 3].
     """
 
     front: np.ndarray
     back: np.ndarray
+    middles: np.ndarray
 
 
 def unroll_neck(points: np.ndarray, body: Body) -> NeckLines | None:
@@ -61,7 +63,7 @@ def unroll_neck(points: np.ndarray, body: Body) -> NeckLines | None:
     lines = [_unroll(loop[arc], off[arc]) for arc in arcs]
     depths = [float(ahead[arc].mean()) for arc in arcs]
     front, back = lines if depths[0] > depths[1] else lines[::-1]
-    return None if front is None or back is None else NeckLines(front, back)
+    return None if front is None or back is None else NeckLines(front[0], back[0], np.stack([front[1], back[1]]))
 
 
 def _between(count: int, start: int, end: int) -> np.ndarray:
@@ -69,8 +71,8 @@ def _between(count: int, start: int, end: int) -> np.ndarray:
     return np.arange(start, end + 1 + (count if end < start else 0)) % count
 
 
-def _unroll(arc: np.ndarray, off: np.ndarray) -> np.ndarray | None:
-    """Unroll the arc from the left to the right side neck point; None where it does not cross the middle."""
+def _unroll(arc: np.ndarray, off: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    """Unroll the arc from the left to the right side neck point and find its middle; None where it crosses none."""
     crossings = np.flatnonzero((off[:-1] > 0) & (off[1:] <= 0))
     if not len(crossings):
         return None
@@ -85,7 +87,7 @@ def _unroll(arc: np.ndarray, off: np.ndarray) -> np.ndarray | None:
         return None
     mean = np.mean([_resample(points, width) for points, width in halves], axis=0)
     down = _length_along_profile(mean[:, 1:])
-    return None if down is None else np.stack([mean[:, 0], down], axis=1)
+    return None if down is None else (np.stack([mean[:, 0], down], axis=1), centre)
 
 
 def _length_along_profile(points: np.ndarray) -> np.ndarray | None:

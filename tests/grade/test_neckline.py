@@ -82,6 +82,22 @@ def test_a_bowed_v_is_a_v_until_its_corner_is_gone():
     assert shallow is not None and shallow.back[0].throat.kind is not Neckline.V
 
 
+@pytest.mark.parametrize(("folded", "kind"), [(False, Neckline.V), (True, Neckline.CREW)])
+def test_folds_make_no_corner(folded, kind):
+    """Broken where a round neckline that hangs in a fold is a V: cloth bent about the fold does not turn within."""
+    target = neck_target(Throat.at_front(Neckline.CREW), Throat(Neckline.V, 0.12))
+    loop, slope = target.vertices, np.radians(25.0)
+    along = loop - loop.mean(axis=0)
+    across = np.array([0.0, -np.sin(slope), np.cos(slope)])
+    flat = 0.3 * (along - (along @ across)[:, None] * across)
+    here, rim = np.arange(len(loop)), len(loop) + np.arange(len(loop))
+    after, beyond = np.roll(here, -1), np.roll(rim, -1)
+    faces = np.concatenate([np.c_[here, after, rim], np.c_[after, beyond, rim]])
+    vertices = np.concatenate([loop, loop + (0.03 * across if folded else flat)])
+    fits = fit_necklines(replace(target, vertices=vertices, faces=faces), BODY)
+    assert fits is not None and fits.back[0].throat.kind is kind
+
+
 def test_the_base_pattern_gets_the_corner_where_the_scan_has_it():
     """Breaks where the V lands in the back, or keeps the template's depth instead of the scan's proportion."""
     for front, back, name in (

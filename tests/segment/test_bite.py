@@ -65,6 +65,16 @@ def test_a_fold_that_rises_goes_around_air():
     assert bridge_bites(points, lambda: -outward(points)())[1] != ()
 
 
+@pytest.mark.parametrize(("half_width", "tears"), [(0.06, False), (0.012, True)])
+def test_a_pointed_neck_is_no_bite(half_width, tears):
+    """Broken where a V whose edges curl loses its point, or a tear in a neck is taken for one."""
+    neck = rim(800, 0.09)
+    share = np.clip(1.0 - np.abs(neck[:, 0]) / half_width, 0.0, 1.0) * (neck[:, 2] > 0)
+    neck[:, 1] = 0.15 * share**1.2
+    assert bool(bridge_bites(neck, outward(neck), pointed=True)[1]) is tears
+    assert bridge_bites(neck, outward(neck))[1] != ()
+
+
 @pytest.mark.parametrize(("tilt", "count"), [(3.0, 0), (30.0, 1)])
 def test_an_area_vector_across_the_normal_says_nothing(tilt, count):
     """Broken where chance decides whether a fold is a bite, or where a bite has to be exactly in the surface."""
