@@ -131,9 +131,7 @@ def _take(normals: Callable[[], np.ndarray], rows: np.ndarray) -> np.ndarray:
     return normals()[rows]
 
 
-def _find_bite(
-    points: np.ndarray, normals: Callable[[], np.ndarray], pointed: bool
-) -> tuple[int, int] | None:
+def _find_bite(points: np.ndarray, normals: Callable[[], np.ndarray], pointed: bool) -> tuple[int, int] | None:
     """Find the start of the bite with the narrowest mouth and its number of steps, or None."""
     stride = -(-len(points) // FINEST)
     found = _search_pairs(points[::stride], lambda: normals()[::stride], pointed)
@@ -143,9 +141,7 @@ def _find_bite(
     return start, min(count, len(points) - 2)
 
 
-def _search_pairs(
-    points: np.ndarray, normals: Callable[[], np.ndarray], pointed: bool
-) -> tuple[int, int] | None:
+def _search_pairs(points: np.ndarray, normals: Callable[[], np.ndarray], pointed: bool) -> tuple[int, int] | None:
     count = len(points)
     steps = ClosedCurve(points).lengths
     arc = np.concatenate([[0.0], np.cumsum(np.concatenate([steps, steps]))])
