@@ -81,8 +81,7 @@ def fit_pattern(
         if vertices < len(registered):
             mesh = remesh_and_transfer(refitted.pattern, vertices, refitted, registered, wearer.body)
         scene = Scene(Topology.from_garment(mesh), soften(cloth), wearer.grid, pin_waist(mesh), rotation)
-        problem = ShapeProblem.of(FitScene.of(mesh, like, scene, locked=held), settings)
-        return replace(problem, estimated=is_estimated(wearer.body))
+        return ShapeProblem.of(FitScene.of(mesh, like, scene, locked=held), settings)
 
     coarse = problem_on(material.vertices, fabric)
     if is_estimated(wearer.body):

@@ -28,9 +28,6 @@ class ShapeSettings:
             of our own lay 2.6 and 3.0 mm off in the root mean square, panels of published patterns 4 to 10 mm.
         spread_share: The same by the panel's mean width, where that is less: 2 mm on a waistband of 4 cm, of which no
             scan shows where its long seams lie.
-        on_estimate: Share of a drape's observations that count where the body is only estimated under its cloth: what
-            it misses, the drape misses alike along whole girths and limbs, further than neighbours are compared.
-            Panels of nine garments of dressed persons then are 3.1 % off in area, 3.4 with all of them.
         solve: The equilibria of the fit. They start next to each other, so 60 iterations suffice.
     """
 
@@ -42,7 +39,6 @@ class ShapeSettings:
     slide: float = 0.01
     spread: float = 0.005
     spread_share: float = 0.05
-    on_estimate: float = 0.25
     solve: SolveSettings = field(default_factory=lambda: SolveSettings(max_iterations=60))
 
 

@@ -57,7 +57,6 @@ class ShapeProblem:
         settings: How.
         precision: Inverse covariance of the parameters around the first ones [1/m2; 1 for ln k], shape [p, p].
         bending: Standard deviation of ln k around the fabric's where k is fitted, too; None where it stays.
-        estimated: Whether the body is only estimated under its cloth.
     """
 
     scene: FitScene
@@ -65,7 +64,6 @@ class ShapeProblem:
     settings: ShapeSettings
     precision: np.ndarray
     bending: float | None = None
-    estimated: bool = False
 
     @classmethod
     def of(cls, scene: FitScene, settings: ShapeSettings) -> ShapeProblem:
@@ -126,8 +124,7 @@ class ShapeProblem:
     def observations(self, nodes: np.ndarray) -> float:
         """Return n, the number of independent things that a drape [m], shape [node_count, 3], tells of the target."""
         normals, areas = self.loss.normals, self.scene.first.topology.rest.node_areas
-        count = count_independent(self.loss.target, normals, ((nodes - self.loss.target) * normals).sum(1), areas)
-        return count * (self.settings.on_estimate if self.estimated else 1.0)
+        return count_independent(self.loss.target, normals, ((nodes - self.loss.target) * normals).sum(1), areas)
 
     def step(
         self, pattern: Pattern, away: np.ndarray, weight: float, linear: tuple[np.ndarray, np.ndarray], damping: float
