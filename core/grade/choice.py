@@ -15,6 +15,7 @@ from ..segment import Target
 from .cut_search import search_cuts
 from .neckline import NecklineFit, NecklineFits, fit_necklines
 from .sleeve_length import fit_sleeve
+from .waist_seam import has_curved_waist, sew_waist
 
 STAND_IN = {"long_sleeve_tshirt": "tshirt", "shorts": "trousers"}
 """The category whose templates serve where there is none of a target's own: sleeves and legs are graded longer or
@@ -119,15 +120,19 @@ def _rank_cuts(target: Target, body: Body, wanted: Mapping[str, str]) -> list[_R
     """Rank the cuts but for their necklines, the chosen one first.
 
     Templates by their contours (`rank_templates`), with the sleeves that reach as far as the scan's (`fit_sleeve`); of
-    those with the fewest contours missing, then, every cut by its girths (`search_cuts`), where the scan shows them.
+    those with the fewest contours missing, then, every cut by its girths (`search_cuts`), where the scan shows them. A
+    dress whose cloth is curved across the waist has a seam there (`has_curved_waist`): girths do not tell it.
     """
-    ranked = []
-    for template, missing, misfit in rank_templates(target, list(CUTS)):
+    ranked, templates = [], rank_templates(target, list(CUTS))
+    curved = CUTS[templates[0][0]].has_place_for("waist") and has_curved_waist(target, body)
+    for template, missing, misfit in templates:
         fixed = {part: word for part, word in wanted.items() if CUTS[template].has_place_for(part)}
         cut = CUTS[template].choose(fixed)
+        cut = sew_waist(cut, wanted) if curved else cut
         ranked.append(_Ranked(template, cut if "sleeve" in fixed else fit_sleeve(target, body, cut), missing, misfit))
     least = ranked[0].missing
-    fits = search_cuts(target, body, [(one.template, one.cut) for one in ranked if one.missing == least], wanted)
+    fitting = [(one.template, one.cut) for one in ranked if one.missing == least]
+    fits = search_cuts(target, body, fitting, wanted, curved=curved)
     if not fits:
         return ranked
     rest = [one for one in ranked if one.missing > least]

@@ -12,9 +12,10 @@ from ..body import Body
 from ..drape import measure_wearer
 from ..errors import BadInput
 from ..pattern import BodyMeasures, mesh_pattern
-from ..pattern.parts import PARTS, Bodice, Cut, Legs, Skirt, differing_parts, draft_cut
+from ..pattern.parts import PARTS, Bodice, Cut, Legs, Shaping, Skirt, differing_parts, draft_cut
 from ..segment import Target
 from .girth_profile import GirthProfile, profile_pattern, profile_target
+from .waist_seam import sew_waist
 
 VERTICES = 400
 """Of a candidate's flat mesh: its girths are within 0.1 to 0.5 % of those of 1500 vertices."""
@@ -68,7 +69,12 @@ class CutFit:
 
 
 def search_cuts(
-    target: Target, body: Body, templates: Sequence[tuple[str, Cut]], fixed: Iterable[str] = ()
+    target: Target,
+    body: Body,
+    templates: Sequence[tuple[str, Cut]],
+    fixed: Iterable[str] = (),
+    *,
+    curved: bool = False,
 ) -> tuple[CutFit, ...]:
     """Rank the cuts that a garment may have by its girths, the chosen one first.
 
@@ -80,6 +86,7 @@ def search_cuts(
         body: The wearer, to whose measures every candidate is drafted.
         templates: Names and cuts of the templates that have the target's contours, the best by contours first.
         fixed: Parts that the user chose, which stay.
+        curved: The cloth is curved across the waist, so that only cuts with a seam there compete (`sew_waist`).
 
     Returns:
         The candidates; none where the scan does not show its girths from end to end.
@@ -98,9 +105,9 @@ def search_cuts(
     for template, cut in templates:
         fit(template, cut)
     if fits and CLEAR_SEAMS * fits[0].total > UNLIKE:  # else no cut can be clearly better
-        for template, cut in _variants(templates, set(fixed)):
+        for template, cut in _variants(templates, set(fixed), curved):
             fit(template, cut)
-    return rank_fits(fits, usual)
+    return rank_fits(fits, usual, NEAR if curved else CLEAR_SHAPE)
 
 
 def compare_girths(seen: GirthProfile, drawn: GirthProfile) -> float:
@@ -124,18 +131,19 @@ def compare_girths(seen: GirthProfile, drawn: GirthProfile) -> float:
     return float((wanted - np.log(girths)).std(axis=1).min())
 
 
-def rank_fits(fits: Sequence[CutFit], usual: Cut) -> tuple[CutFit, ...]:
+def rank_fits(fits: Sequence[CutFit], usual: Cut, clear_shape: float = CLEAR_SHAPE) -> tuple[CutFit, ...]:
     """Return fits by their misfit, the chosen one first; none where the usual cut itself is not among them.
 
     The usual cut is chosen unless others are clearly nearer; then, of these, the one with the fewest changes that none
-    is much nearer than.
+    is much nearer than. `clear_shape` is the share of its misfit below which one of other proportions is: more where
+    the usual cut is not the one that contours chose, but the same with a seam that they do not tell.
     """
     ranked = sorted(fits, key=lambda fit: fit.misfit)
     chosen = next((fit for fit in fits if fit.cut == usual), None)
     if chosen is None:
         return ()
     most = chosen.total
-    shares = (CLEAR_SEAMS if _is_sewn_otherwise(fit.cut, usual) else CLEAR_SHAPE for fit in ranked)
+    shares = (CLEAR_SEAMS if _is_sewn_otherwise(fit.cut, usual) else clear_shape for fit in ranked)
     clear = [fit for fit, share in zip(ranked, shares, strict=True) if fit.total < share * most]
     if clear:
         rivals = [fit for fit in clear if NEAR * fit.total <= clear[0].total]
@@ -154,14 +162,20 @@ def _changes(cut: Cut, usual: Cut) -> int:
     return len(differing_parts(cut, usual)) + (cut.panels != usual.panels)
 
 
-def _variants(templates: Sequence[tuple[str, Cut]], fixed: set[str]) -> Iterator[tuple[str, Cut]]:
+def _variants(templates: Sequence[tuple[str, Cut]], fixed: set[str], curved: bool) -> Iterator[tuple[str, Cut]]:
     """Yield what templates become with other parts that girths show, each cut once."""
     met = {_plain(cut) for _, cut in templates}
     for template, own in templates:
-        for cut in _others(own, fixed) if own.panels == 2 else ():
+        for other in _others(own, fixed) if own.panels == 2 else ():
+            cut = _at_waist(other, fixed) if curved else other
             if _plain(cut) not in met:
                 met.add(_plain(cut))
                 yield template, cut
+
+
+def _at_waist(cut: Cut, fixed: set[str]) -> Cut:
+    """Return a cut sewn at the waist, with the darts of its own skirt."""
+    return sew_waist(cut if "shaping" in fixed else replace(cut, shaping=Shaping.NONE), fixed)
 
 
 def _plain(cut: Cut) -> Cut:
