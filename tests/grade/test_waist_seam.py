@@ -45,7 +45,7 @@ def tube(slope: float, rng: np.random.Generator, *, folds: float = 0.0, noise: f
     ],
 )
 def test_a_line_of_curvature_at_the_waist(slope, folds, noise, up, found):
-    """Broken where two cones sewn at the waist are no seam, or a tube with folds or noise, a bulge, or a bust is one."""
+    """Broken where two cones sewn at the waist are no seam, or a tube with folds, noise, a bulge or a bust is one."""
     target = tube(slope, np.random.default_rng(0), folds=folds, noise=noise, up=up)
     assert has_curved_waist(target, BODY) is found
 
