@@ -36,6 +36,15 @@ GIRTHS = (
 NECKS = {"crew": "CircleNeckHalf", "v": "VNeckHalf", "square": "SquareNeckHalf"}
 SKIRTS = {"straight": "PencilSkirt", "a_line": "Skirt2", "circle": "SkirtCircle", "gored": "SkirtManyPanels"}
 
+LEGS = {"straight": (0.69, 0.62), "tapered": (0.65, 0.52), "flared": (0.66, 0.83), "wide": (0.87, 0.90)}
+"""Girths at knee and hem by the thigh's that our legs have; a GarmentCode leg is called by the word that is nearest."""
+
+KNEE = 0.35
+"""Share of the way from thigh to hem, which GarmentCode draws straight, that a leg's width has gone at the knee."""
+
+A_LINE = 1.085
+"""Flare from which a narrow skirt is called A-line: half of what our A-line has from hip to hem, 1.17."""
+
 
 def draw_top(design: dict, chance: random.Random, sleeve: str) -> dict[str, str]:
     """Draw the upper part of a garment and return its parts."""
@@ -67,7 +76,11 @@ def draw_skirt(design: dict, chance: random.Random) -> dict[str, str]:
     design["flare-skirt"]["skirt-many-panels"]["n_panels"]["v"] = chance.choice((4, 6, 8))
     design["pencil-skirt"]["length"]["v"] = chance.uniform(0.3, 0.5)
     design["pencil-skirt"]["flare"]["v"] = chance.uniform(0.9, 1.2)
-    return {"skirt": kind}
+    if kind == "circle":
+        kind = "half-circle" if design["flare-skirt"]["suns"]["v"] == 0.5 else "full-circle"
+    if kind == "straight" and design["pencil-skirt"]["flare"]["v"] > A_LINE:
+        kind = "a-line"
+    return {"skirt": kind.replace("a_line", "a-line")}
 
 
 def draw_legs(design: dict, chance: random.Random, *, short: bool) -> dict[str, str]:
@@ -77,7 +90,11 @@ def draw_legs(design: dict, chance: random.Random, *, short: bool) -> dict[str, 
     legs["length"]["v"] = chance.uniform(0.25, 0.4) if short else chance.uniform(0.8, 0.9)
     legs["width"]["v"] = chance.uniform(1.0, 1.3)
     legs["flare"]["v"] = chance.uniform(0.6, 1.2)
-    return {"legs": "flared" if legs["flare"]["v"] > 1.0 else "tapered"}
+    if short:
+        return {"legs": "short"}
+    hem = legs["flare"]["v"]
+    knee = 1.0 - KNEE * (1.0 - hem)
+    return {"legs": min(LEGS, key=lambda word: (LEGS[word][0] - knee) ** 2 + (LEGS[word][1] - hem) ** 2)}
 
 
 def draw(category: str, seed: int, design: dict) -> dict[str, str]:
