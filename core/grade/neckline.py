@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..body import Body
-from ..mesh import ClosedCurve, HalfEdges, rim_turns
+from ..mesh import ClosedCurve, HalfEdges, polyline_length, rim_turns
 from ..pattern.parts import Neckline, Throat, corner_turn, neckline_points
 from ..segment import Contour, Target, unroll_neck
 
@@ -27,6 +27,21 @@ folds drew a round one together behind."""
 CLEAR = 0.6
 """A line other than a round one is chosen where its misfit is below this share of the round one's: round is what most
 necklines are. V-necks of three scans have 0.08 to 0.22 of it, the crew necks of two 1.6 and more."""
+
+CORNERED = np.radians(39.0)
+"""Least turn within the cloth at the lower corners of a square neckline, on both sides. Squares of 13 drapes have 40 to
+90 degrees, the less the coarser the mesh, on both sides and at most 0.6 of it in the middle; round ones up to 46 on one
+side and 38 on both, in front."""
+
+ALONE = 1.5
+"""By how much the corners' turn exceeds the middle's: round lines turn everywhere."""
+
+SAGGING = 1.5
+"""A line with corners is square as long as its misfit is below this many of the round one's: the lower edge of a square
+sags, and is 1.3 of it then. Round lines behind, which have corners at the side neck points, have 2.3 and more."""
+
+CORNERS = (0.25, 0.9)
+"""Between which shares of a line's length from the middle a square's corner is looked for."""
 
 BOWS = np.round(np.arange(-0.15, 0.151, 0.0125), 4)
 """Bows of a V's side that are tried; 0.15 is a quarter turn from one end to the other, and no V any more."""
@@ -66,7 +81,8 @@ def fit_necklines(target: Target, body: Body) -> NecklineFits | None:
     """Fit every neckline to a target's neck contour; None where it has none to be trusted, or it cannot be unrolled.
 
     What hangs in folds may come to a point that was cut round, so a V has to turn within the cloth, too: by the angles
-    of the faces around the contour's vertices, which folds do not change.
+    of the faces around the contour's vertices, which folds do not change. By them the corners of a square are found,
+    too, whose lower edge sags.
     """
     contour = target.contour("neck")
     if contour is None or not contour.trusted:
@@ -74,44 +90,72 @@ def fit_necklines(target: Target, body: Body) -> NecklineFits | None:
     lines = unroll_neck(target.vertices[contour.vertices], body)
     if lines is None:
         return None
-    front, back = (_turn_in_cloth(target, contour, middle) for middle in lines.middles)
+    front, back = (
+        _turns_in_cloth(target, contour, middle, polyline_length(line))
+        for line, middle in zip((lines.front, lines.back), lines.middles, strict=True)
+    )
     return NecklineFits(_rank(lines.front, Neckline.BOAT, front), _rank(lines.back, Neckline.CREW, back))
 
 
-def _turn_in_cloth(target: Target, contour: Contour, middle: np.ndarray) -> float | None:
-    """Sum a contour's turn within its surface around a point [rad], positive in a V; None where it is bridged there."""
+@dataclass(frozen=True)
+class _Turns:
+    """Describe how a contour turns within its surface [rad]: in the middle, and at the lesser of two corners."""
+
+    middle: float
+    corner: float
+
+
+def _turns_in_cloth(target: Target, contour: Contour, middle: np.ndarray, length: float) -> _Turns | None:
+    """Sum a contour's turns within its surface around its middle and aside, positive in a V; None where it is bridged.
+
+    Args:
+        target: The surface.
+        contour: Its neck.
+        middle: The middle of the front, or of the back [m], shape [3].
+        length: From there to the side neck point [m].
+    """
     loop = contour.vertices
     points = target.vertices[loop]
     nearest = int(np.linalg.norm(points - middle, axis=1).argmin())
     loop = np.roll(loop, -nearest)
     arc = ClosedCurve(target.vertices[loop]).arc
-    away = np.minimum(arc[:-1], arc[-1] - arc[:-1])
+    at, whole = arc[:-1], arc[-1]
+    away = np.minimum(at, whole - at)
     edges = HalfEdges.of(target.faces, len(target.vertices))
     along = {*zip(edges.tail[edges.border].tolist(), edges.head[edges.border].tolist(), strict=True)}
-    near = np.flatnonzero(away < 2.0 * AROUND)
-    if any((int(loop[i - 1]), int(loop[i])) not in along for i in near):
+    bridged = np.array([(int(a), int(b)) not in along for a, b in zip(np.roll(loop, 1), loop, strict=True)])
+    if bridged[away < 2.0 * AROUND].any():
         return None
-    turns = rim_turns(target.vertices[target.faces], target.faces, loop)
-    return -float(np.exp(-0.5 * (away / AROUND) ** 2) @ turns)
+    turns = -rim_turns(target.vertices[target.faces], target.faces, loop)
+    apart = np.abs(at[:, None] - at)
+    summed = np.exp(-0.5 * (np.minimum(apart, whole - apart) / AROUND) ** 2) @ turns
+    near, far = (share * length for share in CORNERS)
+    sides = [(near < way) & (way < far) for way in (at, whole - at)]
+    seen = not any(bridged[side].any() for side in sides)
+    corner = min(float(summed[side].max(initial=0.0)) for side in sides) if seen else 0.0
+    return _Turns(float(summed[0]), corner)
 
 
-def _rank(line: np.ndarray, shallow: Neckline, turn: float | None) -> tuple[NecklineFit, ...]:
-    """Rank the necklines by their misfit; round first unless another one is clearly better.
+def _rank(line: np.ndarray, shallow: Neckline, turns: _Turns | None) -> tuple[NecklineFit, ...]:
+    """Rank the necklines by their misfit; round first unless another one is clearly better, or shows its corners.
 
-    `shallow` is what a shallow round one is called: a boat in front, where it has to be cut into the shoulders. `turn`
-    is that of the contour in its middle within the cloth, or None.
+    `shallow` is what a shallow round one is called: a boat in front, where it has to be cut into the shoulders. `turns`
+    are those of the contour within the cloth, or None.
     """
     half_width, depth = float(line[0, 0]), float(line[-1, 1])
     fits = [
-        _fit(line, Throat(name_round(depth / half_width, shallow), depth)),
-        _fit(line, Throat(Neckline.SQUARE, depth)),
+        rounded := _fit(line, Throat(name_round(depth / half_width, shallow), depth)),
+        square := _fit(line, Throat(Neckline.SQUARE, depth)),
     ]
     pointed = min((_fit(line, Throat(Neckline.V, depth, float(bow))) for bow in BOWS), key=lambda fit: fit.misfit)
     corner = corner_turn(pointed.throat, half_width)
-    if corner > CORNER and (turn is None or turn > IN_CLOTH * corner):
+    if corner > CORNER and (turns is None or turns.middle > IN_CLOTH * corner):
         fits.append(pointed)
-    clear = CLEAR * fits[0].misfit
-    return tuple(sorted(fits, key=lambda fit: (fit is not fits[0] and fit.misfit >= clear, fit.misfit)))
+    if turns is not None and turns.corner > max(CORNERED, ALONE * turns.middle):
+        if square.misfit < SAGGING * rounded.misfit:
+            return (square, *sorted((fit for fit in fits if fit is not square), key=lambda fit: fit.misfit))
+    clear = CLEAR * rounded.misfit
+    return tuple(sorted(fits, key=lambda fit: (fit is not rounded and fit.misfit >= clear, fit.misfit)))
 
 
 def name_round(ratio: float, shallow: Neckline = Neckline.BOAT) -> Neckline:
