@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
 from garmentq.core.grade import choose_cut, find_proportions
-from garmentq.core.grade.neckline import fit_necklines
+from garmentq.core.grade.neckline import CLEAR, fit_necklines
 from garmentq.core.pattern import edge_points, load_template
 from garmentq.core.pattern.parts import Neckline, Throat, neckline_points
 from garmentq.core.segment import Contour, Target, unroll_neck
@@ -82,6 +82,17 @@ def test_a_bowed_v_is_a_v_until_its_corner_is_gone():
     assert shallow is not None and shallow.back[0].throat.kind is not Neckline.V
 
 
+def collared(target: Target, at: np.ndarray, out: np.ndarray) -> Target:
+    """Return a target whose contours' points [m], shape [n, 3], have a ring of cloth around them, each `out` away."""
+    apart = np.linalg.norm(at - np.roll(at, 1, axis=0), axis=1) > 1e-6
+    at, out = at[apart], np.broadcast_to(out, at.shape)[apart]
+    target = replace(target, contours=(replace(target.contours[0], vertices=np.arange(len(at))), *target.contours[1:]))
+    here, rim = np.arange(len(at)), len(at) + np.arange(len(at))
+    after, beyond = np.roll(here, -1), np.roll(rim, -1)
+    faces = np.concatenate([np.c_[here, after, rim], np.c_[after, beyond, rim]])
+    return replace(target, vertices=np.concatenate([at, at + out]), faces=faces)
+
+
 @pytest.mark.parametrize(("folded", "kind"), [(False, Neckline.V), (True, Neckline.CREW)])
 def test_folds_make_no_corner(folded, kind):
     """Broken where a round neckline that hangs in a fold is a V: cloth bent about the fold does not turn within."""
@@ -90,12 +101,25 @@ def test_folds_make_no_corner(folded, kind):
     along = loop - loop.mean(axis=0)
     across = np.array([0.0, -np.sin(slope), np.cos(slope)])
     flat = 0.3 * (along - (along @ across)[:, None] * across)
-    here, rim = np.arange(len(loop)), len(loop) + np.arange(len(loop))
-    after, beyond = np.roll(here, -1), np.roll(rim, -1)
-    faces = np.concatenate([np.c_[here, after, rim], np.c_[after, beyond, rim]])
-    vertices = np.concatenate([loop, loop + (0.03 * across if folded else flat)])
-    fits = fit_necklines(replace(target, vertices=vertices, faces=faces), BODY)
+    fits = fit_necklines(collared(target, loop, 0.03 * across if folded else flat), BODY)
     assert fits is not None and fits.back[0].throat.kind is kind
+
+
+@pytest.mark.parametrize(("sag", "kind"), [(0.0, Neckline.SQUARE), (0.04, Neckline.SQUARE), (0.08, Neckline.SCOOP)])
+def test_a_square_neckline_may_sag(sag, kind):
+    """Broken where a square whose lower edge hangs is a scoop, or where a round line without corners is a square."""
+    target = neck_target(Throat(Neckline.SQUARE, 0.14), CREW_BACK)
+    loop, slope = target.vertices.copy(), np.radians(25.0)
+    down = np.array([0.0, -np.cos(slope), np.sin(slope)])
+    low = (loop - [0.0, 1.40, 0.0]) @ down > 0.138
+    wide = np.abs(loop[low, 0]).max()
+    loop[low] += sag * (1.0 - (loop[low, 0] / wide) ** 2)[:, None] * down
+    across = np.array([0.0, np.sin(slope), np.cos(slope)])
+    along = loop - loop.mean(axis=0)
+    fits = fit_necklines(collared(target, loop, 0.3 * (along - (along @ across)[:, None] * across)), BODY)
+    assert fits is not None and fits.front[0].throat.kind is kind
+    if sag:
+        assert fits.front[0].misfit > CLEAR * fits.front[1].misfit  # by their lines alone it would be round
 
 
 def test_the_base_pattern_gets_the_corner_where_the_scan_has_it():
