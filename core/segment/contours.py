@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..body import Body
-from ..mesh import vertex_normals
+from ..mesh import unit, vertex_normals
 from .bite import bridge_bays, bridge_bites
 from .encirclement import Crossing, find_crossings
 from .legs import split_legs
@@ -140,9 +140,12 @@ def _bridge_bites(candidate: _Candidate, vertices: np.ndarray, faces: np.ndarray
 
 
 def _wide_normals(vertices: np.ndarray, faces: np.ndarray, loop: np.ndarray) -> np.ndarray:
-    """Return the normals along a contour, each averaged over the surface within `SMOOTHING`, shape [loop_count, 3]."""
+    """Return unit normals along a contour, each averaged over the surface within `SMOOTHING`, shape [loop_count, 3].
+
+    Noise scatters the vertices' normals, so that their mean is short; only its direction is of the surface.
+    """
     normals, around = vertex_normals(vertices, faces), cKDTree(vertices).query_ball_point(vertices[loop], SMOOTHING)
-    return np.array([normals[near].mean(axis=0) for near in around])
+    return unit(np.array([normals[near].mean(axis=0) for near in around]))
 
 
 def _bridge_bays(

@@ -132,3 +132,19 @@ def test_a_bay_without_skin_beyond_is_bridged():
     unseen[41:64] = True
     kept, bays = bridge_bays(points, outward(points)(), unseen)
     assert len(bays) == 1 and np.abs(points[kept, 1]).max() < 0.011
+
+
+def test_a_bay_of_a_noisy_scan_is_bridged(wearers, hung):
+    """Noise as large as half an edge must not hide a bay: the means of scattered normals are short, not their way."""
+    body = wearers["T"]
+    vertices, faces = hung(body, 0.61, 0.35, around=480, rows=200)
+    whole, _ = name_contours(vertices, faces, body)
+    hem = vertices[whole[0].vertices]
+    place = hem[np.argmax(hem[:, 2])]
+    gone = (np.linalg.norm(vertices - place, axis=1) < 0.04)[faces].any(axis=1)
+    noisy = vertices + np.random.default_rng(3).normal(0.0, 0.002, vertices.shape)
+    unseen = np.zeros(len(vertices), bool)
+    unseen[faces[gone]] = True
+    contours, holes = name_contours(noisy, faces[~gone], body, unseen)
+    assert [contour.name for contour in contours] == ["hem", "waist"] and len(holes) == 1
+    assert contours[0].length == pytest.approx(whole[0].length, rel=0.02)
