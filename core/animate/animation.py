@@ -183,7 +183,7 @@ def _run(
     settings = stage.settings
     lead = int(np.ceil(settings.lead / settings.lead_pace.longest - 1e-9)) if done == 0 else 0
     path = [*(times[0] - settings.lead * np.arange(lead, 0, -1) / max(lead, 1)), *times[max(done - 1, 0) :]]
-    now, begun = stage.at(float(path[0])), time.process_time()
+    now, begun = stage.at(float(path[0]), state.nodes), time.process_time()
     cloth = Cloth(state, stage.layout)
     if done == 0 and lead == 0:
         yield 0, state, *_judge(stage, state, now, _Tally(), begun)
@@ -217,7 +217,7 @@ def _take(
     stage: Stage, cloth: Cloth, now: Moment, span: tuple[float, float], halvings: int
 ) -> tuple[Cloth, Moment, _Tally]:
     """Take a step; one that does not converge is taken again in two halves."""
-    then = stage.at(span[1])
+    then = stage.at(span[1], cloth.state.nodes)
     step = stage.step(cloth, now, then, span[1] - span[0])
     if step.converged or halvings == 0:
         return Cloth(step.state, step.layout), then, _Tally(step.converged, 1, step.factors)

@@ -99,11 +99,11 @@ class Stage:
         assert pins is not None
         return unskin(np.asarray(pins.points), self.weights[pins.nodes], self.worn.body.transforms)
 
-    def at(self, time: float) -> Moment:
-        """Return the wearer at a time of the motion [s]."""
+    def at(self, time: float, nodes: np.ndarray) -> Moment:
+        """Return the wearer at a time of the motion [s], to be asked near cloth that is about at nodes [m], [n, 3]."""
         transforms = self.mover.transforms(self.motion.at(time))
         vertices = skin(self.mover.at_rest, self.worn.body.weights, transforms)
-        return Moment(transforms, ExposedSurface(vertices, self.worn.body.faces, splits=0))
+        return Moment(transforms, ExposedSurface(vertices, self.worn.body.faces, splits=0, near=nodes))
 
     def move_pins(self, moment: Moment) -> Pins | None:
         """Return the waist's pins where the skin takes them, out of the body."""

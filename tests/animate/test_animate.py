@@ -103,7 +103,7 @@ def test_only_what_meets_is_held_back():
 def test_a_frame_is_taken_out_of_the_wearer_and_not_through_itself(worn):
     """Broken where what is inside stays there, or layers that go out to one place pass through each other."""
     stage = Stage(worn, stand(worn), AnimateSettings())
-    moment, faces = stage.at(0.0), worn.garment.faces
+    moment, faces = stage.at(0.0, worn.garment.nodes), worn.garment.faces
     pressed = worn.garment.nodes + [0.0, 0.0, 0.006]
     assert penetration_depth(pressed, faces, moment.surface) > 4e-3
     found = stage.deliver(pressed, moment)
@@ -116,7 +116,7 @@ def test_a_frame_is_taken_out_of_the_wearer_and_not_through_itself(worn):
 def test_cloth_without_room_is_let_go_and_what_is_stuck_has_not_converged(worn):
     """Broken where two nodes in one place hold all of the cloth, or a step that was cut short passes for converged."""
     stage = Stage(worn, stand(worn), AnimateSettings(lead=0.0))
-    now, nodes = stage.at(0.0), np.array(worn.garment.nodes)
+    now, nodes = stage.at(0.0, worn.garment.nodes), np.array(worn.garment.nodes)
     faces = worn.garment.faces
     ring = np.unique(faces[(faces == 40).any(axis=1)])
     other = int(np.unique(faces[np.isin(faces, ring).any(axis=1)][:, 0])[-1])
@@ -135,7 +135,7 @@ def test_forces_that_are_no_numbers_end_a_step_where_they_were(worn, monkeypatch
     """Broken where positions that are none go on into the next step, or pass for converged."""
     settings = AnimateSettings(end=1 / 30.0, lead=0.0, halvings=0)
     stage = Stage(worn, step_aside(worn), settings)
-    now, then = stage.at(0.0), stage.at(1 / 30.0)
+    now, then = (stage.at(time, worn.garment.nodes) for time in (0.0, 1 / 30.0))
     nodes = np.array(worn.garment.nodes)
     real, turn = Energy.hessian, []
 

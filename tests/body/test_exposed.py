@@ -83,3 +83,14 @@ def test_depth_between_parts_that_run_into_each_other_is_told_apart():
     inside = body.joint("neck")[None] * [1.0, 0.9, 1.0]
     free, pinched = pinched_depth(inside, faces, skin)
     assert free > 0.03 and pinched == 0.0
+
+
+def test_a_surface_asked_near_cloth_is_the_whole_one_there() -> None:
+    """Skin far from the cloth may go without a question, no distance near it may change; it fails if the box is small."""
+    body = builtin_body("builtin:female,height=1.65,pose=seated")
+    whole = ExposedSurface.of(body, splits=0)
+    knees = np.stack([body.joint(f"{side}_knee") for side in ("left", "right")])
+    points = (knees[:, None] + np.random.default_rng(5).normal(0.0, 0.05, (2, 300, 3))).reshape(-1, 3)
+    near = ExposedSurface(body.vertices, body.faces, 0, points)
+    assert len(near.faces) > len(whole.faces)
+    np.testing.assert_array_equal(near.measure(points)[0], whole.measure(points)[0])
