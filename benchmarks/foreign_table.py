@@ -1,0 +1,161 @@
+"""Compare what was recovered from the packs of `foreign_drapes.py` with what was drafted, and print the table.
+
+    garmentq bench PACKS --library --method deform --json --out RESULTS > LINES.jsonl
+    python benchmarks/foreign_table.py DRAFTS RESULTS LINES.jsonl
+
+Judged are the category, the parts that a design names (a draft of our own names all of them), the seam at the waist of
+a dress, and the verdict of the metrics that the bench measures, without the re-drape. Panels at least 12 cm wide are
+compared one by one where both patterns have as many of them at each place around the wearer.
+
+GarmentCode cuts tops in halves with a straight seam in the middle in front and behind, our parts have none there. It
+shapes nothing, so halves are joined there before panels are compared. Darts in a true panel are left as they are, in
+its area and its outline, since they are no part that a scan shows.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from foreign_panels import Piece, compare_pieces, join_halves
+from garmentq.core.measure import judge
+from garmentq.core.pattern import find_cut, load_pattern
+from garmentq.core.pattern.parts import PARTS, Cut
+from garmentq.core.verdict import Verdict, worst_verdict
+
+ALIKE = ({"crew", "scoop"}, {"cap", "short", "elbow"})
+"""Words for one part in several lengths or depths, which grading turns into each other."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """Describe one recovery beside its truth.
+
+    Attributes:
+        name: Of the draft.
+        found: The cut that was chosen.
+        is_category: Whether the category is right.
+        wrong: The wrong parts, `part: true as found`.
+        area: Mean error of the areas of panels; None where they do not correspond.
+        outline: Mean distance of their outlines [mm]; None likewise.
+        total: How much larger all panels together are, bands too.
+        verdict: The worst of the gates.
+        why: The gates that do not pass, with what they measured.
+        distances: From the scan to the detail mesh and back, RMS [mm].
+    """
+
+    name: str
+    found: str
+    is_category: bool
+    wrong: tuple[str, ...]
+    area: float | None
+    outline: float | None
+    total: float
+    verdict: Verdict
+    why: str
+    distances: tuple[float, float]
+
+
+def list_true_parts(design: dict[str, Any]) -> dict[str, str]:
+    """Return what a draft's cut is to be, by part."""
+    if "cut" in design:
+        cut = find_cut(design["cut"])
+        return {part: str(getattr(cut, part)) for part in PARTS if cut.has_place_for(part)}
+    named = {part: word for part, word in design["parts"].items() if part != "darts"}
+    return named | ({"waist": "seam"} if design["category"] == "dress" else {})
+
+
+def list_wrong_parts(design: dict[str, Any], found: Cut) -> tuple[str, ...]:
+    """Return the parts that are not right, each as `part: true as found`."""
+    wrong = []
+    for part, word in list_true_parts(design).items():
+        own = str(getattr(found, part))
+        if own != word and not any({own, word} <= words for words in ALIKE):
+            wrong.append(f"{part}: {word} as {own}")
+    return tuple(wrong)
+
+
+def read_row(line: dict[str, Any], drafts: Iterable[Path], results: Path) -> Row:
+    """Compare one line of the bench with its draft."""
+    name = line["target"]
+    folder = next(path / name for path in drafts if (path / name).is_dir())
+    design = json.loads((folder / "design.json").read_text())
+    truth = join_halves(load_pattern(folder / "specification.json"))
+    ours = join_halves(load_pattern(results / name / "pattern.json"))
+    pairs = compare_pieces(ours, truth)
+    metrics = line["metrics"]
+    gates = judge(metrics)
+    why = ", ".join(f"{gate.name} {gate.value:.3g}" for gate in gates if gate.verdict is not Verdict.PASS)
+    return Row(
+        name=name,
+        found=line["template"],
+        is_category=line["category"] == design["category"],
+        wrong=list_wrong_parts(design, find_cut(line["template"])),
+        area=float(np.mean([abs(pair.area) for pair in pairs])) if pairs else None,
+        outline=1e3 * float(np.mean([pair.outline for pair in pairs])) if pairs else None,
+        total=_sum_areas(ours) / _sum_areas(truth) - 1.0,
+        verdict=worst_verdict(gate.verdict for gate in gates),
+        why=why,
+        distances=(metrics["surface_rms_mm.s2t"], metrics["surface_rms_mm.t2s"]),
+    )
+
+
+def _sum_areas(pieces: Iterable[Piece]) -> float:
+    return sum(piece.area for piece in pieces)
+
+
+def print_rows(rows: list[Row]) -> None:
+    """Print a row for each recovery, and the totals."""
+    print("| draft | found | wrong | panels | all | outline [mm] | scan to detail, back [mm] | verdict |")
+    print("|---|---|---|---|---|---|---|---|")
+    for row in rows:
+        area = "" if row.area is None else f"{100.0 * row.area:.1f} %"
+        outline = "" if row.outline is None else f"{row.outline:.1f}"
+        wrong = "; ".join((*(() if row.is_category else ("category",)), *row.wrong))
+        verdict = f"{row.verdict}: {row.why}" if row.why else str(row.verdict)
+        distances = " / ".join(f"{distance:.2f}" for distance in row.distances)
+        print(
+            f"| {row.name} | `{row.found}` | {wrong} | {area} | {100.0 * row.total:+.1f} % | {outline} |"
+            f" {distances} | {verdict} |"
+        )
+    for title, some in (("all", rows), ("own", [row for row in rows if row.name.startswith("own")])):
+        _print_totals(title, some)
+    _print_totals("GarmentCode", [row for row in rows if not row.name.startswith("own")])
+
+
+def _print_totals(title: str, rows: list[Row]) -> None:
+    right = [row for row in rows if row.is_category and not row.wrong]
+    verdicts: dict[bool, dict[str, int]] = {True: defaultdict(int), False: defaultdict(int)}
+    for row in rows:
+        verdicts[row in right][str(row.verdict)] += 1
+    areas = [row.area for row in right if row.area is not None]
+    outlines = [row.outline for row in right if row.outline is not None]
+    print(
+        f"{title}: {len(rows)}; category {sum(row.is_category for row in rows)}, parts {len(right)}; "
+        f"of the right ones' panels ({len(areas)}) area {100.0 * np.mean(areas or [np.nan]):.1f} %, "
+        f"outline {np.mean(outlines or [np.nan]):.1f} mm; right {dict(verdicts[True])}, wrong {dict(verdicts[False])}"
+    )
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("drafts", type=Path, nargs="+", help="folders of drafts")
+    parser.add_argument("results", type=Path)
+    parser.add_argument("lines", type=Path)
+    given = parser.parse_args()
+    lines = [json.loads(line) for line in given.lines.read_text().splitlines()]
+    print_rows([read_row(line, given.drafts, given.results) for line in lines if line["ok"]])
+    for line in lines:
+        if not line["ok"]:
+            print(f"{line['target']}: {line['error']}")
+
+
+if __name__ == "__main__":
+    main()
