@@ -30,8 +30,8 @@ EASE = 1.15
 """By which girths are drafted wider than the body's, whose file has them up to 6 % too narrow: 8 % to move in."""
 
 ARM = 51.6
-"""Length of the arm to the wrist [cm] that long sleeves are drafted for: that of GarmentCode's mean woman. The body's own
-file has 80, with which they end 3 to 9 cm beyond the fingers, where no drape of them can be told from a closed bag."""
+"""Length of the arm to the wrist [cm] for which long sleeves are drafted: that of GarmentCode's mean woman. The file of
+the body has 80, with which they end 3 to 9 cm beyond the fingers, where cloth falls together over its own end."""
 
 GIRTHS = (
     "bust", "underbust", "waist", "hips", "back_width", "waist_back_width", "hip_back_width", "leg_circ", "wrist",
