@@ -54,10 +54,11 @@ def test_each_neckline_is_told_from_the_others(kind):
     assert fits.back[0].throat.kind is Neckline.CREW
 
 
-def test_a_square_neckline_may_be_wider_below():
+@pytest.mark.parametrize("lean", [0.1, 0.3])
+def test_a_square_neckline_may_be_wider_below(lean):
     """Broken where side neck points are looked for at the lower corners, so that a square is a boat in front."""
     square = Throat.at_front(Neckline.SQUARE)
-    fits = fit_necklines(neck_target(square, CREW_BACK, lean=0.1), BODY)
+    fits = fit_necklines(neck_target(square, CREW_BACK, lean=lean), BODY)
     assert fits is not None and fits.front[0].throat.kind is Neckline.SQUARE
     assert fits.front[0].throat.depth == pytest.approx(square.depth, abs=0.01)
     assert fits.back[0].throat.kind is Neckline.CREW
