@@ -1,7 +1,7 @@
 """Compare what was recovered from the packs of `foreign_drapes.py` with what was drafted, and print the table.
 
     garmentq bench PACKS --library --method deform --json --out RESULTS > LINES.jsonl
-    python benchmarks/foreign_table.py DRAFTS RESULTS LINES.jsonl
+    python benchmarks/foreign_table.py DRAFTS... --packs PACKS --results RESULTS --lines LINES.jsonl
 
 Judged are the category, the parts that a design names (a draft of our own names all of them), the seam at the waist of
 a dress, and the verdict of the metrics that the bench measures, without the re-drape. Panels at least 12 cm wide are
@@ -39,6 +39,8 @@ class Row:
 
     Attributes:
         name: Of the draft.
+        crossing: Faces of the drape that cross others.
+        true: The parts that are judged.
         found: The cut that was chosen.
         is_category: Whether the category is right.
         wrong: The wrong parts, `part: true as found`.
@@ -51,6 +53,8 @@ class Row:
     """
 
     name: str
+    crossing: int
+    true: str
     found: str
     is_category: bool
     wrong: tuple[str, ...]
@@ -60,6 +64,15 @@ class Row:
     verdict: Verdict
     why: str
     distances: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Folders:
+    """Name the folders of drafts, of their drapes and of what was recovered from these."""
+
+    drafts: tuple[Path, ...]
+    packs: Path
+    results: Path
 
 
 def list_true_parts(design: dict[str, Any]) -> dict[str, str]:
@@ -81,19 +94,22 @@ def list_wrong_parts(design: dict[str, Any], found: Cut) -> tuple[str, ...]:
     return tuple(wrong)
 
 
-def read_row(line: dict[str, Any], drafts: Iterable[Path], results: Path) -> Row:
+def read_row(line: dict[str, Any], folders: Folders) -> Row:
     """Compare one line of the bench with its draft."""
     name = line["target"]
-    folder = next(path / name for path in drafts if (path / name).is_dir())
+    folder = next(path / name for path in folders.drafts if (path / name).is_dir())
+    told = json.loads((folders.packs / name / "meta.json").read_text())
     design = json.loads((folder / "design.json").read_text())
     truth = join_halves(load_pattern(folder / "specification.json"))
-    ours = join_halves(load_pattern(results / name / "pattern.json"))
+    ours = join_halves(load_pattern(folders.results / name / "pattern.json"))
     pairs = compare_pieces(ours, truth)
     metrics = line["metrics"]
     gates = judge(metrics)
     why = ", ".join(f"{gate.name} {gate.value:.3g}" for gate in gates if gate.verdict is not Verdict.PASS)
     return Row(
         name=name,
+        crossing=told["self_intersecting_faces"],
+        true=f"`{design['cut']}`" if "cut" in design else ", ".join(list_true_parts(design).values()),
         found=line["template"],
         is_category=line["category"] == design["category"],
         wrong=list_wrong_parts(design, find_cut(line["template"])),
@@ -112,18 +128,20 @@ def _sum_areas(pieces: Iterable[Piece]) -> float:
 
 def print_rows(rows: list[Row]) -> None:
     """Print a row for each recovery, and the totals."""
-    print("| draft | found | wrong | panels | all | outline [mm] | scan to detail, back [mm] | verdict |")
-    print("|---|---|---|---|---|---|---|---|")
+    columns = ("draft", "crossing", "true", "found", "wrong", "area", "all", "outline", "s2t / t2s", "verdict")
+    print(f"| {' | '.join(columns)} |")
+    print(f"|{'---|' * len(columns)}")
     for row in rows:
         area = "" if row.area is None else f"{100.0 * row.area:.1f} %"
         outline = "" if row.outline is None else f"{row.outline:.1f}"
         wrong = "; ".join((*(() if row.is_category else ("category",)), *row.wrong))
         verdict = f"{row.verdict}: {row.why}" if row.why else str(row.verdict)
         distances = " / ".join(f"{distance:.2f}" for distance in row.distances)
-        print(
-            f"| {row.name} | `{row.found}` | {wrong} | {area} | {100.0 * row.total:+.1f} % | {outline} |"
-            f" {distances} | {verdict} |"
-        )
+        cells = (
+            row.name, str(row.crossing), row.true, f"`{row.found}`", wrong, area, f"{100.0 * row.total:+.1f} %", outline,
+            distances, verdict,
+        )  # fmt: skip
+        print(f"| {' | '.join(cells)} |")
     for title, some in (("all", rows), ("own", [row for row in rows if row.name.startswith("own")])):
         _print_totals(title, some)
     _print_totals("GarmentCode", [row for row in rows if not row.name.startswith("own")])
@@ -147,11 +165,13 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("drafts", type=Path, nargs="+", help="folders of drafts")
-    parser.add_argument("results", type=Path)
-    parser.add_argument("lines", type=Path)
+    parser.add_argument("--packs", type=Path, required=True)
+    parser.add_argument("--results", type=Path, required=True)
+    parser.add_argument("--lines", type=Path, required=True)
     given = parser.parse_args()
     lines = [json.loads(line) for line in given.lines.read_text().splitlines()]
-    print_rows([read_row(line, given.drafts, given.results) for line in lines if line["ok"]])
+    folders = Folders(tuple(given.drafts), given.packs, given.results)
+    print_rows([read_row(line, folders) for line in lines if line["ok"]])
     for line in lines:
         if not line["ok"]:
             print(f"{line['target']}: {line['error']}")
