@@ -138,8 +138,8 @@ def print_rows(rows: list[Row]) -> None:
         verdict = f"{row.verdict}: {row.why}" if row.why else str(row.verdict)
         distances = " / ".join(f"{distance:.2f}" for distance in row.distances)
         cells = (
-            row.name, str(row.crossing), row.true, f"`{row.found}`", wrong, area, f"{100.0 * row.total:+.1f} %", outline,
-            distances, verdict,
+            row.name, str(row.crossing), row.true, f"`{row.found}`", wrong, area,
+            f"{100.0 * row.total:+.1f} %", outline, distances, verdict,
         )  # fmt: skip
         print(f"| {' | '.join(cells)} |")
     for title, some in (("all", rows), ("own", [row for row in rows if row.name.startswith("own")])):
