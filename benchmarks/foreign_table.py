@@ -3,13 +3,14 @@
     garmentq bench PACKS --library --method deform --json --out RESULTS > LINES.jsonl
     python benchmarks/foreign_table.py DRAFTS... --packs PACKS --results RESULTS --lines LINES.jsonl
 
-Judged are the category, the parts that a design names (a draft of our own names all of them), the seam at the waist of
-a dress, and the verdict of the metrics that the bench measures, without the re-drape. Panels at least 12 cm wide are
-compared one by one where both patterns have as many of them at each place around the wearer.
+Judged are the category, the parts that a design names (a draft of our own names all of them; darts are left out), the
+seam at the waist of a dress, and the verdict of the metrics that the bench measures, without the re-drape. Panels at
+least 12 cm wide are compared one by one where both patterns have as many of them at each place around the wearer, and
+as many bands.
 
 GarmentCode cuts tops in halves with a straight seam in the middle in front and behind, our parts have none there. It
-shapes nothing, so halves are joined there before panels are compared. Darts in a true panel are left as they are, in
-its area and its outline, since they are no part that a scan shows.
+shapes nothing, so halves are joined there before panels are compared. Darts are cut out of a panel's area, its outline
+runs across their mouths.
 """
 
 from __future__ import annotations
@@ -79,7 +80,7 @@ def list_true_parts(design: dict[str, Any]) -> dict[str, str]:
     """Return what a draft's cut is to be, by part."""
     if "cut" in design:
         cut = find_cut(design["cut"])
-        return {part: str(getattr(cut, part)) for part in PARTS if cut.has_place_for(part)}
+        return {part: str(getattr(cut, part)) for part in PARTS if cut.has_place_for(part) and part != "shaping"}
     named = {part: word for part, word in design["parts"].items() if part != "darts"}
     return named | ({"waist": "seam"} if design["category"] == "dress" else {})
 
