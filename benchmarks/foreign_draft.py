@@ -31,7 +31,7 @@ EASE = 1.15
 
 ARM = 51.6
 """Length of the arm to the wrist [cm] for which long sleeves are drafted: that of GarmentCode's mean woman. The file of
-the body has 80, with which they end 3 to 9 cm beyond the fingers, where cloth falls together over its own end."""
+the body has 80, with which they end 9 to 13 cm beyond the fingers, where cloth falls together over its own end."""
 
 GIRTHS = (
     "bust", "underbust", "waist", "hips", "back_width", "waist_back_width", "hip_back_width", "leg_circ", "wrist",
