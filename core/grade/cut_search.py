@@ -41,11 +41,6 @@ CLEAR_SHAPE, CLEAR_SEAMS = 0.5, 0.6
 is sewn otherwise. Grading mends proportions and adds no seam, so seams need less. Of 52 drawn cuts none then has fewer
 right parts than by contours alone; at 0.7 for both, of 110 parts 93 are right instead of 84, and one cut has fewer."""
 
-FAR = 0.10
-"""Part of its misfit that another cut explains (both misfits' difference in squares) from which the cut that contours
-chose is left below `NEAR`, too: legs 1.7 times as wide as straight ones have girths that no cut has, so that half the
-misfit is reached by none. On 40 other scans the most is 0.08."""
-
 NEAR = 0.85
 """Of the others, one with fewer changes is chosen as long as none has a misfit below this share of its own."""
 
@@ -142,10 +137,9 @@ def compare_girths(seen: GirthProfile, drawn: GirthProfile) -> float:
 def rank_fits(fits: Sequence[CutFit], usual: Cut, clear_shape: float = CLEAR_SHAPE) -> tuple[CutFit, ...]:
     """Return fits by their misfit, the chosen one first; none where the usual cut itself is not among them.
 
-    The usual cut is chosen unless others are clearly nearer, by their share of its misfit or by `FAR`; then, of these,
-    the one with the fewest changes that none is much nearer than. `clear_shape` is the share of its misfit below which
-    one of other proportions is: more where the usual cut is not the one that contours chose, but the same with a seam
-    that they do not tell.
+    The usual cut is chosen unless others are clearly nearer; then, of these, the one with the fewest changes that none
+    is much nearer than. `clear_shape` is the share of its misfit below which one of other proportions is: more where
+    the usual cut is not the one that contours chose, but the same with a seam that they do not tell.
     """
     ranked = sorted(fits, key=lambda fit: fit.misfit)
     chosen = next((fit for fit in fits if fit.cut == usual), None)
@@ -153,11 +147,7 @@ def rank_fits(fits: Sequence[CutFit], usual: Cut, clear_shape: float = CLEAR_SHA
         return ()
     most = chosen.total
     shares = (CLEAR_SEAMS if _is_sewn_otherwise(fit.cut, usual) else clear_shape for fit in ranked)
-    clear = [
-        fit
-        for fit, share in zip(ranked, shares, strict=True)
-        if fit.total < share * most or (fit.total < NEAR * most and most**2 - fit.total**2 > FAR**2)
-    ]
+    clear = [fit for fit, share in zip(ranked, shares, strict=True) if fit.total < share * most]
     if clear:
         rivals = [fit for fit in clear if NEAR * fit.total <= clear[0].total]
         chosen = min(rivals, key=lambda fit: _changes(fit.cut, usual))
