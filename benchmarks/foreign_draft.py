@@ -29,6 +29,10 @@ SEED = 2026
 EASE = 1.15
 """By which girths are drafted wider than the body's, whose file has them up to 6 % too narrow: 8 % to move in."""
 
+ARM = 51.6
+"""Length of the arm to the wrist [cm] for which long sleeves are drafted: that of GarmentCode's mean woman. The file of
+the body has 80, with which they end 9 to 13 cm beyond the fingers, where cloth falls together over its own end."""
+
 GIRTHS = (
     "bust", "underbust", "waist", "hips", "back_width", "waist_back_width", "hip_back_width", "leg_circ", "wrist",
 )  # fmt: skip
@@ -114,6 +118,14 @@ def draw(category: str, seed: int, design: dict) -> dict[str, str]:
     return draw_skirt(design, chance) if category == "skirt" else draw_legs(design, chance, short=category == "shorts")
 
 
+def write(spec: dict) -> str:
+    """Return a specification as JSON, panels and stitches sorted: GarmentCode's order is another one each time."""
+    pattern = spec["pattern"]
+    pattern["panels"] = dict(sorted(pattern["panels"].items()))
+    pattern["stitches"] = sorted((sorted(sides, key=str) for sides in pattern["stitches"]), key=str)
+    return json.dumps(spec, default=lambda value: value.tolist())
+
+
 def main() -> None:
     """Draft all."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -129,11 +141,13 @@ def main() -> None:
                 body[girth] = EASE * body[girth]
             design = yaml.safe_load((assets / "design_params" / "default.yaml").read_text())["design"]
             parts = draw(category, seed, design)
+            if parts.get("sleeve") == "long":
+                body["arm_length"] = ARM
             name = f"{category}_{seed}"
             folder = given.out / name
             folder.mkdir(parents=True, exist_ok=True)
             spec = MetaGarment(name, body, design).assembly().spec
-            (folder / "specification.json").write_text(json.dumps(spec, default=lambda value: value.tolist()))
+            (folder / "specification.json").write_text(write(spec))
             told = {"category": category, "seed": seed, "parts": parts}
             (folder / "design.json").write_text(json.dumps(told, indent=1))
             print(name, len(spec["pattern"]["panels"]), "panels", parts, flush=True)

@@ -21,8 +21,9 @@ AROUND = 0.02
 two teeth of a cut along triangles."""
 
 IN_CLOTH = 0.5
-"""Least turn of a contour within its surface by that of the V: 0.95 to 1.06 of it on V-necks of five drapes, 0.3 where
-folds drew a round one together behind."""
+"""Least turn of a contour within its surface by that of the V: 0.8 to 1.06 of it on V-necks of six drapes, 0.3 where
+folds drew a round one together behind. It is at least `CORNER`, too: a round line turns by 32 degrees over the window
+where it is 18 cm wide, which was 0.63 of the turn of the V with the most bow that a drape had drawn it together to."""
 
 CLEAR = 0.6
 """A line other than a round one is chosen where its misfit is below this share of the round one's: round is what most
@@ -149,7 +150,7 @@ def _rank(line: np.ndarray, shallow: Neckline, turns: _Turns | None) -> tuple[Ne
     ]
     pointed = min((_fit(line, Throat(Neckline.V, depth, float(bow))) for bow in BOWS), key=lambda fit: fit.misfit)
     corner = corner_turn(pointed.throat, half_width)
-    if corner > CORNER and (turns is None or turns.middle > IN_CLOTH * corner):
+    if corner > CORNER and (turns is None or turns.middle > max(CORNER, IN_CLOTH * corner)):
         fits.append(pointed)
     if turns is not None and turns.corner > max(CORNERED, ALONE * turns.middle):
         if square.misfit < SAGGING * rounded.misfit:

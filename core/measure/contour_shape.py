@@ -17,6 +17,10 @@ CORNER_SPAN = 0.012
 """Length at each side of the middle within which a pattern's edge may turn for its corner [m]: less than an edge of a
 coarse mesh. A round neckline of 7 cm radius turns by 20 degrees there."""
 
+ASIDE = 0.015
+"""How far from the middle plane a pattern's corner is looked for [m]: a drape hangs aside by as much as an edge of a
+coarse mesh. The corners of a square are further away."""
+
 FINE = 400
 """Parts of half a neckline between which distances are taken: less than 1 mm each."""
 
@@ -78,11 +82,12 @@ def _compare_corners(garment: Garment, nodes: np.ndarray, target: Target, body: 
     loop = next(contour.vertices for contour in garment.contours if contour.name == "neck")
     lateral = (body.joint("left_shoulder") - body.joint("right_shoulder")) * (1.0, 0.0, 1.0)
     off, ahead = nodes[loop] @ lateral, nodes[loop] @ np.cross(lateral, (0.0, 1.0, 0.0))
-    off = off - (off.max() + off.min()) / 2
+    off = np.abs(off - (off.max() + off.min()) / 2) / np.linalg.norm(lateral)
     apart = []
     for side, fit in ((ahead > ahead.mean(), fits.front[0]), (ahead <= ahead.mean(), fits.back[0])):
-        middle = int(np.flatnonzero(side)[np.abs(off[side]).argmin()])
-        apart.append(abs(flat_turn(garment, loop, middle) - _corner(fit)))
+        near = np.flatnonzero(side & (off <= max(ASIDE, off[side].min())))
+        turn = max(flat_turn(garment, loop, int(node)) for node in near)
+        apart.append(abs(turn - _corner(fit)))
     return {"shape.neck_corner_deg": float(np.degrees(max(apart)))}
 
 

@@ -148,6 +148,17 @@ def test_what_is_not_clear_stays_as_contours_chose() -> None:
     assert rank_fits([CutFit("skirt", other, 0.01)], usual) == ()
 
 
+def test_of_equal_girths_the_fewer_panels_are_taken() -> None:
+    """Broken where six gores are as near to a skirt of two panels as four are: a hundredth of the misfit decided."""
+    two, four = CUTS["skirt"], CUTS["four_panel_skirt"]
+    fits = [
+        CutFit("skirt", two, 0.060),
+        CutFit("skirt", two.choose({"skirt": "gored"}), 0.012),
+        CutFit("four_panel_skirt", four, 0.014),
+    ]
+    assert rank_fits(fits, two)[0].cut == four
+
+
 @pytest.mark.parametrize(("share", "name"), [(0.24, "cap"), (0.37, "elbow"), (0.53, "elbow"), (0.95, "long")])
 def test_a_sleeve_far_from_the_scans_length_is_left(share: float, name: str) -> None:
     """Breaks where every dress with cuffs gets the library's elbow sleeves, or one that grading mends is left."""

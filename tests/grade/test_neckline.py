@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
 from garmentq.core.grade import choose_cut, find_proportions
-from garmentq.core.grade.neckline import CLEAR, fit_necklines
+from garmentq.core.grade.neckline import CLEAR, CORNER, fit_necklines
 from garmentq.core.pattern import edge_points, load_template
-from garmentq.core.pattern.parts import Neckline, Throat, neckline_points
+from garmentq.core.pattern.parts import Neckline, Throat, corner_turn, neckline_points
 from garmentq.core.segment import Contour, Target, unroll_neck
 
 BODY = builtin_body("builtin:female,height=1.70")
@@ -54,10 +54,11 @@ def test_each_neckline_is_told_from_the_others(kind):
     assert fits.back[0].throat.kind is Neckline.CREW
 
 
-def test_a_square_neckline_may_be_wider_below():
+@pytest.mark.parametrize("lean", [0.1, 0.3])
+def test_a_square_neckline_may_be_wider_below(lean):
     """Broken where side neck points are looked for at the lower corners, so that a square is a boat in front."""
     square = Throat.at_front(Neckline.SQUARE)
-    fits = fit_necklines(neck_target(square, CREW_BACK, lean=0.1), BODY)
+    fits = fit_necklines(neck_target(square, CREW_BACK, lean=lean), BODY)
     assert fits is not None and fits.front[0].throat.kind is Neckline.SQUARE
     assert fits.front[0].throat.depth == pytest.approx(square.depth, abs=0.01)
     assert fits.back[0].throat.kind is Neckline.CREW
@@ -103,6 +104,21 @@ def test_folds_make_no_corner(folded, kind):
     flat = 0.3 * (along - (along @ across)[:, None] * across)
     fits = fit_necklines(collared(target, loop, 0.03 * across if folded else flat), BODY)
     assert fits is not None and fits.back[0].throat.kind is kind
+
+
+@pytest.mark.parametrize(("tilt", "kind"), [(0.0, Neckline.V), (62.0, Neckline.SCOOP)])
+def test_a_round_line_that_is_drawn_together_is_no_v(tilt, kind):
+    """Broken where a V may turn within the cloth by no more than a round line of its width does."""
+    bowed = Throat(Neckline.V, 0.16, 0.125)
+    target = neck_target(bowed, CREW_BACK)
+    loop, slope = target.vertices, np.radians(25.0)
+    front = np.array([0.0, np.sin(slope), np.cos(slope)])
+    along = loop - loop.mean(axis=0)
+    along -= (along @ front)[:, None] * front
+    tilted = 0.3 * np.cos(np.radians(tilt)) * along + 0.03 * np.sin(np.radians(tilt)) * front
+    fits = fit_necklines(collared(target, loop, tilted), BODY)
+    assert corner_turn(bowed, 0.10) > CORNER
+    assert fits is not None and fits.front[0].throat.kind is kind
 
 
 @pytest.mark.parametrize(("sag", "kind"), [(0.0, Neckline.SQUARE), (0.04, Neckline.SQUARE), (0.08, Neckline.SCOOP)])

@@ -68,6 +68,17 @@ def test_a_neckline_of_another_kind_does_not_pass(cut: str, scan: str) -> None:
     assert verdicts(found)["neckline"] == ("pass" if cut_v == scan_v else "fail")
 
 
+@pytest.mark.parametrize("aside", [-0.010, 0.0, 0.010])
+def test_a_v_may_hang_aside(aside: float) -> None:
+    """Breaks where the pattern's corner is looked for in the middle of the drape alone."""
+    target, garment = wear("tshirt+neckline=v"), sewn("tshirt+neckline=v")
+    nodes = garment.nodes.copy()
+    down = nodes[:, 1].max() - nodes[:, 1]
+    nodes[:, 0] += np.where(nodes[:, 2] > 0, aside * np.minimum(1.0, down / 0.1), 0.0)
+    found = measure_contour_shapes(garment, nodes, target, BODY)
+    assert verdicts(found)["neckline"] == "pass"
+
+
 def test_a_v_may_hang_bowed() -> None:
     """Breaks where the bow of worn cloth is taken for another cut: it opens the corner in space, not in the flat."""
     target, garment = wear("tshirt+neckline=v"), sewn("tshirt+neckline=v")
