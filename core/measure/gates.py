@@ -128,10 +128,10 @@ RULES = (
         Product.PATTERN,
     ),
     Rule(
-        "contour_shape", _largest("shape.", "_mm"), 50.0, 100.0,
+        "contour_shape", _largest("shape.", "_mm"), 40.0, 100.0,
         "An open edge of the drape runs up to {value:.0f} mm away from the scan's",
         "look at neck, hem and cuffs in the report: a part is of another kind, or hangs another way; try --part.",
-        "Edges of right patterns hang 5 to 30 mm off, hems of wide tops up to 44; 100 mm is another length or part.",
+        "Edges of right patterns hang 5 to 30 mm off, a crew neck cut for a V 36; 100 mm is another length or part.",
         Product.PATTERN,
     ),
     Rule(
