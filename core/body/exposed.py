@@ -23,8 +23,8 @@ CLEAR = 0.97
 from creases: the nearest skin is seen from behind by what is inside."""
 
 BESIDE = 0.15
-"""How far beyond the box around given points skin is looked at [m]: more than cloth is off the skin that bears it, by what
-both move in a step."""
+"""How far beyond the box around given points skin is looked at [m]: more than cloth is off the skin that bears it, with
+what both move in a step."""
 
 RINGS = 3
 """Edges around swallowed skin within which that is asked of every point: beside a crease the skin of one part that lies

@@ -86,7 +86,7 @@ def test_depth_between_parts_that_run_into_each_other_is_told_apart():
 
 
 def test_a_surface_asked_near_cloth_is_the_whole_one_there() -> None:
-    """Skin far from the cloth may go without a question, no distance near it may change; it fails if the box is small."""
+    """Skin far from cloth may go without a question, no distance near it may change: broken by a small box."""
     body = builtin_body("builtin:female,height=1.65,pose=seated")
     whole = ExposedSurface.of(body, splits=0)
     knees = np.stack([body.joint(f"{side}_knee") for side in ("left", "right")])
