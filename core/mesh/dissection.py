@@ -108,29 +108,65 @@ def _cheapest_cut(indptr, indices, nodes, mark, token, place, distances):  # typ
     The separator of a level m are the nodes up to m with a neighbour above m; it costs its size by the product of those
     of the two sides (ratio cut, Wei and Cheng 1989). The pair is twice the same where no level leaves two sides.
     """
+    first, beside = _links_within(indptr, indices, nodes, mark, token, place)
+    costs, levels = (
+        np.full((len(distances), len(distances)), np.inf),
+        np.zeros((len(distances), len(distances)), np.int64),
+    )
+    for one in range(len(distances)):
+        for other in range(one + 1, len(distances)):
+            field = distances[one] - distances[other]
+            lowest, highest = field.min(), field.max()
+            size = highest - lowest + 1
+            rising, falling = np.zeros(size + 1, np.int64), np.zeros(size + 1, np.int64)
+            below = np.zeros(size, np.int64)
+            for n in range(len(nodes)):
+                here = field[n]
+                top, bottom = here, here
+                for at in range(first[n], first[n + 1]):
+                    top, bottom = max(top, field[beside[at]]), min(bottom, field[beside[at]])
+                rising[here - lowest] += 1
+                rising[top - lowest] -= 1
+                falling[highest - here] += 1
+                falling[highest - bottom] -= 1
+                below[here - lowest] += 1
+            costs[one, other], level = _cheapest_level(rising, below, len(nodes))
+            levels[one, other] = lowest + level
+            costs[other, one], level = _cheapest_level(falling, below[::-1], len(nodes))
+            levels[other, one] = level - highest
     best, found = np.inf, (0, 0, 0)
     for one in range(len(distances)):
         for other in range(len(distances)):
-            field = distances[one] - distances[other]
-            lowest = field.min()
-            size = field.max() - lowest + 1
-            starts, below = np.zeros(size + 1, np.int64), np.zeros(size, np.int64)
-            for n in range(len(nodes)):
-                top = field[n]
-                for at in range(indptr[nodes[n]], indptr[nodes[n] + 1]):
-                    if mark[indices[at]] == token:
-                        top = max(top, field[place[indices[at]]])
-                starts[field[n] - lowest] += 1
-                starts[top - lowest] -= 1
-                below[field[n] - lowest] += 1
-            separator, here = 0, 0
-            for m in range(size):
-                separator += starts[m]
-                here += below[m]
-                sides = (here - separator) * (len(nodes) - here)
-                if sides > 0 and separator / sides < best:
-                    best, found = separator / sides, (one, other, lowest + m)
+            if costs[one, other] < best:
+                best, found = costs[one, other], (one, other, levels[one, other])
     return found
+
+
+@njit(cache=True)
+def _links_within(indptr, indices, nodes, mark, token, place):  # type: ignore[no-untyped-def]
+    """Return the graph within the marked set: start of each node's neighbours, and these by their place in `nodes`."""
+    first, beside = np.zeros(len(nodes) + 1, np.int64), np.zeros((indptr[nodes + 1] - indptr[nodes]).sum(), np.int64)
+    count = 0
+    for n in range(len(nodes)):
+        for at in range(indptr[nodes[n]], indptr[nodes[n] + 1]):
+            if mark[indices[at]] == token:
+                beside[count] = place[indices[at]]
+                count += 1
+        first[n + 1] = count
+    return first, beside
+
+
+@njit(cache=True)
+def _cheapest_level(starts, below, count):  # type: ignore[no-untyped-def]
+    """Return the least cost of a cut between two levels, and the lower one; infinite where no cut has two sides."""
+    best, found, separator, here = np.inf, 0, 0, 0
+    for m in range(len(below)):
+        separator += starts[m]
+        here += below[m]
+        sides = (here - separator) * (count - here)
+        if sides > 0 and separator / sides < best:
+            best, found = separator / sides, m
+    return best, found
 
 
 @njit(cache=True)
