@@ -67,7 +67,18 @@ def _width(worn: Worn, nodes: np.ndarray, tape: Tape, place: str, level: float) 
             points = np.array(crossings.get(panel.name, np.zeros((0, 2))))
             if len(points) % 2:
                 return 0.0  # the level ends within this panel: no line to lay a ruler along
-            across = (points @ panel.rotation[:2, :2].T)[:, 1 if sleeves else 0]
-            points = points[np.argsort(across)]
-            total += float(np.linalg.norm(points[1::2] - points[::2], axis=1).sum())
+            total += _join_nearest(points)
     return 0.5 * total if place in ("thigh", "upper_arm") else total
+
+
+def _join_nearest(points: np.ndarray) -> float:
+    """Return the least sum of lengths that join points in pairs [m], shape [n, 2], n even; 0 for none.
+
+    A seam that bends to and fro across the level is crossed three times: a piece lies from it to itself.
+    """
+    if not len(points):
+        return 0.0
+    first, rest = points[0], points[1:]
+    return min(
+        float(np.linalg.norm(first - other)) + _join_nearest(np.delete(rest, n, axis=0)) for n, other in enumerate(rest)
+    )
