@@ -13,6 +13,7 @@ import numpy as np
 from garmentq.core.measure.matching import is_wide
 from garmentq.core.measure.outlines import fit_outline
 from garmentq.core.pattern import Panel, Pattern, edge_points, panel_area, panel_outline, place_points
+from garmentq.core.pattern.editing.darts import find_darts
 
 SEGMENTS = 24
 """Segments of each curve: the chord error on a 50 cm curve is 0.1 mm."""
@@ -65,7 +66,7 @@ def join_halves(pattern: Pattern) -> tuple[Piece, ...]:
     for seam in pattern.seams:
         (a, i), (b, j) = sorted(((seam.a.panel, seam.a.edge), (seam.b.panel, seam.b.edge)))
         sewn[a, b].append((i, j))
-    pieces, joined, darts = [], set(), _find_darts(pattern)
+    pieces, joined, darts = [], set(), _mark_darts(pattern)
     for (a, b), edges in sewn.items():
         if a == b or joined & {a, b}:
             continue
@@ -113,18 +114,16 @@ def _by_place(pieces: Iterable[Piece]) -> tuple[dict[tuple[bool, int], list[Piec
     return found, bands
 
 
-def _find_darts(pattern: Pattern) -> dict[tuple[str, int], int]:
+def _mark_darts(pattern: Pattern) -> dict[tuple[str, int], int]:
     """Return, by panel and edge, how many of its points a side of a dart leaves in an outline: 1 and 0.
 
-    Both sides are neighbours that are sewn to each other; the first begins at the mouth, the second at the dart's tip.
+    The first side begins at the mouth, the second at the dart's tip.
     """
-    darts: dict[tuple[str, int], int] = {}
-    for seam in pattern.seams:
-        panel, count = seam.a.panel, len(pattern.panel(seam.a.panel).edges)
-        for first, second in ((seam.a.edge, seam.b.edge), (seam.b.edge, seam.a.edge)):
-            if panel == seam.b.panel and (first + 1) % count == second:
-                darts |= {(panel, first): 1, (panel, second): 0}
-    return darts
+    found: dict[tuple[str, int], int] = {}
+    for dart in find_darts(pattern):
+        second = (dart.first + 1) % len(pattern.panel(dart.panel).edges)
+        found |= {(dart.panel, dart.first): 1, (dart.panel, second): 0}
+    return found
 
 
 def _join(panel: Panel, edges: list[int], darts: Mapping[tuple[str, int], int]) -> np.ndarray | None:

@@ -67,7 +67,7 @@ class ExposedSurface:
     @cached_property
     def whole(self) -> ExposedSurface:
         """Return the same skin with the faces that creases cut kept or dropped whole, as their middles are."""
-        return ExposedSurface(self._solid.vertices, self._solid.faces, 0, self._near)
+        return ExposedSurface(self._solid.vertices, self._solid.faces, splits=0, near=self._near)
 
     @cached_property
     def swallowed(self) -> TriangleSurface | None:
@@ -81,11 +81,16 @@ class ExposedSurface:
         """Return which faces of the given mesh have their middles in the open, shape [n]."""
         return self._bare_middles(self._solid.vertices, self._solid.faces)
 
+    @property
+    def _is_cut(self) -> bool:
+        """Whether faces are split along creases: then it is asked of every point whether it is inside."""
+        return self.vertices is not self._solid.vertices
+
     @cached_property
     def _creased(self) -> np.ndarray:
         """Return which faces in the open are beside swallowed skin, shape [n]; all of them where creases are cut."""
         solid = self._solid
-        if self.vertices is not solid.vertices:
+        if self._is_cut:
             return np.ones(len(self.faces), dtype=bool)
         count = len(solid.vertices)
         degree, kept = (np.bincount(each.ravel(), minlength=count) for each in (solid.faces, self.faces))
@@ -132,6 +137,17 @@ class ExposedSurface:
     def contains(self, points: np.ndarray) -> np.ndarray:
         """Return which points [m], shape [n, 3], are inside, shape [n]."""
         return self._solid.contains(points)
+
+    def depths(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return those of some points [m], shape [n, 3], that are inside, and their ways to the skin in the open [m].
+
+        Where every point has to be asked about, only the ways of those inside are looked for.
+        """
+        if self._is_cut:
+            inside = points[self.contains(points)]
+            return inside, self.closest(inside).distance
+        distance, _ = self.measure(points)
+        return points[distance < 0.0], -distance[distance < 0.0]
 
     def closest(self, points: np.ndarray) -> Closest:
         """Find the closest points of the skin in the open to points [m], shape [n, 3]."""
@@ -217,6 +233,4 @@ def pinched_depth(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface) ->
 def _depths(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface) -> tuple[np.ndarray, np.ndarray]:
     """Return a garment's nodes and face centres inside a body [m], [n, 3], and their ways to its exposed skin [m]."""
     points = np.concatenate([nodes, nodes[faces].mean(axis=1)])
-    distance, _ = skin.measure(points)
-    inside = distance < 0.0
-    return points[inside], -distance[inside]
+    return skin.depths(points)

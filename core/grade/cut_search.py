@@ -44,9 +44,6 @@ right parts than by contours alone; at 0.7 for both, of 110 parts 93 are right i
 NEAR = 0.85
 """Of the others, one with fewer changes is chosen as long as none has a misfit below this share of its own."""
 
-GORES = 6
-"""Panels of a gored skirt, which has the girths of four panels that flare as much."""
-
 SEWN_OTHERWISE = (Skirt.GATHERED, Skirt.TIERED, Skirt.GORED)
 """Skirts whose seams are not those of two plain panels."""
 
@@ -161,13 +158,8 @@ def _is_sewn_otherwise(cut: Cut, usual: Cut) -> bool:
 
 
 def _changes(cut: Cut, usual: Cut) -> int:
-    """Count the parts in which a cut is another, and the number of its panels."""
-    return len(differing_parts(cut, usual)) + (_count_panels(cut) != _count_panels(usual))
-
-
-def _count_panels(cut: Cut) -> int:
-    """Return the number of a skirt's panels all around."""
-    return GORES if cut.skirt is Skirt.GORED else cut.panels
+    """Count the parts in which a cut is another, and the number of its panels: six gores have the girths of four."""
+    return len(differing_parts(cut, usual)) + (cut.panels_around != usual.panels_around)
 
 
 def _variants(templates: Sequence[tuple[str, Cut]], fixed: set[str], curved: bool) -> Iterator[tuple[str, Cut]]:

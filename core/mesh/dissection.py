@@ -109,10 +109,8 @@ def _cheapest_cut(indptr, indices, nodes, mark, token, place, distances):  # typ
     of the two sides (ratio cut, Wei and Cheng 1989). The pair is twice the same where no level leaves two sides.
     """
     first, beside = _links_within(indptr, indices, nodes, mark, token, place)
-    costs, levels = (
-        np.full((len(distances), len(distances)), np.inf),
-        np.zeros((len(distances), len(distances)), np.int64),
-    )
+    costs = np.full((len(distances), len(distances)), np.inf)
+    levels = np.zeros(costs.shape, np.int64)
     for one in range(len(distances)):
         for other in range(one + 1, len(distances)):
             field = distances[one] - distances[other]

@@ -144,6 +144,10 @@ class Waistband(StrEnum):
     BAND = "band"
 
 
+GORES = 6
+"""Panels of a gored skirt all around: a centre and two side gores in front and behind."""
+
+
 @dataclass(frozen=True)
 class Cut:
     """Describe how a garment is cut; `parts.draft_cut` drafts it.
@@ -153,7 +157,7 @@ class Cut:
         neckline, back_neckline: Of the front and of the back.
         sleeve: Of each arm.
         skirt: Below the waist.
-        panels: Panels of a skirt all around, 2 or 4; gored ones have 6.
+        panels: Panels of a skirt all around, 2 or 4; see `panels_around`.
         legs: Below the waist instead of a skirt, in one piece with a bodice where there is one.
         waistband: Of a skirt or legs without a bodice.
         waist: Whether a bodice and its skirt are cut in one piece or sewn to each other.
@@ -183,6 +187,11 @@ class Cut:
     collar: Collar = Collar.NONE
     cuff: Cuff = Cuff.NONE
     sleeve_pieces: SleevePieces = SleevePieces.ONE
+
+    @property
+    def panels_around(self) -> int:
+        """Return the number of a skirt's panels all around, gores counted."""
+        return GORES if self.skirt is Skirt.GORED else self.panels
 
     @property
     def category(self) -> str:
