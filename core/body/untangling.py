@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh import self_intersections, untangle
+from ..mesh import move_towards, self_intersections, untangle
 from ..mesh.untangling import STEP
 from .exposed import ExposedSurface, penetration_depth
 from .projection import project_outside
@@ -23,6 +23,9 @@ def untangle_outside(
     nodes: np.ndarray, skin: ExposedSurface, faces: np.ndarray, allowed: float = ALLOWED, limit: float = DEEPEST
 ) -> np.ndarray:
     """Take cloth that crosses itself out of itself, and out of the body again where that led into it.
+
+    What then does not cross goes back to where it was as far as its layers let it: contours of intersection vanish by
+    moving more of the cloth, and further, than lies crossed.
 
     Args:
         nodes: Positions outside the body [m], shape [node_count, 3].
@@ -48,4 +51,30 @@ def untangle_outside(
             best, least = moved, crossed
         if not crossed:
             break
-    return best
+    if least:
+        return best
+    return _go_back(best, nodes, faces, skin, max(allowed, penetration_depth(best, faces, skin)))
+
+
+def _go_back(apart: np.ndarray, before: np.ndarray, faces: np.ndarray, skin: ExposedSurface, limit: float) -> np.ndarray:
+    """Return cloth that was taken apart as near to where it was before as its layers and the body let it.
+
+    Args:
+        apart: Where it does not cross itself [m], shape [node_count, 3].
+        before: Where it was.
+        faces: Shape [face_count, 3].
+        skin: The body's exposed skin.
+        limit: Depth in the body beyond which a way back is not taken [m].
+    """
+    goal = before.copy()
+    for _ in range(TURNS):
+        closer = move_towards(apart, goal, faces)
+        moved = (closer != apart).any(axis=1)
+        at_nodes, at_faces = np.flatnonzero(moved), faces[moved[faces].any(axis=1)]
+        nodes_deep = skin.measure(closer[at_nodes])[0] < -limit
+        faces_deep = skin.measure(closer[at_faces].mean(axis=1))[0] < -limit
+        if not nodes_deep.any() and not faces_deep.any():
+            return closer
+        for deep in (at_nodes[nodes_deep], at_faces[faces_deep]):
+            goal[deep] = apart[deep]
+    return apart

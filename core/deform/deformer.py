@@ -6,7 +6,7 @@ import numpy as np
 
 from ..body import ExposedSurface, penetration_depth, project_outside, untangle_outside
 from ..hooks import SILENT, Hooks
-from ..mesh import gradient_operator, self_intersections, shape_gradients
+from ..mesh import gradient_operator, move_towards, self_intersections, shape_gradients
 from ..pattern import Garment
 from ..segment import Target
 from .acceptance import accept_polish, crossing, flipped
@@ -71,7 +71,8 @@ def deform(
         finer = polish_nodes(x, faces, gradient, metric, goal, body.whole, settings, hooks)
         x, polished = accept_polish(finer, x, faces, goal)
         allowed = int(crossing(nodes, faces).sum())
-        x = iron_crossings(x, gradient, areas, faces, allowed)
+        ironed = iron_crossings(x, gradient, areas, faces, allowed)
+        x = ironed if crossing(ironed, faces).any() else move_towards(ironed, x, faces)
         eased = ease_stretch(x, gradient, areas, faces)
         x = eased if crossing(eased, faces).sum() <= max(allowed, crossing(x, faces).sum()) else x
     hooks.progress("deform", 0.9, "clearance")

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from .contour import measure_contour
     from .intersections import face_boxes, intersecting_pairs, self_intersections, undo_crossings
     from .linear import Factor, NotDefinite, Solver, SuperLU, analyse, factor_general, factor_symmetric
+    from .moving_towards import move_towards
     from .multifrontal import Cholesky
     from .untangling import contract_contours, untangle
 
@@ -57,6 +58,7 @@ _LAZY = {
     "face_boxes": "intersections",
     "intersecting_pairs": "intersections",
     "measure_contour": "contour",
+    "move_towards": "moving_towards",
     "self_intersections": "intersections",
     "undo_crossings": "intersections",
     "untangle": "untangling",
@@ -100,6 +102,7 @@ __all__ = [
     "lump",
     "mean_curvature",
     "measure_contour",
+    "move_towards",
     "polar_rotations",
     "polyline_length",
     "principal_stretches",

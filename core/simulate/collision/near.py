@@ -124,6 +124,8 @@ def find_candidates(
 ) -> list[Candidates]:
     """Find all pairs that may come within reach and slack of each other on a path, by patches, then by their boxes.
 
+    They come in the order in which patches were looked into; few of them are near, and `gather` orders those.
+
     Args:
         cloth: The mesh and its reach.
         path: Positions between which the cloth goes straight [m], shape [place_count, node_count, 3].
@@ -140,26 +142,31 @@ def find_candidates(
     among = EVERY if moved is None else moved
     faced = pair_parts(spans, close, (patches.nodes, patches.faces), (singles, sheets), (single, sheet, among), need)
     edged = pair_parts(spans, close, (patches.edges, patches.edges), (sides, sides), (side, side, among), need)
-    edged = np.sort(edged, axis=1)
-    face_keys = faced[:, 0] * len(sheets) + faced[:, 1]
-    edge_keys = len(singles) * len(sheets) + edged[:, 0] * len(sides) + edged[:, 1]
-    # in one order however they were found: sums over pairs then have the same last digits
-    by_face, by_edge = np.argsort(face_keys), np.argsort(edge_keys)
-    faced, edged = faced[by_face], edged[by_edge]
+    first, second = np.minimum(edged[:, 0], edged[:, 1]), np.maximum(edged[:, 0], edged[:, 1])
+    face_nodes = np.empty((len(faced), 4), np.int64)
+    face_nodes[:, 0], face_nodes[:, 1:] = faced[:, 0], sheets[faced[:, 1]]
+    edge_nodes = np.empty((len(edged), 4), np.int64)
+    edge_nodes[:, :2], edge_nodes[:, 2:] = sides[first], sides[second]
+    edge_keys = len(singles) * len(sheets) + first * len(sides) + second
     return [
-        Candidates(NODE_FACE, np.concatenate([faced[:, :1], sheets[faced[:, 1]]], axis=1), face_keys[by_face]),
-        Candidates(EDGE_EDGE, sides[edged].reshape(-1, 4), edge_keys[by_edge]),
+        Candidates(NODE_FACE, face_nodes, faced[:, 0] * len(sheets) + faced[:, 1]),
+        Candidates(EDGE_EDGE, edge_nodes, edge_keys),
     ]
 
 
 def gather(
     cloth: SelfContact, found: list[Candidates], kept: list[np.ndarray], start: np.ndarray, step: np.ndarray
 ) -> Near:
-    """Return the candidates that are kept, shape [pair_count] each, as the pairs near a way [m]; see `Near`."""
-    if not any(chosen.any() for chosen in kept):
+    """Return the candidates that are kept, shape [pair_count] each, as the pairs near a way [m]; see `Near`.
+
+    They are in one order however they were found: sums over pairs then have the same last digits.
+    """
+    chosen = [np.flatnonzero(own) for own in kept]
+    if not any(own.size for own in chosen):
         return Near(NO_PAIRS, found[0].keys[:0], start, step, cloth.margin)
-    nodes = [each.nodes[chosen] for each, chosen in zip(found, kept, strict=True)]
-    keys = np.concatenate([each.keys[chosen] for each, chosen in zip(found, kept, strict=True)])
+    chosen = [own[np.argsort(each.keys[own])] for each, own in zip(found, chosen, strict=True)]
+    nodes = [each.nodes[own] for each, own in zip(found, chosen, strict=True)]
+    keys = np.concatenate([each.keys[own] for each, own in zip(found, chosen, strict=True)])
     kinds = np.repeat(np.array([each.kind for each in found]), [len(each) for each in nodes])
     return Near(PairElements(kinds, *_size(cloth, nodes)), keys, start, step, cloth.margin)
 
