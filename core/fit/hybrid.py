@@ -123,8 +123,9 @@ def fit_pattern(
         folds, contact = BendingFriction.at(topology, registered), SelfContact.of(topology)
         pins = pin_waist(recovered)
         scene = Scene(topology, soften(fabric), wearer.grid, pins, rotation, folds, self_contact=contact)
-        start, anchors = (rest.nodes, rest.anchors) if started else (registered, None)
-        rest = equilibrium(scene, start, anchors=anchors, hooks=hooks)
+        starts = [(rest.nodes, rest.anchors)] if started else [(registered, None), (rest.nodes, rest.anchors)]
+        drapes = [equilibrium(scene, nodes, anchors=anchors, hooks=hooks) for nodes, anchors in starts]
+        rest = min(drapes, key=lambda drape: (not drape.converged, problem.loss.value(drape.nodes)))
     simulation = project_outside(rest.nodes, wearer.exposed, recovered.faces)
     simulation = untangle_outside(simulation, wearer.exposed, recovered.faces)
     return Fit(
