@@ -56,7 +56,9 @@ def untangle_outside(
     return _go_back(best, nodes, faces, skin, max(allowed, penetration_depth(best, faces, skin)))
 
 
-def _go_back(apart: np.ndarray, before: np.ndarray, faces: np.ndarray, skin: ExposedSurface, limit: float) -> np.ndarray:
+def _go_back(
+    apart: np.ndarray, before: np.ndarray, faces: np.ndarray, skin: ExposedSurface, limit: float
+) -> np.ndarray:
     """Return cloth that was taken apart as near to where it was before as its layers and the body let it.
 
     Args:

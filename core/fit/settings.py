@@ -16,8 +16,8 @@ class ShapeSettings:
             equilibrium takes 1 s. On 1500 instead two T-shirts of our own came out 1.5 and 2.0 % off in area, not 0.3:
             a coarse mesh cuts its folds short, and the pattern answers for that.
         iterations: Gauss-Newton iterations; what T-shirts and trousers gained after eight moved no point by 1 mm.
-        trials: Steps tried in one iteration, each with ten times the damping of the one before. With three a dress whose
-            hem hung 18 mm too low stopped at a misfit of 3.2 mm, the fourth led on to 2.7.
+        trials: Steps tried in one iteration, each with ten times the damping of the one before. With three the fit of a
+            dress stopped at a misfit of 3.2 mm, its hem 18 mm too low; the fourth led on to 2.7.
         damping: First damping, relative to the diagonal of the Gauss-Newton matrix (Marquardt).
         plateau: Gain in the objective, by the number of observations, below which the fit stops: as much as a misfit
             that falls by half a percent. A step that promises less is not tried: on four garments steps gained 0 to 1.6

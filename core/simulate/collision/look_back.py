@@ -8,8 +8,7 @@ import numpy as np
 from numba import njit
 
 from .advance import approach
-from .apart import steady
-from .closest import NODE_FACE, span, weigh
+from .closest import span, weigh
 from .near import Near, find_candidates, gather
 from .self_contact import SelfContact
 
@@ -67,26 +66,18 @@ def _trace(path, nodes, kind, reach, slack):  # type: ignore[no-untyped-def]
     step of lengths l_a, l_b it stays above (d_j + d_j+1 - l_a - l_b) / 2. The number of steps means never.
     """
     weights, rates, vector, motion = np.zeros(4), np.zeros((2, 4)), np.zeros(3), np.zeros((4, 3))
-    count, ways = len(path) - 1, _furthest(path)
+    count = len(path) - 1
     first, least = np.zeros(len(nodes), np.int64), np.zeros(len(nodes))
     for n in range(len(nodes)):
         pair = nodes[n]
         far = min(min(reach[pair[0]], reach[pair[1]]), min(reach[pair[2]], reach[pair[3]]))
-        weigh(path[0], pair, kind, weights, rates)
-        distance = span(path[0], pair, weights, vector) - far
-        one, most = ways[pair[0]], max(ways[pair[2]], ways[pair[3]])
-        if kind == NODE_FACE:
-            most = max(most, ways[pair[1]])
-        else:
-            one = max(one, ways[pair[1]])
-        first[n], least[n] = count, distance - one - most
-        if least[n] >= slack:  # far enough whichever way each node went
-            continue
         most = 0.0
         for j in range(1, count + 1):
             _move(path[0], path[j], pair, motion)
             most = max(most, approach(motion, kind))
-        least[n] = distance - most
+        weigh(path[0], pair, kind, weights, rates)
+        distance = span(path[0], pair, weights, vector) - far
+        first[n], least[n] = count, distance - most
         if least[n] >= slack:
             continue
         least[n] = distance
@@ -100,20 +91,6 @@ def _trace(path, nodes, kind, reach, slack):  # type: ignore[no-untyped-def]
             if lowest < 0.0 and first[n] == count:
                 first[n] = j - 1
     return first, least
-
-
-@njit(cache=True)
-def _furthest(path):  # type: ignore[no-untyped-def]
-    """Return how far each node comes from where a path [m] begins, less the mean motion, at most, shape [node_count]."""
-    steadied, _ = steady(path)
-    furthest = np.zeros(path.shape[1])
-    for j in range(1, len(path)):
-        for v in range(path.shape[1]):
-            x = steadied[j, v, 0] - path[0, v, 0]
-            y = steadied[j, v, 1] - path[0, v, 1]
-            z = steadied[j, v, 2] - path[0, v, 2]
-            furthest[v] = max(furthest[v], x * x + y * y + z * z)
-    return np.sqrt(furthest)
 
 
 @njit(cache=True, inline="always")

@@ -143,10 +143,8 @@ def find_candidates(
     faced = pair_parts(spans, close, (patches.nodes, patches.faces), (singles, sheets), (single, sheet, among), need)
     edged = pair_parts(spans, close, (patches.edges, patches.edges), (sides, sides), (side, side, among), need)
     first, second = np.minimum(edged[:, 0], edged[:, 1]), np.maximum(edged[:, 0], edged[:, 1])
-    face_nodes = np.empty((len(faced), 4), np.int64)
-    face_nodes[:, 0], face_nodes[:, 1:] = faced[:, 0], sheets[faced[:, 1]]
-    edge_nodes = np.empty((len(edged), 4), np.int64)
-    edge_nodes[:, :2], edge_nodes[:, 2:] = sides[first], sides[second]
+    face_nodes = np.column_stack([faced[:, 0], sheets[faced[:, 1]]])
+    edge_nodes = np.column_stack([sides[first], sides[second]])
     edge_keys = len(singles) * len(sheets) + first * len(sides) + second
     return [
         Candidates(NODE_FACE, face_nodes, faced[:, 0] * len(sheets) + faced[:, 1]),
