@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import argparse
 import json
-from dataclasses import asdict, dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -19,19 +20,23 @@ from ..core.person.colour import link_alike
 from ..core.person.confidence import leave_foreign
 from ..core.person.crumbs import give_crumbs
 from ..core.person.diffusion import Links, link_points
+from ..core.person.evidence import find_rings
 from ..core.person.features import Features, describe_points
 from ..core.person.outfit import above_waist, outfit_probabilities, rank_outfits, read_all, read_as
 from ..core.person.part import GARMENTS, Part
 from ..core.person.points import PersonPoints, sample_person
-from ..core.person.rules import predict_by_rules
+from ..core.person.rules import combine, share_garments
 from ..core.person.separate import smooth_parts
 from ..core.person.tone import skin_evidence
 from .boosted import load_boosted, predict_boosted
 from .describe import Described, load_described, painted_scan, unpack_fit
 from .judge import NUMBERS, judge_labels
-from .runtime import Network, load_network
+from .runtime import Network, load_network, share_kinds, sum_kinds
 from .shards import load_shard
 from .waists import PRESENT
+
+WEIGHTS = "weights.npz"
+"""Name of a network's file."""
 
 
 @dataclass(frozen=True)
@@ -57,8 +62,9 @@ def answer(shard: Path, described: Described, learners: Learners) -> dict[str, A
     points = sample_person(raw, fit)
     features = describe_points(points, fit)
     tone = None if points.colours is None else skin_evidence(points.colours, features.place, fit.body)
-    rules = predict_by_rules(points, features, fit, tone)
-    found = {"rules": rules} | learners.predict(features, described)
+    rings = find_rings(points, features, fit, tone=tone)
+    rules, share = combine(points, features, fit, rings, tone), share_garments(points, features, fit, rings, tone)
+    found = {"rules": rules} | learners.predict(features, described, rules, share)
     links = link_points(points.positions, points.normals)
     if points.colours is not None:
         links = link_alike(links, points.colours)
@@ -91,24 +97,41 @@ class Learners:
     Attributes:
         network: Or None.
         trees: Boosted trees, or None.
+        kinds: Networks of kinds by name.
     """
 
     network: Network | None
     trees: object | None
+    kinds: dict[str, Network] = field(default_factory=dict)
 
     @classmethod
-    def load(cls, folder: Path | None) -> Learners:
-        """Read what a training left in a folder; without one, nothing was trained."""
-        return cls(None, None) if folder is None else cls(load_network(folder / "weights.npz"), load_boosted(folder))
+    def load(cls, folder: Path | None, kinds: Sequence[Path] = ()) -> Learners:
+        """Read what a training left in a folder, and networks of kinds in others; without one, nothing was trained."""
+        told = {each.name: network for each in kinds if (network := load_network(each / WEIGHTS)) is not None}
+        if folder is None:
+            return cls(None, None, told)
+        return cls(load_network(folder / WEIGHTS), load_boosted(folder), told)
 
-    def predict(self, features: Features, described: Described) -> dict[str, np.ndarray]:
-        """Return the posteriors by name."""
+    def predict(
+        self, features: Features, described: Described, rules: np.ndarray, share: np.ndarray
+    ) -> dict[str, np.ndarray]:
+        """Return the posteriors by name; `grouped` has a network's or the trees' kinds, and the rules' garments.
+
+        Args:
+            features: The samples' description.
+            described: The scan, for the trees.
+            rules: The rules' posterior, shape [n, 8].
+            share: Which garment each sample is by the rules if it is one, shape [n, 8].
+        """
         found = {}
         if self.network is not None:
-            found["network"] = self.network.predict(features, described.rules)
+            found["network"] = self.network.predict(features, rules)
         if self.trees is not None:
             logits = predict_boosted(self.trees, described)
             found["boosted"] = np.exp(logits) / np.exp(logits).sum(axis=1, keepdims=True)
+        found |= {f"{name}_grouped": share_kinds(sum_kinds(each), share) for name, each in found.items()}
+        for name, network in self.kinds.items():
+            found[name] = share_kinds(network.predict_kinds(features, rules), share)
         return found
 
 
@@ -167,8 +190,10 @@ def main() -> None:
     parser.add_argument("--persons", type=Path, required=True, help="folder of scans")
     parser.add_argument("--samples", type=Path, required=True, help="folder of their described samples")
     parser.add_argument("--weights", type=Path, help="folder that a training wrote; none: the rules alone")
+    parser.add_argument("--kinds", type=Path, nargs="*", default=[], help="the same of networks of kinds")
     options = parser.parse_args()
-    print(json.dumps(compare(options.persons, options.samples, Learners.load(options.weights)), indent=1))
+    learners = Learners.load(options.weights, options.kinds)
+    print(json.dumps(compare(options.persons, options.samples, learners), indent=1))
 
 
 if __name__ == "__main__":

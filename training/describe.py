@@ -23,13 +23,15 @@ from ..core.body.registration import body_of_state
 from ..core.body.template import load_template
 from ..core.errors import GarmentqError
 from ..core.person.diffusion import link_points
+from ..core.person.evidence import find_rings
 from ..core.person.features import VERSION, describe_points
 from ..core.person.points import PersonPoints, sample_person
-from ..core.person.rules import predict_by_rules
+from ..core.person.rules import combine, share_garments
 from ..core.person.separate import fit_below_clothes
+from ..core.person.tone import skin_evidence
 from ..core.scan.raw import RawScan
 from .colours import paint
-from .runtime import network_inputs
+from .runtime import network_inputs, sum_kinds
 from .shards import Shard, load_shard
 
 
@@ -44,6 +46,7 @@ class Described:
         limb: The `Limb` of each sample, shape [n].
         station: Length along it [m], shape [n].
         rules: The rules' posterior in the order of `PARTS`, shape [n, 8].
+        share: Which garment each sample is by the rules if it is one, shape [n, 8].
         label: `Part` numbers, shape [n].
         tightness: Distance to the true body [m], shape [n].
         border: Distance to another label [m], shape [n].
@@ -57,6 +60,7 @@ class Described:
     limb: np.ndarray
     station: np.ndarray
     rules: np.ndarray
+    share: np.ndarray
     label: np.ndarray
     tightness: np.ndarray
     border: np.ndarray
@@ -67,6 +71,11 @@ class Described:
     def inputs(self) -> np.ndarray:
         """Return what the learners read, shape [n, F + 8]."""
         return network_inputs(self.values, self.rules)
+
+    @cached_property
+    def kind_inputs(self) -> np.ndarray:
+        """Return what a network of kinds reads, shape [n, F + 5]."""
+        return network_inputs(self.values, sum_kinds(self.rules))
 
 
 def describe(shard: Shard) -> Described:
@@ -82,6 +91,8 @@ def describe_fitted(shard: Shard, points: PersonPoints, fit: PersonFit) -> Descr
     """Describe the samples of a scan to which the body was fitted."""
     near = nearest_points(points, shard)
     features = describe_points(points, fit)
+    tone = None if points.colours is None else skin_evidence(points.colours, features.place, fit.body)
+    rings = find_rings(points, features, fit, tone=tone)
     error = cKDTree(fit.body.vertices).query(shard.body_vertices)[0]
     about = shard.about | {"version": VERSION, "coloured": points.colours is not None}
     return Described(
@@ -90,7 +101,8 @@ def describe_fitted(shard: Shard, points: PersonPoints, fit: PersonFit) -> Descr
         points.normals,
         features.place.limb,
         features.place.station,
-        predict_by_rules(points, features, fit),
+        combine(points, features, fit, rings, tone),
+        share_garments(points, features, fit, rings, tone),
         shard.label[near],
         shard.tightness[near],
         shard.border[near],
@@ -126,7 +138,7 @@ def nearest_points(points: PersonPoints, shard: Shard) -> np.ndarray:
 def save_described(described: Described, path: Path) -> None:
     """Write the samples of a scan."""
     started = path.with_suffix(".part")
-    arrays = {k: v for k, v in described.__dict__.items() if k not in ("about", "inputs")}
+    arrays = {k: v for k, v in described.__dict__.items() if k not in ("about", "inputs", "kind_inputs")}
     with started.open("wb") as file:
         np.savez(
             file,

@@ -3,6 +3,10 @@
 Every sample's features and what the rules say of it go through a perceptron; what comes out is pooled over the cells of
 the unrolled limbs (stations of 2 cm, four sectors around), filtered along the limbs, joined with the limb on the other
 side and with the whole person, and handed back to the samples. `training/` makes the weights.
+
+A network of kinds tells skin, hair, shoes, garments and other things apart; which garment it is stays with the rules
+(`share_garments`), since persons that a network was trained on do not show all that is worn. It multiplies the rules'
+probabilities by factors whose ratio is bounded (`Network.bound`).
 """
 
 from __future__ import annotations
@@ -14,6 +18,7 @@ import numpy as np
 
 from ..core.person.features import VERSION, Features
 from ..core.person.limbs import Limb
+from ..core.person.part import GARMENTS, PARTS, Part
 
 STATION = 0.02
 """Length of a cell along a limb [m]: three samples, and half a hem's step."""
@@ -37,6 +42,10 @@ LEAST = 1.0e-3
 """Probability that the rules' are not believed below."""
 SLOPE = 0.1
 """Slope of the rectifier below zero."""
+KINDS: tuple[tuple[Part, ...], ...] = ((Part.SKIN,), (Part.HAIR,), (Part.SHOES,), GARMENTS, (Part.OTHER,))
+"""What a network of kinds tells apart: any garment is one kind."""
+KIND = np.array([next(k for k, kind in enumerate(KINDS) if part in kind) for part in PARTS])
+"""Place in `KINDS` of each column of a posterior."""
 
 
 @dataclass(frozen=True)
@@ -81,6 +90,27 @@ def network_inputs(values: np.ndarray, rules: np.ndarray) -> np.ndarray:
     return np.hstack([values, np.log(np.maximum(rules, LEAST))]).astype(np.float32)
 
 
+def sum_kinds(posterior: np.ndarray) -> np.ndarray:
+    """Return the probability of each of `KINDS`, shape [n, 5], from that of each part, shape [n, 8]."""
+    return np.stack([posterior[:, KIND == k].sum(axis=1) for k in range(len(KINDS))], axis=1)
+
+
+def share_kinds(kinds: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Return the posterior of the parts, shape [n, 8], from that of `KINDS`, shape [n, 5].
+
+    Args:
+        kinds: Rows sum to 1.
+        share: Which garment each sample is if it is one, by `share_garments`, shape [n, 8].
+    """
+    garment = np.isin(KIND, KIND[PARTS.index(Part.UPPER)])
+    return np.asarray(kinds[:, KIND] * np.where(garment, share, 1.0))
+
+
+def bound_logits(change: np.ndarray, bound: float) -> np.ndarray:
+    """Return what is added to the rules' log-probabilities, shape [n, 5]: within -bound / 2 and bound / 2."""
+    return np.asarray(0.5 * bound * np.tanh(change / (0.5 * bound))) if np.isfinite(bound) else change
+
+
 @dataclass(frozen=True)
 class Network:
     """Trained weights.
@@ -88,10 +118,12 @@ class Network:
     Attributes:
         weights: Arrays by name: `mean` and `spread` of the features, matrices and biases of the layers.
         temperature: What the logits are divided by so that probabilities are true.
+        bound: Of a network of kinds, the most by which it changes the log-odds of two kinds; None: it tells parts.
     """
 
     weights: dict[str, np.ndarray]
     temperature: float
+    bound: float | None = None
 
     def predict(self, features: Features, rules: np.ndarray) -> np.ndarray:
         """Compute the posterior in the order of `PARTS`, rows sum to 1, float32, shape [n, 8].
@@ -101,9 +133,16 @@ class Network:
             rules: The posterior by rules, shape [n, 8]: the network corrects what it knows.
         """
         hidden = self.embed(network_inputs(features.values, rules), cells_of(features))
-        logits = self._apply("part", hidden) / self.temperature
-        chance = np.exp(logits - logits.max(axis=1, keepdims=True))
-        return np.asarray(chance / chance.sum(axis=1, keepdims=True))
+        return _soften(self._apply("part", hidden) / self.temperature)
+
+    def predict_kinds(self, features: Features, rules: np.ndarray) -> np.ndarray:
+        """Compute the posterior of `KINDS`, rows sum to 1, shape [n, 5]; arguments as of `predict`."""
+        kinds = sum_kinds(rules)
+        if self.bound is None:
+            return sum_kinds(self.predict(features, rules))
+        hidden = self.embed(network_inputs(features.values, kinds), cells_of(features))
+        change = bound_logits(self._apply("part", hidden), self.bound)
+        return _soften((np.log(kinds) + change) / self.temperature)
 
     def embed(self, values: np.ndarray, cells: Cells) -> np.ndarray:
         """Compute what the heads read, shape [n, width]."""
@@ -176,6 +215,11 @@ class _Pooling:
         return np.concatenate([mean, highest, self.full], axis=1)
 
 
+def _soften(logits: np.ndarray) -> np.ndarray:
+    chance = np.exp(logits - logits.max(axis=1, keepdims=True))
+    return np.asarray(chance / chance.sum(axis=1, keepdims=True))
+
+
 def _bend(values: np.ndarray) -> np.ndarray:
     return np.maximum(values, SLOPE * values)
 
@@ -187,5 +231,7 @@ def load_network(path: Path) -> Network | None:
     with np.load(path) as kept:
         if int(kept["version"]) != VERSION:
             return None
-        weights = {name: kept[name].astype(np.float32) for name in kept.files if name not in ("version", "temperature")}
-        return Network(weights, float(kept["temperature"]))
+        about = ("version", "temperature", "bound")
+        weights = {name: kept[name].astype(np.float32) for name in kept.files if name not in about}
+        bound = float(kept["bound"]) if "bound" in kept.files else None
+        return Network(weights, float(kept["temperature"]), bound)
