@@ -25,13 +25,13 @@ from ..core.errors import GarmentqError
 from ..core.person.diffusion import link_points
 from ..core.person.evidence import find_rings
 from ..core.person.features import VERSION, describe_points
+from ..core.person.learnt import network_inputs, sum_kinds
 from ..core.person.points import PersonPoints, sample_person
 from ..core.person.rules import combine, share_garments
 from ..core.person.separate import fit_below_clothes
 from ..core.person.tone import skin_evidence
 from ..core.scan.raw import RawScan
 from .colours import paint
-from .runtime import network_inputs, sum_kinds
 from .shards import Shard, load_shard
 
 

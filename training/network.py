@@ -1,4 +1,4 @@
-"""The network of `runtime.py` in torch, to be trained, and its weights as a file."""
+"""The network of `core/person/learnt.py` in torch, to be trained, and its weights as a file."""
 
 from __future__ import annotations
 
@@ -13,8 +13,20 @@ from torch import nn
 
 from ..core.person import GARMENTS, PARTS
 from ..core.person.features import VERSION
+from ..core.person.learnt import (
+    CELLS,
+    DILATIONS,
+    GROUPS,
+    KINDS,
+    PARTNER,
+    REACH,
+    ROUNDS,
+    SECTORS,
+    SLOPE,
+    STATIONS,
+    Cells,
+)
 from ..core.person.limbs import Limb
-from .runtime import CELLS, DILATIONS, GROUPS, KINDS, PARTNER, REACH, ROUNDS, SECTORS, SLOPE, STATIONS, Cells
 
 WIDTH = 48
 """Numbers that a sample and a cell keep: 120,000 parameters in all, 0.25 MB in half precision."""
@@ -23,16 +35,16 @@ WIDTH = 48
 class PersonNetwork(nn.Module):
     """Predict part, tightness, distance to a border, and the garments that are worn."""
 
-    def __init__(self, mean: np.ndarray, spread: np.ndarray, bound: float | None = None) -> None:
-        """Take mean and spread of the features, shape [F] each, and the bound of a network of kinds (`runtime.py`)."""
+    def __init__(self, mean: np.ndarray, spread: np.ndarray, of_kinds: bool = False) -> None:
+        """Take mean and spread of the features, shape [F] each, and whether it tells `KINDS` apart and not parts."""
         super().__init__()
         self.register_buffer("mean", torch.from_numpy(mean.astype(np.float32)))
         self.register_buffer("spread", torch.from_numpy(spread.astype(np.float32)))
         self.first, self.second = nn.Linear(len(mean), WIDTH), nn.Linear(WIDTH, WIDTH)
         for turn in range(ROUNDS):
             self.add_module(f"round{turn}", Exchange())
-        self.bound = bound
-        self.part = nn.Linear(WIDTH, len(PARTS) if bound is None else len(KINDS))
+        self.of_kinds = of_kinds
+        self.part = nn.Linear(WIDTH, len(KINDS) if of_kinds else len(PARTS))
         self.tightness = nn.Linear(WIDTH, 2)
         self.border = nn.Linear(WIDTH, 1)
         self.present = nn.Linear(WIDTH, len(GARMENTS))
@@ -47,10 +59,7 @@ class PersonNetwork(nn.Module):
         hidden = self.bend(self.second(self.bend(self.first(hidden))))
         for turn in range(ROUNDS):
             hidden = hidden + getattr(self, f"round{turn}")(hidden, cells)
-        logits = self.part(hidden)
-        if self.bound is not None and np.isfinite(self.bound):
-            logits = 0.5 * self.bound * torch.tanh(logits / (0.5 * self.bound))
-        return logits, self.tightness(hidden), self.border(hidden)[:, 0], self.present(hidden.mean(dim=0))
+        return self.part(hidden), self.tightness(hidden), self.border(hidden)[:, 0], self.present(hidden.mean(dim=0))
 
 
 class Exchange(nn.Module):
@@ -104,8 +113,6 @@ def save_weights(network: PersonNetwork, temperature: float, path: Path, about: 
     """Write the weights in half precision, and beside them what is known of them with the file's hash."""
     arrays: dict[str, Any] = {name: value.numpy().astype(np.float16) for name, value in network.state_dict().items()}
     arrays |= {name: network.state_dict()[name].numpy() for name in ("mean", "spread")}
-    if network.bound is not None:
-        arrays["bound"] = network.bound
     np.savez_compressed(path, version=VERSION, temperature=temperature, **arrays)
     count = sum(value.numel() for value in network.parameters())
     about = {"sha256": sha256(path.read_bytes()).hexdigest(), "features": VERSION, "parameters": count, **about}

@@ -19,13 +19,13 @@ from torch.nn import functional
 
 from ..core.person import GARMENTS, PARTS
 from ..core.person.features import LENGTH, NAMES, VERSION
+from ..core.person.learnt import KIND, KINDS, Cells, share_kinds, sum_kinds
 from ..core.person.limbs import Limb
 from .boosted import predict_boosted, save_boosted, train_boosted
 from .describe import Described, load_described
 from .judge import NUMBERS, Judged, find_temperature, judge
 from .network import PersonNetwork, save_weights, to_torch
 from .persons import REVISION
-from .runtime import KIND, KINDS, Cells, share_kinds, sum_kinds
 
 SAMPLES = 8000
 """Samples of a scan in one step, drawn anew each time: a third of them, which varies the density as scanners do."""
@@ -88,29 +88,35 @@ def split(scans: list[Described]) -> tuple[list[Described], list[Described]]:
 
 def cells_of(scan: Described, take: np.ndarray | slice = slice(None)) -> tuple[torch.Tensor, ...]:
     """Return the cells of some samples."""
-    front, side = (scan.values[take, NAMES.index(name)] for name in ("around_front", "around_side"))
+    front, side = front_and_side(scan, take)
     return to_torch(Cells.of(scan.limb[take], scan.station[take], front, side))
 
 
-def inputs_of(scan: Described, bound: float | None) -> np.ndarray:
-    """Return what a network of parts, or with a bound one of kinds, reads of a scan."""
-    return scan.inputs if bound is None else scan.kind_inputs
+def front_and_side(scan: Described, take: np.ndarray | slice = slice(None)) -> tuple[np.ndarray, np.ndarray]:
+    """Return the directions of some samples around their limb."""
+    front, side = (scan.values[take, NAMES.index(name)] for name in ("around_front", "around_side"))
+    return front, side
 
 
-def train_network(scans: list[Described], epochs: int, seed: int = 0, bound: float | None = None) -> PersonNetwork:
+def inputs_of(scan: Described, of_kinds: bool) -> np.ndarray:
+    """Return what a network of kinds, or else one of parts, reads of a scan."""
+    return scan.kind_inputs if of_kinds else scan.inputs
+
+
+def train_network(scans: list[Described], epochs: int, seed: int = 0, of_kinds: bool = False) -> PersonNetwork:
     """Train a network.
 
     Args:
         scans: What to train on.
         epochs: Times that each scan is seen.
         seed: Of the weights and of the order.
-        bound: Of a network of kinds; None for one of parts.
+        of_kinds: Tell `KINDS` apart, and not parts.
     """
     torch.set_num_threads(1)
     torch.manual_seed(seed)
     rng = np.random.default_rng(seed)
-    every = np.concatenate([inputs_of(scan, bound)[:: max(1, len(scan.values) // 500)] for scan in scans])
-    network = PersonNetwork(every.mean(axis=0), every.std(axis=0) + 1e-3, bound)
+    every = np.concatenate([inputs_of(scan, of_kinds)[:: max(1, len(scan.values) // 500)] for scan in scans])
+    network = PersonNetwork(every.mean(axis=0), every.std(axis=0) + 1e-3, of_kinds)
     optimiser = torch.optim.AdamW(network.parameters(), lr=RATE, weight_decay=1e-2)
     steps = max(1, epochs * len(scans) // TOGETHER)
     schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, RATE, total_steps=steps + 1, pct_start=0.15)
@@ -140,15 +146,15 @@ def _loss(network: PersonNetwork, scan: Described, weight: torch.Tensor, rng: np
     garments there are. Only the first is what the separation reads, the others teach it what cloth is.
     """
     take = rng.choice(len(scan.label), min(SAMPLES, len(scan.label)), replace=False)
-    values, lost = _vary(inputs_of(scan, network.bound)[take], rng), rng.random(network.mean.shape[0]) < FORGOTTEN
-    if network.bound is not None:
+    values, lost = _vary(inputs_of(scan, network.of_kinds)[take], rng), rng.random(network.mean.shape[0]) < FORGOTTEN
+    if network.of_kinds:
         values = _vary_limbs(values, scan.limb[take], rng)
         lost |= TOLD_TOGETHER[rng.random(len(TOLD_TOGETHER)) < FORGOTTEN].any(axis=0)
     logits, tightness, border, present = network(
         torch.where(torch.from_numpy(lost), network.mean, torch.from_numpy(values)), cells_of(scan, take)
     )
     column = torch.from_numpy(COLUMN[scan.label[take]])
-    if network.bound is None:
+    if not network.of_kinds:
         loss = functional.cross_entropy(logits, column, weight)
     else:  # the likelihood itself, so that probabilities are true
         kinds = torch.from_numpy(np.log(sum_kinds(scan.rules[take])).astype(np.float32))
@@ -179,8 +185,8 @@ def _vary_limbs(values: np.ndarray, limb: np.ndarray, rng: np.random.Generator) 
 def predict(network: PersonNetwork, scan: Described) -> np.ndarray:
     """Return the logits of all samples of a scan, shape [n, 8]; of a network of kinds of `KINDS`, shape [n, 5]."""
     with torch.no_grad():
-        logits = network(torch.from_numpy(inputs_of(scan, network.bound)), cells_of(scan))[0].numpy()
-    return logits if network.bound is None else logits + np.log(sum_kinds(scan.rules))
+        logits = network(torch.from_numpy(inputs_of(scan, network.of_kinds)), cells_of(scan))[0].numpy()
+    return logits + np.log(sum_kinds(scan.rules)) if network.of_kinds else logits
 
 
 def soften(logits: np.ndarray, temperature: float) -> np.ndarray:
@@ -215,7 +221,6 @@ def main() -> None:
     parser.add_argument("--epochs", type=int, default=20)
     parser.add_argument("--persons", type=int, help="train on so many persons at most")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--bound", type=float, help="train a network of kinds that moves their log-odds so far at most")
     parser.add_argument("--boosted", action="store_true", help="train the boosted baseline, too (needs scikit-learn)")
     options = parser.parse_args()
     train, validation = split(load_set(options.samples))
@@ -225,7 +230,7 @@ def main() -> None:
     sets |= {folder.name: load_set(folder) for folder in options.held_out}
     options.out.mkdir(parents=True, exist_ok=True)
     start = time.process_time()
-    network = train_network(train, options.epochs, options.seed, options.bound)
+    network = train_network(train, options.epochs, options.seed)
     figures: dict[str, Any] = {"network": {"seconds": time.process_time() - start}}
     logits = {name: [predict(network, scan) for scan in scans] for name, scans in sets.items()}
     temperature = calibrate(logits["validation"], validation)
@@ -248,7 +253,6 @@ def main() -> None:
         "persons": len({scan.about["seed"] for scan in train}),
         "scans": len(train),
         "epochs": options.epochs,
-        "bound": options.bound,
         "temperature": temperature,
         "figures": figures,
     }

@@ -1,25 +1,32 @@
-"""Predict the parts of a person by a small trained network, in numpy, as a separation would run it.
+"""Tell skin, hair, shoes, garments and other things apart by small trained networks, in numpy.
 
 Every sample's features and what the rules say of it go through a perceptron; what comes out is pooled over the cells of
 the unrolled limbs (stations of 2 cm, four sectors around), filtered along the limbs, joined with the limb on the other
-side and with the whole person, and handed back to the samples. `training/` makes the weights.
-
-A network of kinds tells skin, hair, shoes, garments and other things apart; which garment it is stays with the rules
-(`share_garments`), since persons that a network was trained on do not show all that is worn. It multiplies the rules'
-probabilities by factors whose ratio is bounded (`Network.bound`).
+side and with the whole person, and handed back to the samples. Which garment it is stays with the rules
+(`share_garments`): the persons that the networks were trained on do not wear all that is worn. `training/` makes the
+weights.
 """
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
 
-from ..core.person.features import VERSION, Features
-from ..core.person.limbs import Limb
-from ..core.person.part import GARMENTS, PARTS, Part
+from ..errors import GarmentqError
+from .evidence import find_rings
+from .features import VERSION, Features
+from .limbs import Limb
+from .part import GARMENTS, PARTS, Part
+from .points import FittedPerson, PersonPoints
+from .rules import combine, share_garments
 
+ASSET = Path(__file__).parent / "kinds.npz"
+"""The networks that ship, with `kinds.json` beside them: hash, seeds, generator and figures."""
 STATION = 0.02
 """Length of a cell along a limb [m]: three samples, and half a hem's step."""
 START = -0.12
@@ -42,6 +49,8 @@ LEAST = 1.0e-3
 """Probability that the rules' are not believed below."""
 SLOPE = 0.1
 """Slope of the rectifier below zero."""
+UNREAD = ("tightness", "border", "present")
+"""Heads that training has and nothing reads at run time."""
 KINDS: tuple[tuple[Part, ...], ...] = ((Part.SKIN,), (Part.HAIR,), (Part.SHOES,), GARMENTS, (Part.OTHER,))
 """What a network of kinds tells apart: any garment is one kind."""
 KIND = np.array([next(k for k, kind in enumerate(KINDS) if part in kind) for part in PARTS])
@@ -106,11 +115,6 @@ def share_kinds(kinds: np.ndarray, share: np.ndarray) -> np.ndarray:
     return np.asarray(kinds[:, KIND] * np.where(garment, share, 1.0))
 
 
-def bound_logits(change: np.ndarray, bound: float) -> np.ndarray:
-    """Return what is added to the rules' log-probabilities, shape [n, 5]: within -bound / 2 and bound / 2."""
-    return np.asarray(0.5 * bound * np.tanh(change / (0.5 * bound))) if np.isfinite(bound) else change
-
-
 @dataclass(frozen=True)
 class Network:
     """Trained weights.
@@ -118,31 +122,19 @@ class Network:
     Attributes:
         weights: Arrays by name: `mean` and `spread` of the features, matrices and biases of the layers.
         temperature: What the logits are divided by so that probabilities are true.
-        bound: Of a network of kinds, the most by which it changes the log-odds of two kinds; None: it tells parts.
     """
 
     weights: dict[str, np.ndarray]
     temperature: float
-    bound: float | None = None
 
-    def predict(self, features: Features, rules: np.ndarray) -> np.ndarray:
-        """Compute the posterior in the order of `PARTS`, rows sum to 1, float32, shape [n, 8].
+    def logits(self, values: np.ndarray, cells: Cells) -> np.ndarray:
+        """Compute what the network says of each sample, divided by the temperature, shape [n, heads].
 
         Args:
-            features: The samples' description.
-            rules: The posterior by rules, shape [n, 8]: the network corrects what it knows.
+            values: What it reads (`network_inputs`), shape [n, inputs].
+            cells: Where the samples lie.
         """
-        hidden = self.embed(network_inputs(features.values, rules), cells_of(features))
-        return _soften(self._apply("part", hidden) / self.temperature)
-
-    def predict_kinds(self, features: Features, rules: np.ndarray) -> np.ndarray:
-        """Compute the posterior of `KINDS`, rows sum to 1, shape [n, 5]; arguments as of `predict`."""
-        kinds = sum_kinds(rules)
-        if self.bound is None:
-            return sum_kinds(self.predict(features, rules))
-        hidden = self.embed(network_inputs(features.values, kinds), cells_of(features))
-        change = bound_logits(self._apply("part", hidden), self.bound)
-        return _soften((np.log(kinds) + change) / self.temperature)
+        return np.asarray(self._apply("part", self.embed(values, cells)) / self.temperature)
 
     def embed(self, values: np.ndarray, cells: Cells) -> np.ndarray:
         """Compute what the heads read, shape [n, width]."""
@@ -187,6 +179,38 @@ class Network:
 
 
 @dataclass(frozen=True)
+class Committee:
+    """Networks of kinds that were trained alike but for the seed.
+
+    Attributes:
+        networks: The members.
+    """
+
+    networks: tuple[Network, ...]
+
+    def predict_kinds(self, features: Features, rules: np.ndarray) -> np.ndarray:
+        """Compute the posterior of `KINDS`, rows sum to 1, shape [n, 5].
+
+        Args:
+            features: The samples' description.
+            rules: The posterior by rules, shape [n, 8].
+        """
+        kinds = sum_kinds(rules)
+        return self.tell(network_inputs(features.values, kinds), kinds, cells_of(features))
+
+    def tell(self, values: np.ndarray, kinds: np.ndarray, cells: Cells) -> np.ndarray:
+        """Compute the geometric mean of the members' posteriors; each is the rules' times what it learnt.
+
+        Args:
+            values: What a network reads, shape [n, inputs].
+            kinds: The rules' posterior of `KINDS`, shape [n, 5].
+            cells: Where the samples lie.
+        """
+        told = [np.log(kinds) / each.temperature + each.logits(values, cells) for each in self.networks]
+        return soften(np.mean(told, axis=0))
+
+
+@dataclass(frozen=True)
 class _Pooling:
     """How samples are summed up in cells: their order by cell, where each cell begins, and which there are."""
 
@@ -215,7 +239,8 @@ class _Pooling:
         return np.concatenate([mean, highest, self.full], axis=1)
 
 
-def _soften(logits: np.ndarray) -> np.ndarray:
+def soften(logits: np.ndarray) -> np.ndarray:
+    """Return the posterior of logits, shape [n, k]."""
     chance = np.exp(logits - logits.max(axis=1, keepdims=True))
     return np.asarray(chance / chance.sum(axis=1, keepdims=True))
 
@@ -224,14 +249,70 @@ def _bend(values: np.ndarray) -> np.ndarray:
     return np.maximum(values, SLOPE * values)
 
 
+class WrongWeights(GarmentqError):
+    """The file of the trained networks is not the one that garmentq was made with; install garmentq anew."""
+
+    code = "segment.wrong_weights"
+
+
 def load_network(path: Path) -> Network | None:
-    """Read a network; None where there is none, or where it was trained on another layout of features."""
+    """Read a network that a training wrote; None where there is none, or where it reads another layout of features."""
     if not path.exists():
         return None
     with np.load(path) as kept:
         if int(kept["version"]) != VERSION:
             return None
-        about = ("version", "temperature", "bound")
-        weights = {name: kept[name].astype(np.float32) for name in kept.files if name not in about}
-        bound = float(kept["bound"]) if "bound" in kept.files else None
-        return Network(weights, float(kept["temperature"]), bound)
+        weights = {name: kept[name].astype(np.float32) for name in kept.files if name not in ("version", "temperature")}
+        return Network(weights, float(kept["temperature"]))
+
+
+def save_committee(committee: Committee, path: Path) -> None:
+    """Write networks of kinds as one file: matrices in half precision, `0.first.weight`, only what is run."""
+    arrays: dict[str, np.ndarray] = {"version": np.array(VERSION)}
+    for i, network in enumerate(committee.networks):
+        arrays[f"{i}.temperature"] = np.array(network.temperature)
+        for name, value in network.weights.items():
+            if name.split(".")[0] not in UNREAD:
+                arrays[f"{i}.{name}"] = value if name in ("mean", "spread") else value.astype(np.float16)
+    np.savez_compressed(path, **arrays)  # type: ignore[arg-type]
+
+
+@cache
+def load_committee(path: Path = ASSET) -> Committee:
+    """Read the networks that ship.
+
+    Raises:
+        WrongWeights: where the file is not that of `kinds.json`, or was trained on another layout of features.
+    """
+    known = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
+    if sha256(path.read_bytes()).hexdigest() != known["sha256"]:
+        raise WrongWeights
+    members: dict[str, dict[str, np.ndarray]] = {}
+    with np.load(path) as kept:
+        if int(kept["version"]) != VERSION:
+            raise WrongWeights
+        for key in kept.files:
+            member, _, name = key.partition(".")
+            if name:
+                members.setdefault(member, {})[name] = kept[key].astype(np.float32)
+    return Committee(tuple(Network(each, float(each.pop("temperature"))) for each in members.values()))
+
+
+def predict_parts_of(
+    points: PersonPoints, features: Features, fit: FittedPerson, tone: np.ndarray | None, committee: Committee
+) -> np.ndarray:
+    """Compute the posterior of the parts: kinds by rules and networks together, garments by the rules alone.
+
+    Args:
+        points: The samples.
+        features: Their description.
+        fit: The body fitted to them below their clothes; the networks know no other fits.
+        tone: Evidence for skin by its colour (`skin_evidence`), shape [n], or None.
+        committee: The networks.
+
+    Returns:
+        Probabilities in the order of `PARTS`, rows sum to 1, shape [n, 8].
+    """
+    rings = find_rings(points, features, fit, tone=tone)
+    rules, share = combine(points, features, fit, rings, tone), share_garments(points, features, fit, rings, tone)
+    return share_kinds(committee.predict_kinds(features, rules), share)
