@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import json
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -20,7 +21,7 @@ from scipy.spatial import cKDTree
 from ..core.body.fit import State
 from ..core.body.person import PersonFit, fit_person
 from ..core.body.registration import body_of_state
-from ..core.body.template import load_template
+from ..core.body.template import load_template, rotations_of
 from ..core.errors import GarmentqError
 from ..core.person.diffusion import link_points
 from ..core.person.evidence import find_rings
@@ -85,6 +86,18 @@ def describe(shard: Shard) -> Described:
     points = sample_person(raw, fit)
     fit = fit_below_clothes(fit, points, link_points(points.positions, points.normals))
     return describe_fitted(shard, points, fit)
+
+
+def describe_given(shard: Shard) -> Described:
+    """Describe the samples of a scan around the true body, as where the user gives it."""
+    fit = true_fit(shard)
+    return describe_fitted(shard, sample_person(painted_scan(shard), fit), fit)
+
+
+def true_fit(shard: Shard) -> PersonFit:
+    """Return the true body as a fit would be."""
+    own = shard.parameters
+    return unpack_fit(pack_state(State(own["shape"], rotations_of(own["pose"]), own["translation"])))
 
 
 def describe_fitted(shard: Shard, points: PersonPoints, fit: PersonFit) -> Described:
@@ -155,13 +168,18 @@ def load_described(path: Path) -> Described:
         return Described(**arrays, about=json.loads(str(kept["about"])))
 
 
-def describe_folder(persons: Path, out: Path, limit: float | None = None) -> int:
+Describe = Callable[[Shard], Described]
+"""From a scan to its described samples."""
+
+
+def describe_folder(persons: Path, out: Path, limit: float | None = None, how: Describe = describe) -> int:
     """Describe the scans of a folder that are not described yet, and return their number.
 
     Args:
         persons: Scans, as `persons.py` writes them.
         out: The folder for the samples.
         limit: Stop after so many seconds.
+        how: How a scan is described.
     """
     out.mkdir(parents=True, exist_ok=True)
     start, count = time.monotonic(), 0
@@ -173,7 +191,7 @@ def describe_folder(persons: Path, out: Path, limit: float | None = None) -> int
         cpu = time.process_time()
         shard = load_shard(path)
         try:
-            described = describe(shard)
+            described = how(shard)
         except GarmentqError as problem:
             (out / path.with_suffix(".none").name).write_text(str(problem))
             print(f"{path.stem} {problem}", flush=True)
@@ -190,9 +208,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--persons", type=Path, required=True, help="folder of scans")
     parser.add_argument("--out", type=Path, required=True, help="folder for the samples")
+    parser.add_argument("--given", action="store_true", help="around the true body, and not around one that is fitted")
     parser.add_argument("--limit", type=float, help="stop after so many seconds")
     options = parser.parse_args()
-    describe_folder(options.persons, options.out, options.limit)
+    describe_folder(options.persons, options.out, options.limit, describe_given if options.given else describe)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Train the networks that ship: `python -m garmentq.training.kinds --samples DIR --out FILE.npz`.
+"""Train the networks that ship: `python -m garmentq.training.kinds --samples DIR DIR --out FILE.npz`.
 
 They tell skin, hair, shoes, garments and other things apart, are alike but for the seed, and answer together. What
 they are worth is measured by `compare.py --kinds FILE.npz`.
@@ -55,12 +55,12 @@ def write_kinds(committee: Committee, path: Path, about: dict[str, Any]) -> None
 def main() -> None:
     """Train, measure on the persons that were kept, and write."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--samples", type=Path, required=True, help="folder of described scans")
+    parser.add_argument("--samples", type=Path, nargs="+", required=True, help="folders of described scans")
     parser.add_argument("--out", type=Path, required=True, help="the file, kinds.npz")
-    parser.add_argument("--epochs", type=int, default=30)
+    parser.add_argument("--epochs", type=int, default=16)
     parser.add_argument("--seeds", type=int, nargs="*", default=SEEDS)
     options = parser.parse_args()
-    train, validation = split(load_set(options.samples))
+    train, validation = split([scan for folder in options.samples for scan in load_set(folder)])
     members = []
     for seed in options.seeds:
         network = train_network(train, options.epochs, seed, of_kinds=True)
