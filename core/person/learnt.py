@@ -106,7 +106,7 @@ def cells_of(features: Features) -> Cells:
 
 
 def network_inputs(values: np.ndarray, rules: np.ndarray) -> np.ndarray:
-    """Return what the network reads: features, shape [n, F], and logarithms of the rules' posterior, shape [n, 8]."""
+    """Return what the network reads: features, shape [n, F], and logarithms of the rules' posterior, shape [n, k]."""
     return np.hstack([values, np.log(np.maximum(rules, LEAST))]).astype(np.float32)
 
 

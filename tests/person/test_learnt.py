@@ -17,6 +17,7 @@ from garmentq.core.person.learnt import (
     ASSET,
     KINDS,
     WrongWeights,
+    keep_cloth,
     load_committee,
     predict_parts_of,
     share_kinds,
@@ -101,6 +102,22 @@ def test_which_garment_is_left_to_the_rules(person):
     assert not found[:, PARTS.index(Part.OUTER)].any()
     rules = predict_by_rules(person.points, person.features, person)
     assert np.abs(sum_kinds(found) - sum_kinds(rules)).max() > 0.2  # but the kinds are theirs, too
+
+
+@pytest.mark.parametrize("kind", [Part.SKIN, Part.SHOES])
+def test_sure_cloth_is_not_called_bare(kind):
+    """Broken where networks outdo the rules where these are sure of cloth, or cannot where these are in doubt."""
+    place = [next(k for k, parts in enumerate(KINDS) if part in parts) for part in (kind, Part.LOWER)]
+    told = np.full((2, len(KINDS)), 1e-6)
+    told[:, place[0]] = 1.0
+    rules = np.full((2, len(KINDS)), 0.005)
+    rules[0, place] = 0.005, 0.98
+    rules[1, place] = 0.2, 0.785
+    kept = keep_cloth(told / told.sum(axis=1, keepdims=True), rules / rules.sum(axis=1, keepdims=True))
+    assert list(kept.argmax(axis=1)) == [place[1], place[0]]
+    assert kept[0, place[0]] / kept[0, place[1]] == pytest.approx(50 * 0.005 / 0.98)
+    free = np.full((1, len(KINDS)), 0.2)
+    assert keep_cloth(free, np.array([[0.4, 0.1, 0.1, 0.3, 0.1]])) == pytest.approx(free)
 
 
 def test_kinds_are_shared_out():
