@@ -228,9 +228,11 @@ def keep_cloth(posterior: np.ndarray, rules: np.ndarray) -> np.ndarray:
         rules: The rules', shape [n, 5].
     """
     log = np.log(np.maximum(posterior, TINY))
-    change = log - np.log(rules)
-    change -= change[:, [GARMENT]]
-    log[:, BARE] += (np.clip(change, -MOST, MOST) - change)[:, BARE]
+    # What is told too little is raised, not what is told too much lowered: else what is neither would gain.
+    change = (log - np.log(rules))[:, BARE] - (log - np.log(rules))[:, [GARMENT]]
+    raised = np.maximum(change.max(axis=1) - MOST, 0.0)
+    log[:, GARMENT] += raised
+    log[:, BARE] += np.maximum(-MOST - (change - raised[:, None]), 0.0)
     return soften(log)
 
 
