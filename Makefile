@@ -73,10 +73,12 @@ SET ?= out/persons
 persons: $(VENV)/.installed
 	$(BIN)/python -m garmentq.training.persons --out $(SET)/scans --count $(PERSONS)
 	$(BIN)/python -m garmentq.training.describe --persons $(SET)/scans --out $(SET)/samples
+	$(BIN)/python -m garmentq.training.describe --persons $(SET)/scans --out $(SET)/given --given
 
 train: persons
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[training]'
 	$(BIN)/python -m garmentq.training.train --samples $(SET)/samples --out $(SET)/weights --epochs $(EPOCHS) --boosted
+	$(BIN)/python -m garmentq.training.kinds --samples $(SET)/samples $(SET)/given --out $(SET)/weights/kinds.npz
 
 clean:
 	rm -rf $(VENV) demo build dist *.egg-info

@@ -1,4 +1,4 @@
-"""Compare rules, trees and network on described scans: `python -m garmentq.training.compare`.
+"""Compare rules, trees and networks on described scans: `python -m garmentq.training.compare`.
 
 All answer on the same samples and fits: as they are, and `told`, after all that a separation does with a posterior,
 which is what a user gets. What is told is also judged on the scans by what is worn: without an outer layer, and of
@@ -16,20 +16,30 @@ import numpy as np
 
 from ..core.person.coat import Coat, find_coat
 from ..core.person.colour import link_alike
-from ..core.person.confidence import leave_foreign
 from ..core.person.crumbs import give_crumbs
 from ..core.person.diffusion import Links, link_points
+from ..core.person.evidence import find_rings
 from ..core.person.features import Features, describe_points
+from ..core.person.learnt import (
+    Committee,
+    Network,
+    cells_of,
+    load_committee,
+    load_network,
+    network_inputs,
+    share_kinds,
+    soften,
+    sum_kinds,
+)
 from ..core.person.outfit import above_waist, outfit_probabilities, rank_outfits, read_all, read_as
 from ..core.person.part import GARMENTS, Part
 from ..core.person.points import PersonPoints, sample_person
-from ..core.person.rules import predict_by_rules
+from ..core.person.rules import combine, share_garments
 from ..core.person.separate import smooth_parts
 from ..core.person.tone import skin_evidence
 from .boosted import load_boosted, predict_boosted
 from .describe import Described, load_described, painted_scan, unpack_fit
 from .judge import NUMBERS, judge_labels
-from .runtime import Network, load_network
 from .shards import load_shard
 from .waists import PRESENT
 
@@ -57,8 +67,9 @@ def answer(shard: Path, described: Described, learners: Learners) -> dict[str, A
     points = sample_person(raw, fit)
     features = describe_points(points, fit)
     tone = None if points.colours is None else skin_evidence(points.colours, features.place, fit.body)
-    rules = predict_by_rules(points, features, fit, tone)
-    found = {"rules": rules} | learners.predict(features, described)
+    rings = find_rings(points, features, fit, tone=tone)
+    rules, share = combine(points, features, fit, rings, tone), share_garments(points, features, fit, rings, tone)
+    found = {"rules": rules} | learners.predict(features, described, rules, share)
     links = link_points(points.positions, points.normals)
     if points.colours is not None:
         links = link_alike(links, points.colours)
@@ -79,7 +90,7 @@ def tell(posterior: np.ndarray, points: PersonPoints, links: Links, above: np.nd
     first = read.argmax(axis=1)
     column = give_crumbs(first, points.positions, np.full(len(first), points.spacing**2), links)
     # A crumb that was given away is as sure as what it was taken for.
-    confidence = leave_foreign(believed)[np.arange(len(column)), first]
+    confidence = believed[np.arange(len(column)), first]
     likely = float(outfit_probabilities(outfits)[0])
     return Answer(NUMBERS[column], confidence, frozenset(outfits[0].parts), likely)
 
@@ -91,24 +102,42 @@ class Learners:
     Attributes:
         network: Or None.
         trees: Boosted trees, or None.
+        kinds: Networks of kinds, or None.
     """
 
     network: Network | None
     trees: object | None
+    kinds: Committee | None = None
 
     @classmethod
-    def load(cls, folder: Path | None) -> Learners:
-        """Read what a training left in a folder; without one, nothing was trained."""
-        return cls(None, None) if folder is None else cls(load_network(folder / "weights.npz"), load_boosted(folder))
+    def load(cls, folder: Path | None, kinds: Path | None = None) -> Learners:
+        """Read what a training left in a folder, and networks of kinds from a file; without, nothing was trained."""
+        committee = None if kinds is None else load_committee(kinds)
+        if folder is None:
+            return cls(None, None, committee)
+        return cls(load_network(folder / "weights.npz"), load_boosted(folder), committee)
 
-    def predict(self, features: Features, described: Described) -> dict[str, np.ndarray]:
-        """Return the posteriors by name."""
+    def predict(
+        self, features: Features, described: Described, rules: np.ndarray, share: np.ndarray
+    ) -> dict[str, np.ndarray]:
+        """Return the posteriors by name; `grouped` has a network's or the trees' kinds, and the rules' garments.
+
+        Args:
+            features: The samples' description.
+            described: The scan, for the trees.
+            rules: The rules' posterior, shape [n, 8].
+            share: Which garment each sample is by the rules if it is one, shape [n, 8].
+        """
         found = {}
         if self.network is not None:
-            found["network"] = self.network.predict(features, described.rules)
+            values = network_inputs(features.values, rules)
+            found["network"] = soften(self.network.logits(values, cells_of(features)))
         if self.trees is not None:
             logits = predict_boosted(self.trees, described)
             found["boosted"] = np.exp(logits) / np.exp(logits).sum(axis=1, keepdims=True)
+        found |= {f"{name}_grouped": share_kinds(sum_kinds(each), share) for name, each in found.items()}
+        if self.kinds is not None:
+            found["kinds"] = share_kinds(self.kinds.predict_kinds(features, rules), share)
         return found
 
 
@@ -167,8 +196,10 @@ def main() -> None:
     parser.add_argument("--persons", type=Path, required=True, help="folder of scans")
     parser.add_argument("--samples", type=Path, required=True, help="folder of their described samples")
     parser.add_argument("--weights", type=Path, help="folder that a training wrote; none: the rules alone")
+    parser.add_argument("--kinds", type=Path, help="file of networks of kinds; the one that ships lies in core/person")
     options = parser.parse_args()
-    print(json.dumps(compare(options.persons, options.samples, Learners.load(options.weights)), indent=1))
+    learners = Learners.load(options.weights, options.kinds)
+    print(json.dumps(compare(options.persons, options.samples, learners), indent=1))
 
 
 if __name__ == "__main__":

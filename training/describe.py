@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import json
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -20,16 +21,18 @@ from scipy.spatial import cKDTree
 from ..core.body.fit import State
 from ..core.body.person import PersonFit, fit_person
 from ..core.body.registration import body_of_state
-from ..core.body.template import load_template
+from ..core.body.template import load_template, rotations_of
 from ..core.errors import GarmentqError
 from ..core.person.diffusion import link_points
+from ..core.person.evidence import find_rings
 from ..core.person.features import VERSION, describe_points
+from ..core.person.learnt import network_inputs, sum_kinds
 from ..core.person.points import PersonPoints, sample_person
-from ..core.person.rules import predict_by_rules
+from ..core.person.rules import combine, share_garments
 from ..core.person.separate import fit_below_clothes
+from ..core.person.tone import skin_evidence
 from ..core.scan.raw import RawScan
 from .colours import paint
-from .runtime import network_inputs
 from .shards import Shard, load_shard
 
 
@@ -44,6 +47,7 @@ class Described:
         limb: The `Limb` of each sample, shape [n].
         station: Length along it [m], shape [n].
         rules: The rules' posterior in the order of `PARTS`, shape [n, 8].
+        share: Which garment each sample is by the rules if it is one, shape [n, 8].
         label: `Part` numbers, shape [n].
         tightness: Distance to the true body [m], shape [n].
         border: Distance to another label [m], shape [n].
@@ -57,6 +61,7 @@ class Described:
     limb: np.ndarray
     station: np.ndarray
     rules: np.ndarray
+    share: np.ndarray
     label: np.ndarray
     tightness: np.ndarray
     border: np.ndarray
@@ -68,6 +73,11 @@ class Described:
         """Return what the learners read, shape [n, F + 8]."""
         return network_inputs(self.values, self.rules)
 
+    @cached_property
+    def kind_inputs(self) -> np.ndarray:
+        """Return what a network of kinds reads, shape [n, F + 5]."""
+        return network_inputs(self.values, sum_kinds(self.rules))
+
 
 def describe(shard: Shard) -> Described:
     """Fit the body to a scan as a separation does, and describe its samples."""
@@ -78,10 +88,24 @@ def describe(shard: Shard) -> Described:
     return describe_fitted(shard, points, fit)
 
 
+def describe_given(shard: Shard) -> Described:
+    """Describe the samples of a scan around the true body, as where the user gives it."""
+    fit = true_fit(shard)
+    return describe_fitted(shard, sample_person(painted_scan(shard), fit), fit)
+
+
+def true_fit(shard: Shard) -> PersonFit:
+    """Return the true body as a fit would be."""
+    own = shard.parameters
+    return unpack_fit(pack_state(State(own["shape"], rotations_of(own["pose"]), own["translation"])))
+
+
 def describe_fitted(shard: Shard, points: PersonPoints, fit: PersonFit) -> Described:
     """Describe the samples of a scan to which the body was fitted."""
     near = nearest_points(points, shard)
     features = describe_points(points, fit)
+    tone = None if points.colours is None else skin_evidence(points.colours, features.place, fit.body)
+    rings = find_rings(points, features, fit, tone=tone)
     error = cKDTree(fit.body.vertices).query(shard.body_vertices)[0]
     about = shard.about | {"version": VERSION, "coloured": points.colours is not None}
     return Described(
@@ -90,7 +114,8 @@ def describe_fitted(shard: Shard, points: PersonPoints, fit: PersonFit) -> Descr
         points.normals,
         features.place.limb,
         features.place.station,
-        predict_by_rules(points, features, fit),
+        combine(points, features, fit, rings, tone),
+        share_garments(points, features, fit, rings, tone),
         shard.label[near],
         shard.tightness[near],
         shard.border[near],
@@ -126,7 +151,7 @@ def nearest_points(points: PersonPoints, shard: Shard) -> np.ndarray:
 def save_described(described: Described, path: Path) -> None:
     """Write the samples of a scan."""
     started = path.with_suffix(".part")
-    arrays = {k: v for k, v in described.__dict__.items() if k not in ("about", "inputs")}
+    arrays = {k: v for k, v in described.__dict__.items() if k not in ("about", "inputs", "kind_inputs")}
     with started.open("wb") as file:
         np.savez(
             file,
@@ -143,13 +168,18 @@ def load_described(path: Path) -> Described:
         return Described(**arrays, about=json.loads(str(kept["about"])))
 
 
-def describe_folder(persons: Path, out: Path, limit: float | None = None) -> int:
+Describe = Callable[[Shard], Described]
+"""From a scan to its described samples."""
+
+
+def describe_folder(persons: Path, out: Path, limit: float | None = None, how: Describe = describe) -> int:
     """Describe the scans of a folder that are not described yet, and return their number.
 
     Args:
         persons: Scans, as `persons.py` writes them.
         out: The folder for the samples.
         limit: Stop after so many seconds.
+        how: How a scan is described.
     """
     out.mkdir(parents=True, exist_ok=True)
     start, count = time.monotonic(), 0
@@ -161,7 +191,7 @@ def describe_folder(persons: Path, out: Path, limit: float | None = None) -> int
         cpu = time.process_time()
         shard = load_shard(path)
         try:
-            described = describe(shard)
+            described = how(shard)
         except GarmentqError as problem:
             (out / path.with_suffix(".none").name).write_text(str(problem))
             print(f"{path.stem} {problem}", flush=True)
@@ -178,9 +208,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--persons", type=Path, required=True, help="folder of scans")
     parser.add_argument("--out", type=Path, required=True, help="folder for the samples")
+    parser.add_argument("--given", action="store_true", help="around the true body, and not around one that is fitted")
     parser.add_argument("--limit", type=float, help="stop after so many seconds")
     options = parser.parse_args()
-    describe_folder(options.persons, options.out, options.limit)
+    describe_folder(options.persons, options.out, options.limit, describe_given if options.given else describe)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The network of `runtime.py` in torch, to be trained, and its weights as a file."""
+"""The network of `core/person/learnt.py` in torch, to be trained, and its weights as a file."""
 
 from __future__ import annotations
 
@@ -13,8 +13,20 @@ from torch import nn
 
 from ..core.person import GARMENTS, PARTS
 from ..core.person.features import VERSION
+from ..core.person.learnt import (
+    CELLS,
+    DILATIONS,
+    GROUPS,
+    KINDS,
+    PARTNER,
+    REACH,
+    ROUNDS,
+    SECTORS,
+    SLOPE,
+    STATIONS,
+    Cells,
+)
 from ..core.person.limbs import Limb
-from .runtime import CELLS, DILATIONS, GROUPS, PARTNER, REACH, ROUNDS, SECTORS, SLOPE, STATIONS, Cells
 
 WIDTH = 48
 """Numbers that a sample and a cell keep: 120,000 parameters in all, 0.25 MB in half precision."""
@@ -23,22 +35,26 @@ WIDTH = 48
 class PersonNetwork(nn.Module):
     """Predict part, tightness, distance to a border, and the garments that are worn."""
 
-    def __init__(self, mean: np.ndarray, spread: np.ndarray) -> None:
-        """Take mean and spread of the features, shape [F] each."""
+    def __init__(self, mean: np.ndarray, spread: np.ndarray, of_kinds: bool = False) -> None:
+        """Take mean and spread of the features, shape [F] each, and whether it tells `KINDS` apart and not parts."""
         super().__init__()
         self.register_buffer("mean", torch.from_numpy(mean.astype(np.float32)))
         self.register_buffer("spread", torch.from_numpy(spread.astype(np.float32)))
         self.first, self.second = nn.Linear(len(mean), WIDTH), nn.Linear(WIDTH, WIDTH)
         for turn in range(ROUNDS):
             self.add_module(f"round{turn}", Exchange())
-        self.part = nn.Linear(WIDTH, len(PARTS))
+        self.of_kinds = of_kinds
+        self.part = nn.Linear(WIDTH, len(KINDS) if of_kinds else len(PARTS))
         self.tightness = nn.Linear(WIDTH, 2)
         self.border = nn.Linear(WIDTH, 1)
         self.present = nn.Linear(WIDTH, len(GARMENTS))
         self.bend = nn.LeakyReLU(SLOPE)
 
     def forward(self, values: torch.Tensor, cells: tuple[torch.Tensor, ...]) -> tuple[torch.Tensor, ...]:
-        """Return logits [n, 8], log tightness and its log spread [n, 2], border distance [n], garments' logits [4]."""
+        """Return logits [n, 8], log tightness and its log spread [n, 2], border distance [n], garments' logits [4].
+
+        A network of kinds returns what is added to the rules' logarithms, [n, 5], instead of logits.
+        """
         hidden = ((values - self.mean) / self.spread).clamp(-REACH, REACH)
         hidden = self.bend(self.second(self.bend(self.first(hidden))))
         for turn in range(ROUNDS):

@@ -19,12 +19,13 @@ from torch.nn import functional
 
 from ..core.person import GARMENTS, PARTS
 from ..core.person.features import LENGTH, NAMES, VERSION
+from ..core.person.learnt import KIND, KINDS, Cells, share_kinds, sum_kinds
+from ..core.person.limbs import Limb
 from .boosted import predict_boosted, save_boosted, train_boosted
 from .describe import Described, load_described
 from .judge import NUMBERS, Judged, find_temperature, judge
 from .network import PersonNetwork, save_weights, to_torch
 from .persons import REVISION
-from .runtime import Cells
 
 SAMPLES = 8000
 """Samples of a scan in one step, drawn anew each time: a third of them, which varies the density as scanners do."""
@@ -54,6 +55,24 @@ COLUMN = np.zeros(256, np.int64)
 COLUMN[NUMBERS] = np.arange(len(NUMBERS))
 
 
+def _named(*starts: str) -> np.ndarray:
+    """Return which inputs of a network of kinds have names that start so; the rules' come last."""
+    return np.array([name.startswith(starts) for name in NAMES] + ["rules".startswith(starts)] * len(KINDS))
+
+
+TOLD_TOGETHER = np.stack(
+    [
+        _named("offset_", "curvature", "normal_spread", "crowding"), _named("offset", "distance", "normal_agreement"),
+        _named("normal_", "gap_"), _named("rest_"), _named("part_"), _named("station", "around_"), _named("slice_"),
+        _named("typical_"), _named("border", "height_"), _named("rules"),
+    ]
+)  # fmt: skip
+"""Inputs that are left out together of a network of kinds, bool, shape [10, F + 5]."""
+OF_LIMBS = _named("offset", "distance", "slice_20", "slice_50", "slice_80", "slice_both")[: -len(KINDS)]
+OF_LIMBS &= ~_named("offset_spread", "offset_step")[: -len(KINDS)]
+"""Features that grow with the offset from one limb, of which each is fitted well or badly by itself."""
+
+
 def load_set(folder: Path) -> list[Described]:
     """Read the described scans of the present layout."""
     scans = [load_described(path) for path in sorted(folder.glob("*.npz"))]
@@ -69,23 +88,35 @@ def split(scans: list[Described]) -> tuple[list[Described], list[Described]]:
 
 def cells_of(scan: Described, take: np.ndarray | slice = slice(None)) -> tuple[torch.Tensor, ...]:
     """Return the cells of some samples."""
-    front, side = (scan.values[take, NAMES.index(name)] for name in ("around_front", "around_side"))
+    front, side = front_and_side(scan, take)
     return to_torch(Cells.of(scan.limb[take], scan.station[take], front, side))
 
 
-def train_network(scans: list[Described], epochs: int, seed: int = 0) -> PersonNetwork:
+def front_and_side(scan: Described, take: np.ndarray | slice = slice(None)) -> tuple[np.ndarray, np.ndarray]:
+    """Return the directions of some samples around their limb."""
+    front, side = (scan.values[take, NAMES.index(name)] for name in ("around_front", "around_side"))
+    return front, side
+
+
+def inputs_of(scan: Described, of_kinds: bool) -> np.ndarray:
+    """Return what a network of kinds, or else one of parts, reads of a scan."""
+    return scan.kind_inputs if of_kinds else scan.inputs
+
+
+def train_network(scans: list[Described], epochs: int, seed: int = 0, of_kinds: bool = False) -> PersonNetwork:
     """Train a network.
 
     Args:
         scans: What to train on.
         epochs: Times that each scan is seen.
         seed: Of the weights and of the order.
+        of_kinds: Tell `KINDS` apart, and not parts.
     """
     torch.set_num_threads(1)
     torch.manual_seed(seed)
     rng = np.random.default_rng(seed)
-    every = np.concatenate([scan.inputs[:: max(1, len(scan.inputs) // 500)] for scan in scans])
-    network = PersonNetwork(every.mean(axis=0), every.std(axis=0) + 1e-3)
+    every = np.concatenate([inputs_of(scan, of_kinds)[:: max(1, len(scan.values) // 500)] for scan in scans])
+    network = PersonNetwork(every.mean(axis=0), every.std(axis=0) + 1e-3, of_kinds)
     optimiser = torch.optim.AdamW(network.parameters(), lr=RATE, weight_decay=1e-2)
     steps = max(1, epochs * len(scans) // TOGETHER)
     schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, RATE, total_steps=steps + 1, pct_start=0.15)
@@ -115,11 +146,19 @@ def _loss(network: PersonNetwork, scan: Described, weight: torch.Tensor, rng: np
     garments there are. Only the first is what the separation reads, the others teach it what cloth is.
     """
     take = rng.choice(len(scan.label), min(SAMPLES, len(scan.label)), replace=False)
-    values = torch.from_numpy(_vary(scan.inputs[take], rng))
-    values = torch.where(torch.from_numpy(rng.random(values.shape[1]) < FORGOTTEN), network.mean, values)
-    logits, tightness, border, present = network(values, cells_of(scan, take))
+    values, lost = _vary(inputs_of(scan, network.of_kinds)[take], rng), rng.random(network.mean.shape[0]) < FORGOTTEN
+    if network.of_kinds:
+        values = _vary_limbs(values, scan.limb[take], rng)
+        lost |= TOLD_TOGETHER[rng.random(len(TOLD_TOGETHER)) < FORGOTTEN].any(axis=0)
+    logits, tightness, border, present = network(
+        torch.where(torch.from_numpy(lost), network.mean, torch.from_numpy(values)), cells_of(scan, take)
+    )
     column = torch.from_numpy(COLUMN[scan.label[take]])
-    loss = functional.cross_entropy(logits, column, weight)
+    if not network.of_kinds:
+        loss = functional.cross_entropy(logits, column, weight)
+    else:  # the likelihood itself, so that probabilities are true
+        kinds = torch.from_numpy(np.log(sum_kinds(scan.rules[take])).astype(np.float32))
+        loss = functional.cross_entropy(kinds + logits, torch.from_numpy(KIND)[column])
     wanted = torch.from_numpy(np.log(scan.tightness[take] + LEAST_TIGHTNESS).astype(np.float32))
     spread = tightness[:, 1].clamp(-3, 3)
     loss = loss + 0.1 * (0.5 * ((tightness[:, 0] - wanted) * torch.exp(-spread)) ** 2 + spread).mean()
@@ -131,14 +170,23 @@ def _loss(network: PersonNetwork, scan: Described, weight: torch.Tensor, rng: np
 
 def _vary(values: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """Return features as another fit would have given them: the body a little thinner or thicker, and grain."""
-    raised = OFFSETS * np.float32(rng.normal(0.0, THICKER) / LENGTH)
+    raised = OFFSETS[: values.shape[1]] * np.float32(rng.normal(0.0, THICKER) / LENGTH)
     return values + raised + rng.normal(0.0, GRAIN, values.shape).astype(np.float32)
 
 
+def _vary_limbs(values: np.ndarray, limb: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Return inputs of a network of kinds as where the fit is off on single limbs, and by parts of the body."""
+    count = len(OF_LIMBS)
+    raised = rng.normal(0.0, THICKER / LENGTH, len(Limb))[limb][:, None] * OF_LIMBS
+    raised += rng.normal(0.0, THICKER / LENGTH, count) * _named("typical_")[:count]
+    return values + np.pad(raised, ((0, 0), (0, len(KINDS)))).astype(np.float32)
+
+
 def predict(network: PersonNetwork, scan: Described) -> np.ndarray:
-    """Return the logits of all samples of a scan, shape [n, 8]."""
+    """Return the logits of all samples of a scan, shape [n, 8]; of a network of kinds of `KINDS`, shape [n, 5]."""
     with torch.no_grad():
-        return network(torch.from_numpy(scan.inputs), cells_of(scan))[0].numpy()
+        logits = network(torch.from_numpy(inputs_of(scan, network.of_kinds)), cells_of(scan))[0].numpy()
+    return logits + np.log(sum_kinds(scan.rules)) if network.of_kinds else logits
 
 
 def soften(logits: np.ndarray, temperature: float) -> np.ndarray:
@@ -151,12 +199,17 @@ def calibrate(logits: list[np.ndarray], scans: list[Described]) -> float:
     """Return the temperature for the logits of validated scans; 1 where there are none."""
     if not scans:
         return 1.0
-    return find_temperature(np.concatenate(logits), COLUMN[np.concatenate([scan.label for scan in scans])])
+    column = COLUMN[np.concatenate([scan.label for scan in scans])]
+    every = np.concatenate(logits)
+    return find_temperature(every, KIND[column] if every.shape[1] == len(KINDS) else column)
 
 
 def measure(logits: list[np.ndarray], temperature: float, scans: list[Described]) -> Judged:
-    """Return the figures of a set of scans."""
-    return judge([soften(one, temperature) for one in logits], [scan.label for scan in scans])
+    """Return the figures of a set of scans; garments of a network of kinds are shared out as the rules do."""
+    found = [soften(one, temperature) for one in logits]
+    if found and found[0].shape[1] == len(KINDS):
+        found = [share_kinds(one, scan.share) for one, scan in zip(found, scans, strict=True)]
+    return judge(found, [scan.label for scan in scans])
 
 
 def main() -> None:

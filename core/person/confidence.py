@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import BadInput
-from .part import PARTS, Part
+from .part import Part
 from .separation import FoundGarment, Outfit
 
-TEMPERATURE = 1.0
-"""Divisor of a point's log-probabilities."""
-
-FOREIGN = {Part.HAIR: 0.1, Part.SHOES: 0.1}
-"""Share of what is surely taken for a part that is something else, which no rule knows: hats, scarves, bags."""
+TEMPERATURE = 0.7
+"""Divisor of a point's log-probabilities within a reading of the outfit. Smoothing blurs what the networks tell: of
+simulated persons without a coat whom they were not trained on, 0.969 of the samples are right (networks without their
+bound), and are said with 0.913 at 1, 0.941 at 0.7 and 0.955 at 0.5. Half of the way is gone, as these are ten persons.
+"""
 
 STEP = 2e-3
 """Step at a border [m] that shows it as well as `CONTRAST` does: a thin hem is 1 to 2 mm thick, and stands off more."""
@@ -60,14 +60,6 @@ def temper(posterior: np.ndarray, temperature: float = TEMPERATURE) -> np.ndarra
     log = np.log(np.maximum(posterior, 1e-9)) / temperature
     scaled = np.exp(log - log.max(axis=1, keepdims=True))
     return np.asarray(scaled / scaled.sum(axis=1, keepdims=True))
-
-
-def leave_foreign(posterior: np.ndarray) -> np.ndarray:
-    """Return a posterior, shape [n, part_count], with the share `FOREIGN` of each part's probability given to OTHER."""
-    given = posterior * np.array([FOREIGN.get(part, 0.0) for part in PARTS])
-    left = posterior - given
-    left[:, PARTS.index(Part.OTHER)] += given.sum(axis=1)
-    return np.asarray(left)
 
 
 def evidence(step: np.ndarray, contrast: np.ndarray) -> np.ndarray:

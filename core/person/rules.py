@@ -59,25 +59,17 @@ def combine(
     """Compute the posterior from the rings, as `predict_by_rules`."""
     count = len(features.values)
     cloth = cloth_probability(rings, features)
-    overlap = None
-    if points.colours is not None:
-        worn = cloth > 0.5 if tone is None else (cloth > 0.5) & (tone <= 0.0)  # a leg's ring may lie too low
-        overlap = overlap_of_cloths(points.colours, features.place, fit.body, worn)
     hair = hair_probability(features, fit.body, tone)
     shod = shoe_probability(features)
     shoe = shod * np.maximum(
         *(spread_over(rings, limb, ring, count) for limb, ring in zip(_LEGS, rings.ankles, strict=True))
     )
-    below, two = below_waist(rings, count), two_piece_probability(rings, overlap)
-    out = np.zeros((count, len(PARTS)))
+    out = cloth[:, None] * share_garments(points, features, fit, rings, tone)
     column = {part: i for i, part in enumerate(PARTS)}
     bare = 1.0 - cloth
     out[:, column[Part.SKIN]] = bare * (1 - shoe) * (1 - hair)
     out[:, column[Part.HAIR]] = bare * (1 - shoe) * hair
     out[:, column[Part.SHOES]] = bare * shoe
-    out[:, column[Part.UPPER]] = cloth * two * (1 - below)
-    out[:, column[Part.LOWER]] = cloth * two * below
-    out[:, column[Part.ONE_PIECE]] = cloth * (1 - two)
     lock = long_hair(points, features, fit.body, hair * bare * (1 - shoe))
     out *= (1 - lock)[:, None]
     out[:, column[Part.HAIR]] += lock
@@ -86,6 +78,29 @@ def combine(
     out[:, column[Part.OTHER]] += stray
     out += FLOOR
     return np.asarray(out / out.sum(axis=1, keepdims=True))
+
+
+def share_garments(
+    points: PersonPoints, features: Features, fit: FittedPerson, rings: PersonRings, tone: np.ndarray | None = None
+) -> np.ndarray:
+    """Compute which garment each sample is if it is one: upper, lower or one piece by the waist, rows sum to 1.
+
+    Arguments are those of `combine`.
+
+    Returns:
+        Probabilities in the order of `PARTS`, 0 for what is no garment and for outer layers, shape [n, 8].
+    """
+    cloth = cloth_probability(rings, features)
+    overlap = None
+    if points.colours is not None:
+        worn = cloth > 0.5 if tone is None else (cloth > 0.5) & (tone <= 0.0)  # a leg's ring may lie too low
+        overlap = overlap_of_cloths(points.colours, features.place, fit.body, worn)
+    below, two = below_waist(rings, len(cloth)), two_piece_probability(rings, overlap)
+    share = np.zeros((len(cloth), len(PARTS)))
+    share[:, PARTS.index(Part.UPPER)] = two * (1 - below)
+    share[:, PARTS.index(Part.LOWER)] = two * below
+    share[:, PARTS.index(Part.ONE_PIECE)] = 1 - two
+    return share
 
 
 _ARMS = (Limb.LEFT_ARM, Limb.RIGHT_ARM)

@@ -13,12 +13,13 @@ from ..hooks import SILENT, Hooks
 from ..scan.raw import RawScan
 from .coat import Coat, find_coat
 from .colour import link_alike, use_colours
-from .confidence import judge, leave_foreign, temper
+from .confidence import judge
 from .crumbs import give_crumbs
 from .diffusion import Links, diffuse, link_points
 from .features import Features, describe_points
 from .garments import find_garments
 from .hints import Hints
+from .learnt import Committee, load_committee, predict_parts_of
 from .marks import apply_marks, garments_marked
 from .outfit import above_waist, rank_outfits, read_all, read_as
 from .part import CLOTH, PARTS, Part
@@ -53,9 +54,9 @@ class _Given:
 def separate(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT) -> Separation:
     """Find the wearer under the clothes, and tell skin, hair, shoes and garments apart.
 
-    The body is fitted as if bare; the parts are predicted from where each point lies on it and from the scan's colours;
-    the body is fitted again below what is cloth; and so on. Then the outfit is chosen, and every point of the file gets
-    the label that is likeliest under it.
+    The body is fitted as if bare; the parts are predicted by rules from where each point lies on it and from the scan's
+    colours; the body is fitted again below what is cloth; and so on. The last prediction is by rules and trained
+    networks. Then the outfit is chosen, and every point of the file gets the label that is likeliest under it.
 
     Args:
         raw: The person.
@@ -84,7 +85,9 @@ def separate(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT) ->
     if not isinstance(fit, _Given):
         fit = fit_below_clothes(fit, points, links, told, hooks)
     posterior, features = (
-        (told, describe_points(points, fit)) if told is not None else predict_parts(points, fit, links)
+        (told, describe_points(points, fit))
+        if told is not None
+        else predict_parts(points, fit, links, load_committee())
     )
     hooks.progress(STAGE, 0.8, "choosing the outfit")
     above = above_waist(features.place, fit.body)
@@ -99,7 +102,7 @@ def separate(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT) ->
         column = give_crumbs(column, points.positions, area, links)
         column = apply_marks(column, hints.marks, raw, points, links)
     first = posterior.argmax(axis=1)
-    believed, posterior = (_exchange(one, first, column) for one in (leave_foreign(believed), temper(posterior)))
+    believed, posterior = (_exchange(one, first, column) for one in (believed, posterior))
     fit = _refit(fit, points, posterior, hooks)
     best = points.carry(posterior.astype(np.float32)).argmax(axis=1)
     at, sure = NUMBERS[best], points.carry(believed.astype(np.float32))[np.arange(len(best)), best]
@@ -159,11 +162,24 @@ def to_file(raw: RawScan, label: np.ndarray, confidence: np.ndarray) -> tuple[np
     return labels, sure
 
 
-def predict_parts(points: PersonPoints, fit: FittedPerson, links: Links) -> tuple[np.ndarray, Features]:
-    """Return the posterior by geometry and colour, shape [n, part_count], and the features."""
+def predict_parts(
+    points: PersonPoints, fit: FittedPerson, links: Links, committee: Committee | None = None
+) -> tuple[np.ndarray, Features]:
+    """Return the posterior by geometry and colour, shape [n, part_count], and the features.
+
+    Args:
+        points: The samples.
+        fit: The body fitted to them.
+        links: Their neighbours, as `link_alike` gives them where there are colours.
+        committee: The trained networks, of a body that was fitted below what the rules take for cloth; None: the rules.
+    """
     features = describe_points(points, fit)
     tone = None if points.colours is None else skin_evidence(points.colours, features.place, fit.body)
-    return smooth_parts(predict_by_rules(points, features, fit, tone), points, features, links, tone), features
+    if committee is None:
+        posterior = predict_by_rules(points, features, fit, tone)
+    else:
+        posterior = predict_parts_of(points, features, fit, tone, committee)
+    return smooth_parts(posterior, points, features, links, tone), features
 
 
 def smooth_parts(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from garmentq.core.person import GARMENTS, PARTS, Part
 from garmentq.core.person.colour import fit_colours, is_painted, to_lab
-from garmentq.core.person.confidence import FOREIGN, NoCloth, Unsure, judge, leave_foreign, temper
+from garmentq.core.person.confidence import NoCloth, Unsure, judge, temper
 from garmentq.core.person.crumbs import give_crumbs
 from garmentq.core.person.diffusion import diffuse, link_points
 from garmentq.core.person.garments import choose_part_category
@@ -229,14 +229,6 @@ def test_a_ragged_hem_is_one():
     ragged = flat + np.random.default_rng(0).normal(0.0, 0.004, flat.shape)
     assert np.linalg.norm(np.roll(ragged, 1, axis=0) - ragged, axis=1).sum() > 2.3  # flat: 1.28
     assert split_legs(ragged) is None
-
-
-def test_what_no_rule_knows_is_left_a_share():
-    """Broken where a part of which one in ten is a hat is stated as sure, or a row no longer sums to 1."""
-    left = leave_foreign(np.array([spread(HAIR=1.0), spread(SKIN=1.0)]))
-    np.testing.assert_allclose(left.sum(axis=1), 1.0)
-    assert left[0, PARTS.index(Part.HAIR)] == pytest.approx(1.0 - FOREIGN[Part.HAIR], abs=0.02)
-    assert left[0].argmax() == PARTS.index(Part.HAIR)
 
 
 @pytest.mark.parametrize(

@@ -1,18 +1,21 @@
 """The network: what torch trains and what numpy runs are one, and the trainer learns what is there to learn."""
 
 import json
+from dataclasses import replace
 from hashlib import sha256
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import torch
 from garmentq.core.person import PARTS
 from garmentq.core.person.features import NAMES
+from garmentq.core.person.learnt import STATIONS, Cells, Committee, load_committee, load_network
 from garmentq.core.person.limbs import Limb
 from garmentq.training.describe import Described
 from garmentq.training.judge import find_temperature, judge, judge_labels
+from garmentq.training.kinds import harden, write_kinds
 from garmentq.training.network import PersonNetwork, save_weights, to_torch
-from garmentq.training.runtime import STATIONS, Cells, load_network
 from garmentq.training.train import cells_of, predict, soften, train_network
 
 
@@ -28,7 +31,7 @@ def draw_scan(seed, count=600):
     zero = np.zeros(count)
     rules = np.full((count, len(PARTS)), 1 / len(PARTS))
     place = np.zeros((count, 3))
-    return Described(values, place, place, limb, station, rules, label, zero, zero, zero, {})
+    return Described(values, place, place, limb, station, rules, rules, label, zero, zero, zero, {})
 
 
 def test_numpy_runs_what_torch_trained(tmp_path):
@@ -48,6 +51,21 @@ def test_numpy_runs_what_torch_trained(tmp_path):
     kept = json.loads((tmp_path / "weights.json").read_text())
     assert kept["sha256"] == sha256((tmp_path / "weights.npz").read_bytes()).hexdigest()
     assert (tmp_path / "weights.npz").stat().st_size < 1e6
+
+
+def test_numpy_runs_what_torch_trained_of_kinds(tmp_path):
+    """Broken where what ships is not what was trained: a layer, what the rules say, the temperature, the layout."""
+    torch.manual_seed(2)
+    rules = np.random.default_rng(3).dirichlet(np.ones(len(PARTS)), 600)
+    scan = replace(draw_scan(1), rules=rules)
+    network = PersonNetwork(scan.kind_inputs.mean(axis=0), scan.kind_inputs.std(axis=0) + 1e-3, True).eval()
+    for value in network.parameters():
+        value.data = value.data.half().float()
+    write_kinds(Committee((harden(network, 1.3),)), tmp_path / "kinds.npz", {})
+    place = SimpleNamespace(limb=scan.limb, station=scan.station)
+    features = SimpleNamespace(values=scan.values, place=place, column=lambda name: scan.values[:, NAMES.index(name)])
+    found = load_committee(tmp_path / "kinds.npz").predict_kinds(features, rules)
+    assert found == pytest.approx(soften(predict(network, scan), 1.3), abs=1e-4)
 
 
 def test_weights_of_another_layout_are_refused(tmp_path):

@@ -1,20 +1,32 @@
-"""Predict the parts of a person by a small trained network, in numpy, as a separation would run it.
+"""Tell skin, hair, shoes, garments and other things apart by small trained networks, in numpy.
 
 Every sample's features and what the rules say of it go through a perceptron; what comes out is pooled over the cells of
 the unrolled limbs (stations of 2 cm, four sectors around), filtered along the limbs, joined with the limb on the other
-side and with the whole person, and handed back to the samples. `training/` makes the weights.
+side and with the whole person, and handed back to the samples. Which garment it is stays with the rules
+(`share_garments`): the persons that the networks were trained on do not wear all that is worn. `training/` makes the
+weights.
 """
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
 
-from ..core.person.features import VERSION, Features
-from ..core.person.limbs import Limb
+from ..errors import GarmentqError
+from .evidence import find_rings
+from .features import VERSION, Features
+from .limbs import Limb
+from .part import GARMENTS, PARTS, Part
+from .points import FittedPerson, PersonPoints
+from .rules import combine, share_garments
 
+ASSET = Path(__file__).parent / "kinds.npz"
+"""The networks that ship, with `kinds.json` beside them: hash, seeds, generator and figures."""
 STATION = 0.02
 """Length of a cell along a limb [m]: three samples, and half a hem's step."""
 START = -0.12
@@ -37,6 +49,23 @@ LEAST = 1.0e-3
 """Probability that the rules' are not believed below."""
 SLOPE = 0.1
 """Slope of the rectifier below zero."""
+UNREAD = ("tightness", "border", "present")
+"""Heads that training has and nothing reads at run time."""
+KINDS: tuple[tuple[Part, ...], ...] = ((Part.SKIN,), (Part.HAIR,), (Part.SHOES,), GARMENTS, (Part.OTHER,))
+"""What a network of kinds tells apart: any garment is one kind."""
+KIND = np.array([next(k for k, kind in enumerate(KINDS) if part in kind) for part in PARTS])
+"""Place in `KINDS` of each column of a posterior."""
+GARMENT = int(KIND[PARTS.index(Part.UPPER)])
+"""Place of garments in `KINDS`."""
+BARE = [int(KIND[PARTS.index(part)]) for part in (Part.SKIN, Part.SHOES)]
+"""Places of what lies beyond the ends of garments."""
+MOST = float(np.log(50.0))
+"""Most by which the networks change the log-odds of skin, or shoes, to garments: as a colour, they never speak against
+any by more than 1 : 50. A smooth sheet 12 mm over the legs was skin and boots to them, however sure of it the rules
+were: none of the persons that they were trained on wears anything so close. Of hair and other things rules know less.
+"""
+TINY = 1e-12
+"""Probability below which none is told from 0."""
 
 
 @dataclass(frozen=True)
@@ -77,8 +106,23 @@ def cells_of(features: Features) -> Cells:
 
 
 def network_inputs(values: np.ndarray, rules: np.ndarray) -> np.ndarray:
-    """Return what the network reads: features, shape [n, F], and logarithms of the rules' posterior, shape [n, 8]."""
+    """Return what the network reads: features, shape [n, F], and logarithms of the rules' posterior, shape [n, k]."""
     return np.hstack([values, np.log(np.maximum(rules, LEAST))]).astype(np.float32)
+
+
+def sum_kinds(posterior: np.ndarray) -> np.ndarray:
+    """Return the probability of each of `KINDS`, shape [n, 5], from that of each part, shape [n, 8]."""
+    return np.stack([posterior[:, KIND == k].sum(axis=1) for k in range(len(KINDS))], axis=1)
+
+
+def share_kinds(kinds: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Return the posterior of the parts, shape [n, 8], from that of `KINDS`, shape [n, 5].
+
+    Args:
+        kinds: Rows sum to 1.
+        share: Which garment each sample is if it is one, by `share_garments`, shape [n, 8].
+    """
+    return np.asarray(kinds[:, KIND] * np.where(KIND == GARMENT, share, 1.0))
 
 
 @dataclass(frozen=True)
@@ -93,17 +137,14 @@ class Network:
     weights: dict[str, np.ndarray]
     temperature: float
 
-    def predict(self, features: Features, rules: np.ndarray) -> np.ndarray:
-        """Compute the posterior in the order of `PARTS`, rows sum to 1, float32, shape [n, 8].
+    def logits(self, values: np.ndarray, cells: Cells) -> np.ndarray:
+        """Compute what the network says of each sample, divided by the temperature, shape [n, heads].
 
         Args:
-            features: The samples' description.
-            rules: The posterior by rules, shape [n, 8]: the network corrects what it knows.
+            values: What it reads (`network_inputs`), shape [n, inputs].
+            cells: Where the samples lie.
         """
-        hidden = self.embed(network_inputs(features.values, rules), cells_of(features))
-        logits = self._apply("part", hidden) / self.temperature
-        chance = np.exp(logits - logits.max(axis=1, keepdims=True))
-        return np.asarray(chance / chance.sum(axis=1, keepdims=True))
+        return np.asarray(self._apply("part", self.embed(values, cells)) / self.temperature)
 
     def embed(self, values: np.ndarray, cells: Cells) -> np.ndarray:
         """Compute what the heads read, shape [n, width]."""
@@ -148,6 +189,54 @@ class Network:
 
 
 @dataclass(frozen=True)
+class Committee:
+    """Networks of kinds that were trained alike but for the seed.
+
+    Attributes:
+        networks: The members.
+    """
+
+    networks: tuple[Network, ...]
+
+    def predict_kinds(self, features: Features, rules: np.ndarray) -> np.ndarray:
+        """Compute the posterior of `KINDS`, rows sum to 1, shape [n, 5].
+
+        Args:
+            features: The samples' description.
+            rules: The posterior by rules, shape [n, 8].
+        """
+        kinds = sum_kinds(rules)
+        return self.tell(network_inputs(features.values, kinds), kinds, cells_of(features))
+
+    def tell(self, values: np.ndarray, kinds: np.ndarray, cells: Cells) -> np.ndarray:
+        """Compute the geometric mean of the members' posteriors; each is the rules' times what it learnt.
+
+        Args:
+            values: What a network reads, shape [n, inputs].
+            kinds: The rules' posterior of `KINDS`, shape [n, 5].
+            cells: Where the samples lie.
+        """
+        told = [np.log(kinds) / each.temperature + each.logits(values, cells) for each in self.networks]
+        return keep_cloth(soften(np.mean(told, axis=0)), kinds)
+
+
+def keep_cloth(posterior: np.ndarray, rules: np.ndarray) -> np.ndarray:
+    """Return a posterior no more than `MOST` further from the rules' in the log-odds of skin, and shoes, to garments.
+
+    Args:
+        posterior: Of `KINDS`, shape [n, 5].
+        rules: The rules', shape [n, 5].
+    """
+    log = np.log(np.maximum(posterior, TINY))
+    # What is told too little is raised, not what is told too much lowered: else what is neither would gain.
+    change = (log - np.log(rules))[:, BARE] - (log - np.log(rules))[:, [GARMENT]]
+    raised = np.maximum(change.max(axis=1) - MOST, 0.0)
+    log[:, GARMENT] += raised
+    log[:, BARE] += np.maximum(-MOST - (change - raised[:, None]), 0.0)
+    return soften(log)
+
+
+@dataclass(frozen=True)
 class _Pooling:
     """How samples are summed up in cells: their order by cell, where each cell begins, and which there are."""
 
@@ -176,12 +265,24 @@ class _Pooling:
         return np.concatenate([mean, highest, self.full], axis=1)
 
 
+def soften(logits: np.ndarray) -> np.ndarray:
+    """Return the posterior of logits, shape [n, k]."""
+    chance = np.exp(logits - logits.max(axis=1, keepdims=True))
+    return np.asarray(chance / chance.sum(axis=1, keepdims=True))
+
+
 def _bend(values: np.ndarray) -> np.ndarray:
     return np.maximum(values, SLOPE * values)
 
 
+class WrongWeights(GarmentqError):
+    """The file of the trained networks is not the one that garmentq was made with; install garmentq anew."""
+
+    code = "segment.wrong_weights"
+
+
 def load_network(path: Path) -> Network | None:
-    """Read a network; None where there is none, or where it was trained on another layout of features."""
+    """Read a network that a training wrote; None where there is none, or where it reads another layout of features."""
     if not path.exists():
         return None
     with np.load(path) as kept:
@@ -189,3 +290,55 @@ def load_network(path: Path) -> Network | None:
             return None
         weights = {name: kept[name].astype(np.float32) for name in kept.files if name not in ("version", "temperature")}
         return Network(weights, float(kept["temperature"]))
+
+
+def save_committee(committee: Committee, path: Path) -> None:
+    """Write networks of kinds as one file: matrices in half precision, `0.first.weight`, only what is run."""
+    arrays: dict[str, np.ndarray] = {"version": np.array(VERSION)}
+    for i, network in enumerate(committee.networks):
+        arrays[f"{i}.temperature"] = np.array(network.temperature)
+        for name, value in network.weights.items():
+            if name.split(".")[0] not in UNREAD:
+                arrays[f"{i}.{name}"] = value if name in ("mean", "spread") else value.astype(np.float16)
+    np.savez_compressed(path, **arrays)  # type: ignore[arg-type]
+
+
+@cache
+def load_committee(path: Path = ASSET) -> Committee:
+    """Read the networks that ship.
+
+    Raises:
+        WrongWeights: where the file is not that of `kinds.json`, or was trained on another layout of features.
+    """
+    known = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
+    if sha256(path.read_bytes()).hexdigest() != known["sha256"]:
+        raise WrongWeights
+    members: dict[str, dict[str, np.ndarray]] = {}
+    with np.load(path) as kept:
+        if int(kept["version"]) != VERSION:
+            raise WrongWeights
+        for key in kept.files:
+            member, _, name = key.partition(".")
+            if name:
+                members.setdefault(member, {})[name] = kept[key].astype(np.float32)
+    return Committee(tuple(Network(each, float(each.pop("temperature"))) for each in members.values()))
+
+
+def predict_parts_of(
+    points: PersonPoints, features: Features, fit: FittedPerson, tone: np.ndarray | None, committee: Committee
+) -> np.ndarray:
+    """Compute the posterior of the parts: kinds by rules and networks together, garments by the rules alone.
+
+    Args:
+        points: The samples.
+        features: Their description.
+        fit: The body fitted to them below their clothes; the networks know no other fits.
+        tone: Evidence for skin by its colour (`skin_evidence`), shape [n], or None.
+        committee: The networks.
+
+    Returns:
+        Probabilities in the order of `PARTS`, rows sum to 1, shape [n, 8].
+    """
+    rings = find_rings(points, features, fit, tone=tone)
+    rules, share = combine(points, features, fit, rings, tone), share_garments(points, features, fit, rings, tone)
+    return share_kinds(committee.predict_kinds(features, rules), share)
