@@ -123,9 +123,12 @@ def fit_pattern(
         folds, contact = BendingFriction.at(topology, registered), SelfContact.of(topology)
         pins = pin_waist(recovered)
         scene = Scene(topology, soften(fabric), wearer.grid, pins, rotation, folds, self_contact=contact)
-        starts = [(rest.nodes, rest.anchors)] if started else [(registered, None), (rest.nodes, rest.anchors)]
+        ended, surface = (rest.nodes, rest.anchors), (registered, None)
+        starts = [ended] if started else [surface, ended] if problem.garment is refitted else [surface]
         drapes = [equilibrium(scene, nodes, anchors=anchors, hooks=hooks) for nodes, anchors in starts]
-        rest = min(drapes, key=lambda drape: (not drape.converged, problem.loss.value(drape.nodes)))
+        if len(drapes) > 1:
+            drapes.sort(key=lambda drape: (not drape.converged, problem.loss.value(drape.nodes)))
+        rest = drapes[0]
     simulation = project_outside(rest.nodes, wearer.exposed, recovered.faces)
     simulation = untangle_outside(simulation, wearer.exposed, recovered.faces)
     return Fit(
