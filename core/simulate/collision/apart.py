@@ -64,15 +64,14 @@ def steady(path):  # type: ignore[no-untyped-def]
     How the whole moves brings nothing nearer to anything. The boxes are lowest and highest corners, [node_count, 6].
     """
     places, count = path.shape[:2]
-    steadied, spans = path.copy(), np.zeros((count, 6))
+    steadied, spans, mean = path.copy(), np.zeros((count, 6)), np.zeros(3)
     spans[:, :3], spans[:, 3:] = path[0], path[0]
     for j in range(1, places):
-        p = q = r = 0.0
+        mean[:] = 0.0
         for v in range(count):
-            p += path[j, v, 0] - path[0, v, 0]
-            q += path[j, v, 1] - path[0, v, 1]
-            r += path[j, v, 2] - path[0, v, 2]
-        mean = (p / count, q / count, r / count)
+            for d in range(3):
+                mean[d] += path[j, v, d] - path[0, v, d]
+        mean /= count
         for v in range(count):
             for d in range(3):
                 value = path[j, v, d] - mean[d]
@@ -90,28 +89,24 @@ def _bound(path, spans, corners, moved):  # type: ignore[no-untyped-def]
     active = np.full(count, len(moved) == 0)
     for c in range(count):
         boxes[c, :3], boxes[c, 3:] = np.inf, -np.inf
-        run = members[starts[c] : starts[c + 1]]
-        share = 1.0 / len(run)
-        for v in run:
+        share = 1.0 / (starts[c + 1] - starts[c])
+        for m in range(starts[c], starts[c + 1]):
+            v = members[m]
             if len(moved) > 0 and moved[v]:
                 active[c] = True
             for d in range(3):
                 boxes[c, d], boxes[c, 3 + d] = min(boxes[c, d], spans[v, d]), max(boxes[c, 3 + d], spans[v, 3 + d])
+                for j in range(places):
+                    middles[c, j, d] += share * path[j, v, d]
         most = 0.0
-        for j in range(places):
-            x = y = z = 0.0
-            for v in run:
-                x += share * path[j, v, 0]
-                y += share * path[j, v, 1]
-                z += share * path[j, v, 2]
-            middles[c, j, 0], middles[c, j, 1], middles[c, j, 2] = x, y, z
-            x, y, z = x - middles[c, 0, 0], y - middles[c, 0, 1], z - middles[c, 0, 2]
-            if j > 0:
-                for v in run:
-                    p = path[j, v, 0] - path[0, v, 0] - x
-                    q = path[j, v, 1] - path[0, v, 1] - y
-                    r = path[j, v, 2] - path[0, v, 2] - z
-                    most = max(most, p * p + q * q + r * r)
+        for m in range(starts[c], starts[c + 1]):
+            v = members[m]
+            for j in range(1, places):
+                square = 0.0
+                for d in range(3):
+                    off = (path[j, v, d] - middles[c, j, d]) - (path[0, v, d] - middles[c, 0, d])
+                    square += off * off
+                most = max(most, square)
         spread[c] = np.sqrt(most)
     return (boxes, middles, spread), active
 

@@ -45,7 +45,7 @@ def pair_boxes(bounds: np.ndarray, inflation: float, active: np.ndarray) -> np.n
         active: Boxes of which every pair has one or both, shape [box_count].
     """
     if int(active.sum()) * len(bounds) <= _TESTS:
-        return np.asarray(_sweep(bounds, 2.0 * inflation, active))
+        return np.asarray(_test_all(bounds, 2.0 * inflation, active))
     bounds = np.ascontiguousarray(bounds + inflation * np.repeat([-1.0, 1.0], 3))
     return np.asarray(_find_overlaps(bounds, Grid.of(bounds), active))
 
@@ -71,25 +71,13 @@ def _beside(boxes, m, low, high):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _sweep(bounds, need, active):  # type: ignore[no-untyped-def]
-    """Return the indices of the boxes that are nearer to active ones than `need` [m], [pair_count, 2].
-
-    In the order of their lower ends along the axis on which these spread most, a box meets those that begin before it
-    ends.
-    """
-    pairs, found, spread = np.zeros((1024, 2), np.int64), 0, np.zeros(3)
-    for d in range(3):
-        spread[d] = bounds[:, d].max() - bounds[:, d].min()
-    axis = np.argmax(spread)
-    order = np.argsort(bounds[:, axis])
-    for m in range(len(order)):
-        a = order[m]
+def _test_all(bounds, need, active):  # type: ignore[no-untyped-def]
+    """Return the indices of the boxes that are nearer to active ones than `need` [m], [pair_count, 2]."""
+    pairs, found, whole = np.zeros((1024, 2), np.int64), 0, active.all()
+    for a in np.flatnonzero(active):
         low, high = _grow(bounds, a, need)
-        for n in range(m + 1, len(order)):
-            b = order[n]
-            if bounds[b, axis] > high[axis]:
-                break
-            if not (active[a] or active[b]) or _beside(bounds, b, low, high):
+        for b in range(a + 1 if whole else 0, len(bounds)):
+            if _beside(bounds, b, low, high) or (b <= a and active[b]):
                 continue
             if found == len(pairs):
                 pairs = np.concatenate((pairs, np.zeros_like(pairs)))
