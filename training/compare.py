@@ -18,7 +18,6 @@ from ..core.person.coat import Coat, find_coat
 from ..core.person.colour import link_alike
 from ..core.person.crumbs import give_crumbs
 from ..core.person.diffusion import Links, link_points
-from ..core.person.evidence import find_rings
 from ..core.person.features import Features, describe_points
 from ..core.person.learnt import (
     Committee,
@@ -34,7 +33,7 @@ from ..core.person.learnt import (
 from ..core.person.outfit import above_waist, outfit_probabilities, rank_outfits, read_all, read_as
 from ..core.person.part import GARMENTS, Part
 from ..core.person.points import PersonPoints, sample_person
-from ..core.person.rules import combine, share_garments
+from ..core.person.rules import tell_by_rules
 from ..core.person.separate import smooth_parts
 from ..core.person.tone import skin_evidence
 from .boosted import load_boosted, predict_boosted
@@ -67,8 +66,7 @@ def answer(shard: Path, described: Described, learners: Learners) -> dict[str, A
     points = sample_person(raw, fit)
     features = describe_points(points, fit)
     tone = None if points.colours is None else skin_evidence(points.colours, features.place, fit.body)
-    rings = find_rings(points, features, fit, tone=tone)
-    rules, share = combine(points, features, fit, rings, tone), share_garments(points, features, fit, rings, tone)
+    rules, share = tell_by_rules(points, features, fit, tone)
     found = {"rules": rules} | learners.predict(features, described, rules, share)
     links = link_points(points.positions, points.normals)
     if points.colours is not None:

@@ -24,11 +24,10 @@ from ..core.body.registration import body_of_state
 from ..core.body.template import load_template, rotations_of
 from ..core.errors import GarmentqError
 from ..core.person.diffusion import link_points
-from ..core.person.evidence import find_rings
 from ..core.person.features import VERSION, describe_points
 from ..core.person.learnt import network_inputs, sum_kinds
 from ..core.person.points import PersonPoints, sample_person
-from ..core.person.rules import combine, share_garments
+from ..core.person.rules import tell_by_rules
 from ..core.person.separate import fit_below_clothes
 from ..core.person.tone import skin_evidence
 from ..core.scan.raw import RawScan
@@ -105,7 +104,7 @@ def describe_fitted(shard: Shard, points: PersonPoints, fit: PersonFit) -> Descr
     near = nearest_points(points, shard)
     features = describe_points(points, fit)
     tone = None if points.colours is None else skin_evidence(points.colours, features.place, fit.body)
-    rings = find_rings(points, features, fit, tone=tone)
+    rules = tell_by_rules(points, features, fit, tone)
     error = cKDTree(fit.body.vertices).query(shard.body_vertices)[0]
     about = shard.about | {"version": VERSION, "coloured": points.colours is not None}
     return Described(
@@ -114,8 +113,8 @@ def describe_fitted(shard: Shard, points: PersonPoints, fit: PersonFit) -> Descr
         points.normals,
         features.place.limb,
         features.place.station,
-        combine(points, features, fit, rings, tone),
-        share_garments(points, features, fit, rings, tone),
+        rules.posterior,
+        rules.share,
         shard.label[near],
         shard.tightness[near],
         shard.border[near],

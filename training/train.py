@@ -17,7 +17,7 @@ import numpy as np
 import torch
 from torch.nn import functional
 
-from ..core.person import GARMENTS, PARTS
+from ..core.person import GARMENTS, PARTS, learnt
 from ..core.person.features import LENGTH, NAMES, VERSION
 from ..core.person.learnt import KIND, KINDS, Cells, share_kinds, sum_kinds
 from ..core.person.limbs import Limb
@@ -191,8 +191,7 @@ def predict(network: PersonNetwork, scan: Described) -> np.ndarray:
 
 def soften(logits: np.ndarray, temperature: float) -> np.ndarray:
     """Return the posterior of logits at a temperature."""
-    chance = np.exp((logits - logits.max(axis=1, keepdims=True)) / temperature)
-    return np.asarray(chance / chance.sum(axis=1, keepdims=True))
+    return learnt.soften(logits / temperature)
 
 
 def calibrate(logits: list[np.ndarray], scans: list[Described]) -> float:

@@ -123,8 +123,9 @@ def fit_pattern(
         folds, contact = BendingFriction.at(topology, registered), SelfContact.of(topology)
         pins = pin_waist(recovered)
         scene = Scene(topology, soften(fabric), wearer.grid, pins, rotation, folds, self_contact=contact)
-        ended, surface = (rest.nodes, rest.anchors), (registered, None)
-        starts = [ended] if started else [surface, ended] if problem.garment is refitted else [surface]
+        starts: list[tuple[np.ndarray, np.ndarray | None]] = [] if started else [(registered, None)]
+        if problem.garment is refitted:  # the fit's own drape is of this mesh
+            starts.append((rest.nodes, rest.anchors))
         drapes = [equilibrium(scene, nodes, anchors=anchors, hooks=hooks) for nodes, anchors in starts]
         if len(drapes) > 1:
             drapes.sort(key=lambda drape: (not drape.converged, problem.loss.value(drape.nodes)))

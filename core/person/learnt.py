@@ -18,12 +18,11 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import GarmentqError
-from .evidence import find_rings
 from .features import VERSION, Features
 from .limbs import Limb
 from .part import GARMENTS, PARTS, Part
 from .points import FittedPerson, PersonPoints
-from .rules import combine, share_garments
+from .rules import tell_by_rules
 
 ASSET = Path(__file__).parent / "kinds.npz"
 """The networks that ship, with `kinds.json` beside them: hash, seeds, generator and figures."""
@@ -339,6 +338,5 @@ def predict_parts_of(
     Returns:
         Probabilities in the order of `PARTS`, rows sum to 1, shape [n, 8].
     """
-    rings = find_rings(points, features, fit, tone=tone)
-    rules, share = combine(points, features, fit, rings, tone), share_garments(points, features, fit, rings, tone)
-    return share_kinds(committee.predict_kinds(features, rules), share)
+    rules = tell_by_rules(points, features, fit, tone)
+    return share_kinds(committee.predict_kinds(features, rules.posterior), rules.share)

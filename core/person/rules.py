@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from ..body import Body
 from .cloths import overlap_of_cloths
 from .evidence import PersonRings, Waist, find_rings, spread_over
 from .features import Features
@@ -50,27 +52,53 @@ def predict_by_rules(
     Returns:
         Probabilities in the order of `PARTS`, rows sum to 1, shape [n, 8].
     """
-    return combine(points, features, fit, find_rings(points, features, fit, tone=tone), tone)
+    return tell_by_rules(points, features, fit, tone).posterior
 
 
-def combine(
-    points: PersonPoints, features: Features, fit: FittedPerson, rings: PersonRings, tone: np.ndarray | None = None
+class RulesTold(NamedTuple):
+    """What the rules say of samples.
+
+    Attributes:
+        posterior: As `predict_by_rules`, shape [n, 8].
+        share: Which garment each sample is if it is one, as `share_garments`, shape [n, 8].
+    """
+
+    posterior: np.ndarray
+    share: np.ndarray
+
+
+def tell_by_rules(
+    points: PersonPoints, features: Features, fit: FittedPerson, tone: np.ndarray | None = None
+) -> RulesTold:
+    """Compute the posterior as `predict_by_rules`, and which garment each sample is if it is one."""
+    rings = find_rings(points, features, fit, tone=tone)
+    share = share_garments(points, features, fit, rings, tone)
+    return RulesTold(_combine(points, features, fit.body, rings, share, tone), share)
+
+
+def _combine(
+    points: PersonPoints,
+    features: Features,
+    body: Body,
+    rings: PersonRings,
+    share: np.ndarray,
+    tone: np.ndarray | None,
 ) -> np.ndarray:
-    """Compute the posterior from the rings, as `predict_by_rules`."""
+    """Compute the posterior from the rings and what a garment is, shape [n, 8]."""
     count = len(features.values)
     cloth = cloth_probability(rings, features)
-    hair = hair_probability(features, fit.body, tone)
+    hair = hair_probability(features, body, tone)
     shod = shoe_probability(features)
     shoe = shod * np.maximum(
         *(spread_over(rings, limb, ring, count) for limb, ring in zip(_LEGS, rings.ankles, strict=True))
     )
-    out = cloth[:, None] * share_garments(points, features, fit, rings, tone)
+    out = cloth[:, None] * share
     column = {part: i for i, part in enumerate(PARTS)}
     bare = 1.0 - cloth
     out[:, column[Part.SKIN]] = bare * (1 - shoe) * (1 - hair)
     out[:, column[Part.HAIR]] = bare * (1 - shoe) * hair
     out[:, column[Part.SHOES]] = bare * shoe
-    lock = long_hair(points, features, fit.body, hair * bare * (1 - shoe))
+    lock = long_hair(points, features, body, hair * bare * (1 - shoe))
     out *= (1 - lock)[:, None]
     out[:, column[Part.HAIR]] += lock
     stray = stray_probability(points, features) * (1 - cloth)
@@ -85,7 +113,12 @@ def share_garments(
 ) -> np.ndarray:
     """Compute which garment each sample is if it is one: upper, lower or one piece by the waist, rows sum to 1.
 
-    Arguments are those of `combine`.
+    Args:
+        points: The samples.
+        features: Their description.
+        fit: The body fitted to them.
+        rings: Where garments end (`find_rings`).
+        tone: Evidence for skin by its colour (`skin_evidence`), shape [n], or None.
 
     Returns:
         Probabilities in the order of `PARTS`, 0 for what is no garment and for outer layers, shape [n, 8].
