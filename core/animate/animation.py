@@ -100,8 +100,20 @@ class _Chunk:
     nodes: np.ndarray
     velocities: np.ndarray
     anchors: np.ndarray
+    folds: np.ndarray
     frames: np.ndarray
     verdicts: tuple[Verdict, ...]
+
+    @classmethod
+    def of(cls, cloth: State, frames: list[np.ndarray], verdicts: list[Verdict]) -> _Chunk:
+        """Return frames and the cloth after them."""
+        assert cloth.folds is not None
+        return cls(cloth.nodes, cloth.velocities, cloth.anchors, cloth.folds, np.stack(frames), tuple(verdicts))
+
+    @property
+    def cloth(self) -> State:
+        """Return the cloth after the last frame."""
+        return State(self.nodes, self.velocities, self.anchors, folds=self.folds)
 
 
 def animate(worn: Worn, motion: LeadIn, settings: AnimateSettings, hooks: Hooks = SILENT) -> Animation:
@@ -132,14 +144,14 @@ def animate(worn: Worn, motion: LeadIn, settings: AnimateSettings, hooks: Hooks 
     while (chunk := load(hooks, f"{STAGE}.{len(kept)}", _Chunk, *inputs)) is not None:
         kept.append(chunk)
     done = sum(len(chunk.frames) for chunk in kept)
-    start = _start(worn) if not kept else State(kept[-1].nodes, kept[-1].velocities, kept[-1].anchors)
+    start = kept[-1].cloth if kept else stage.start
     frames: list[np.ndarray] = []
     verdicts: list[Verdict] = []
     for index, state, nodes, verdict in _run(stage, times, done, start, hooks):
         frames.append(nodes)
         verdicts.append(verdict)
         if len(frames) == CHUNK or index == len(times) - 1:
-            kept.append(_Chunk(state.nodes, state.velocities, state.anchors, np.stack(frames), tuple(verdicts)))
+            kept.append(_Chunk.of(state, frames, verdicts))
             save(hooks, f"{STAGE}.{len(kept) - 1}", kept[-1], *inputs)
             frames, verdicts = [], []
     return Animation(
@@ -164,11 +176,6 @@ def list_times(motion: LeadIn, settings: AnimateSettings) -> np.ndarray:
         raise AnimateBad(f"the motion is over after {track.seconds:.2f} s; {AnimateBad().message}")
     count = int(np.floor((end - settings.begin) * settings.fps + 1e-6)) + (0 if track.loops else 1)
     return settings.begin + np.arange(max(count, 1)) / settings.fps
-
-
-def _start(worn: Worn) -> State:
-    nodes = np.array(worn.garment.nodes)
-    return State(nodes, np.zeros_like(nodes), nodes.copy())
 
 
 def _run(

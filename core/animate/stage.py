@@ -82,6 +82,13 @@ class Stage:
             self_contact=SelfContact.of(topology) if self.settings.apart else None,
         )
 
+    @property
+    def start(self) -> State:
+        """Return the cloth at rest where the garment is, held in its folds."""
+        nodes, held = np.array(self.worn.garment.nodes), self.scene.bending_friction
+        assert held is not None
+        return State(nodes, np.zeros_like(nodes), nodes.copy(), folds=held.angles)
+
     @cached_property
     def layout(self) -> Layout:
         """Return the matrix laid out for the scene alone: what a group of frames begins with."""
@@ -141,5 +148,5 @@ class Stage:
         if contact is not None:
             contact = contact.wait(self_intersections(state.nodes, self.scene.topology.faces))
         layout = cloth.layout.at(pins, contact)
-        start = State(carried, state.velocities, anchors)
+        start = State(carried, state.velocities, anchors, folds=state.folds)
         return step_in_motion(layout, state, start, MovingSkin(then.surface), dt, self.settings.step)

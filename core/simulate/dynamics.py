@@ -28,12 +28,15 @@ class State:
         velocities: Velocities [m/s], shape [node_count, 3].
         anchors: Where friction holds each node [m], shape [node_count, 3].
         rubbing: The friction of cloth on cloth in the last step, or None.
+        folds: Angles at which the friction of bending holds the hinges [rad], shape [hinge_count], or None: where the
+            scene has them.
     """
 
     nodes: np.ndarray
     velocities: np.ndarray
     anchors: np.ndarray
     rubbing: Rubbing | None = None
+    folds: np.ndarray | None = None
 
 
 def settle(

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..body import SignedDistance
+from .bending_friction import measure_angles
 from .carry_step import carry_free
 from .collision.coupling import couple
 from .collision.self_contact import SelfContact
@@ -122,9 +123,10 @@ def step_in_motion(
 
     is the minimum of E(x+) + (1 + c dt) / (2 dt^2) |x+ - y|_M^2 with y = x + dt (v + c dt w) / (1 + c dt).
 
-    Notation: c `damping`; w `wind`; M masses. The planes of the body and friction's normal forces are taken anew before
-    each leg, so that a converged step is in balance with where it ends. Where forces are no numbers any more, the step
-    ends at the last place where they were, and is not converged.
+    Notation: c `damping`; w `wind`; M masses. Friction on the skin and in bending starts from where it held after the
+    step before (`anchors`, `folds`). The planes of the body and friction's normal forces are taken anew before each
+    leg, so that a converged step is in balance with where it ends. Where forces are no numbers any more, the step ends
+    at the last place where they were, and is not converged.
 
     Args:
         layout: The cloth and what acts on it but the body; pins are where they belong after the step.
@@ -138,6 +140,10 @@ def step_in_motion(
     free = 1.0 + settings.damping * dt
     target = before.nodes + dt * (before.velocities + settings.damping * dt * np.asarray(settings.wind)) / free
     energy, solver = replace(layout.energy, inertia=Inertia(target, free / dt**2), friction=None), layout.solver
+    held = energy.scene.bending_friction
+    if held is not None and before.folds is not None:
+        held = replace(held, angles=before.folds)
+        energy = replace(energy, scene=replace(energy.scene, bending_friction=held))
     energy = energy.let_shut(before.nodes)
     energy, nodes = carry_free(energy, before.nodes, carried.nodes)
     planes, motion, cut, factors, sound = TangentPlanes.none(len(nodes)), np.inf, False, 0, before.nodes
@@ -165,5 +171,8 @@ def step_in_motion(
         energy, nodes, motion, cut, factors = leg.energy, leg.nodes, leg.motion, leg.cut, factors + 1
     velocities = (nodes - before.nodes) / dt
     anchors = nodes if energy.friction is None else energy.friction.slide(nodes)
+    folds = None if held is None else held.slide(measure_angles(energy.scene.topology, nodes))
     bare = replace(energy, scene=replace(energy.scene, body=None), friction=None, inertia=None)
-    return Step(State(nodes, velocities, anchors), bool(converged), residual, factors, Layout(bare, solver))
+    return Step(
+        State(nodes, velocities, anchors, folds=folds), bool(converged), residual, factors, Layout(bare, solver)
+    )

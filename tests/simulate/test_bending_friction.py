@@ -18,7 +18,7 @@ from garmentq.core.simulate import (
     load_fabrics,
     soften,
 )
-from garmentq.core.simulate.bending_friction import measure_angles
+from garmentq.core.simulate.bending_friction import HELD, measure_angles
 from garmentq.core.simulate.locking import SAG
 
 
@@ -61,6 +61,31 @@ def test_folds_that_stay_cost_nothing(crumpled, cloth):
     assert held.value(moved) > bare.value(moved)
     turned = np.abs(measure_angles(topology, moved) - measure_angles(topology, nodes)).max()
     assert 0.01 < turned < np.pi
+
+
+@pytest.mark.parametrize("middle", [0.0, 0.9 * np.pi])
+def test_bending_to_and_fro_spends_what_a_bending_tester_measures(middle):
+    """Breaks if folds never follow, follow at once, or jump where an angle goes past pi: the loop's area is known.
+
+    The moment rises to 2 / sqrt 5 of M within `HELD` = 2 slips and stays: between -a and a the loop has the area
+    2 (2 / sqrt 5) M (2 a - 4 slips).
+    """
+    moment, reach = 3e-6, 0.5
+    folds = BendingFriction(np.array([middle]), np.array([moment]))
+    way = np.concatenate(
+        [np.linspace(0, reach, 2001), np.linspace(reach, -reach, 4001), np.linspace(-reach, reach, 4001)]
+    )
+    spent, before = [], middle
+    for angle in middle + way:
+        bent = np.remainder(angle - folds.angles + np.pi, 2 * np.pi) - np.pi
+        force = moment * bent / np.hypot(bent, folds.slip)
+        spent.append(float(force[0] * (angle - before)))
+        folds, before = (
+            replace(folds, angles=folds.slide(np.remainder(np.array([angle]) + np.pi, 2 * np.pi) - np.pi)),
+            angle,
+        )
+    area = 2.0 * (2.0 / np.sqrt(5.0)) * moment * (2.0 * reach - 2.0 * HELD * folds.slip)
+    assert sum(spent[2001:]) == pytest.approx(area, rel=2e-3)
 
 
 def test_a_soft_membrane_can_fold(sheet):
