@@ -203,6 +203,8 @@ class Energy:
         """Add the contact of cloth with cloth; pairs for which the matrix has no place count by diagonal blocks."""
         cloth, near = self.scene.self_contact, self.watch(nodes).near
         assert cloth is not None and near is not None
+        if self.rubbing is None and not len(near.keys):
+            return 0.0
         pattern, pairs = self.scene.topology.pattern, near.pairs
         slots = NO_SLOTS
         if order == 2:

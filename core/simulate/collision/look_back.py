@@ -12,9 +12,9 @@ from .closest import span, weigh
 from .near import Near, find_candidates, gather
 from .self_contact import SelfContact
 
-MANY = 0.5
-"""Share of the nodes that left their margin from which pairs are looked for everywhere: around each of them costs as
-much then."""
+MANY = 0.05
+"""Share of the nodes that left their margin from which pairs are looked for everywhere. Around a tenth of them takes as
+long as that: the others may be by a margin off, and all patches that one of the tenth is in are looked into."""
 
 
 def look_back(cloth: SelfContact, path: np.ndarray, watched: Near) -> tuple[Near, int]:
@@ -23,7 +23,7 @@ def look_back(cloth: SelfContact, path: np.ndarray, watched: Near) -> tuple[Near
     Cloth that descends knows the pairs near the start of a leg. What it did is right as far as no other pair came
     within reach, for until then the barrier of every other pair was zero. One search over the whole path tells where
     that ends, in place of one for each step. It is made around the nodes that left the margin of where their pairs were
-    looked for last (Verlet 1967): of a drape's legs most move but a hundredth of the nodes so far.
+    looked for last (Verlet 1967), where these are few: in the last legs of a drape they are a hundredth.
 
     Args:
         cloth: The mesh and its reach.

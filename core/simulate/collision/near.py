@@ -93,10 +93,11 @@ class Near:
     def renewed(self, found: Near, moved: np.ndarray) -> Near:
         """Return these pairs with those of nodes that moved, shape [node_count], found anew, where those are now."""
         kept = ~moved[self.pairs.nodes].any(axis=1)
-        parts = (np.concatenate([old[kept], new]) for old, new in zip(self.pairs, found.pairs, strict=True))
-        start = np.where(moved[:, None], found.start, self.start)
         keys = np.concatenate([self.keys[kept], found.keys])
-        return replace(found, pairs=PairElements(*parts), keys=keys, start=start)
+        order = np.argsort(keys)
+        parts = (np.concatenate([old[kept], new])[order] for old, new in zip(self.pairs, found.pairs, strict=True))
+        start = np.where(moved[:, None], found.start, self.start)
+        return replace(found, pairs=PairElements(*parts), keys=keys[order], start=start)
 
 
 def find_near(cloth: SelfContact, start: np.ndarray, end: np.ndarray | None = None) -> Near:
