@@ -42,8 +42,6 @@ LEAST_CREASE = 0.2
 REGION_WEIGHT = 0.012
 """Log-probability of one cell's unit of offset: a limb's slice of 1 cm of clear cloth says as much as one column's
 clear edge, as the fit is off over lengths of 10 cm."""
-KNOWN_WEIGHT = 0.01
-"""Log-probability of one cell's unit of log-odds: a row of 8 mm around a limb, told with odds of 20, says 1.5."""
 TONE_WEIGHT = 0.02
 """Log-probability of one cell's unit of evidence for skin by its colour: a row around a limb in another colour than the
 skin's says 2.9, as much as one that is told to be cloth with odds of 500."""
@@ -99,14 +97,13 @@ class PersonRings:
 
 @dataclass(frozen=True)
 class _Cells:
-    """What is measured on a limb's cells: step [m], ridge, contrast, offset [m], and what is told of them."""
+    """What is measured on a limb's cells: step [m], ridge, contrast, offset [m], evidence for skin by its colour."""
 
     step: np.ndarray
     ridge: np.ndarray
     contrast: np.ndarray | None
     offset: np.ndarray
     is_near: np.ndarray
-    known: np.ndarray | None
     tone: np.ndarray | None
 
     def edge(self, sign: float, use_colours: bool = False) -> np.ndarray:
@@ -115,9 +112,7 @@ class _Cells:
         return np.where(self.is_near, edge_evidence(sign * self.step, sign * self.ridge, contrast), 0.0)
 
     def region(self, limb: Limb) -> np.ndarray:
-        """Return the log-probability of cloth against skin by what is known, or else by the offset."""
-        if self.known is not None:
-            return np.where(self.is_near, KNOWN_WEIGHT * self.known, 0.0)
+        """Return the log-probability of cloth against skin by the offset and the skin's colour."""
         bare, scale = BARE_OFFSETS.get(limb, ARM_OFFSETS)
         units = np.clip((self.offset - bare) / scale, *OFFSET_SAYS)
         if limb in ARMS:
@@ -131,7 +126,6 @@ def find_rings(
     points: PersonPoints,
     features: Features,
     fit: FittedPerson,
-    known: np.ndarray | None = None,
     tone: np.ndarray | None = None,
 ) -> PersonRings:
     """Find all rings; where there are colours, the skin's own says where it is seen, and means of cloth where two meet.
@@ -140,7 +134,6 @@ def find_rings(
         points: The samples.
         features: Their description.
         fit: The body fitted to them.
-        known: Log-odds of clothes against the rest where something has told them, shape [n]; else the offset does.
         tone: Evidence for skin by its colour, shape [n], or None.
     """
     body = fit.body
@@ -148,7 +141,7 @@ def find_rings(
     colours = None if points.colours is None else to_lab(points.colours) * CONTRAST
     # Where hair ends over the neck the surface steps down by 1 to 4 cm: beside it no neckline shows.
     open_grids = grids | {Limb.NECK: grids[Limb.NECK].without(below_hair(points, features, body, tone))}
-    cells = {limb: _measure(grid, features, colours, _Told(known, tone)) for limb, grid in open_grids.items()}
+    cells = {limb: _measure(grid, features, colours, tone) for limb, grid in open_grids.items()}
     joints = dict(zip(JOINTS, body.rest_joints, strict=True))
     wrist = float(np.abs(joints["left_wrist"] - joints["left_shoulder"])[0])
     ankle = float((joints["left_hip"] - joints["left_ankle"])[1])
@@ -170,22 +163,14 @@ def find_rings(
     )
 
 
-@dataclass(frozen=True)
-class _Told:
-    """What is told of samples: log-odds of clothes, evidence for skin by its colour; shape [n] or None."""
-
-    cloth: np.ndarray | None
-    skin: np.ndarray | None
-
-
-def _measure(grid: UnrolledGrid, features: Features, colours: np.ndarray | None, told: _Told) -> _Cells:
+def _measure(grid: UnrolledGrid, features: Features, colours: np.ndarray | None, tone: np.ndarray | None) -> _Cells:
     offset = grid.spread(features.column("offset") * LENGTH)
     contrast = None
     if colours is not None:
         contrast = contrasts(np.stack([grid.spread(channel) for channel in colours.T], axis=2))
     ridge = ridges(grid.spread(features.column("curvature_12")))
-    odds, tone = (None if values is None else grid.spread(values) for values in (told.cloth, told.skin))
-    return _Cells(step_heights(offset), ridge, contrast, offset, grid.is_near, odds, tone)
+    spread = None if tone is None else grid.spread(tone)
+    return _Cells(step_heights(offset), ridge, contrast, offset, grid.is_near, spread)
 
 
 def _find_pair(
@@ -256,6 +241,9 @@ WAIST_FROM = 0.22
 """Station on the trunk [m below the neck joint] where waists begin: below the bust's middle."""
 WAIST_PRIOR = -26.0
 """Log-probability of a ring against none that the best one of noise and folds gains by itself."""
+SHOWN_BELOW = 0.2
+"""Least length of a leg's garment that shows below a long top [m]: what is shorter is the shaft of a boot, and the ring
+the end of all that is worn above it."""
 
 
 def _find_waists(
@@ -275,7 +263,7 @@ def _find_waists(
     rings = []
     for limb, edge in zip(LEGS, edges, strict=True):
         stations = grids[limb].stations
-        edge[(stations < 0.05) | (stations > hem - 0.08)] = -50.0
+        edge[(stations < 0.05) | (stations > hem - SHOWN_BELOW)] = -50.0
         rings.append(find_ring(edge, None, WARMTH))
     score = 0.5 * (rings[0].score + rings[1].score) / (1 + COUPLING) + WAIST_PRIOR
     found.append(Waist(LEGS, (rings[0], rings[1]), True, score))

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 from garmentq.core.body import JOINTS, Body, builtin_body
-from garmentq.core.person.evidence import find_rings
+from garmentq.core.person.evidence import SHOWN_BELOW, find_rings
 from garmentq.core.person.features import describe_points
 from garmentq.core.person.limbs import Limb
 from garmentq.core.person.part import PARTS, Part
 from garmentq.core.person.points import sample_person
 from garmentq.core.person.prior import below_hair
-from garmentq.core.person.refine import refine_by_rings
 from garmentq.core.person.rings import APART, BEND_COST, SIDE, contrasts, edge_evidence, find_ring, step_heights
 from garmentq.core.person.rules import predict_by_rules
 from garmentq.core.person.unrolled import ANGLES, NECK_RADIUS, STATION_STEP
@@ -148,24 +147,23 @@ def test_rings_lie_where_the_garments_end(dressed):
     assert rings.tube < 0.5
 
 
-def test_rings_sharpen_a_doubtful_posterior(dressed):
-    """Broken where rings drawn through a blurred posterior no longer lie where garments end."""
+def test_boots_under_trousers_are_no_trousers_under_a_top(dressed):
+    """Broken where the line between cloth and the shaft of a boot passes for the hem of a top with trousers below."""
     fit, raw, part = dressed
-    points = sample_person(raw, fit)
-    near = part[points_near(raw, points.positions)]
-    sure = np.array([[each == int(column) for column in PARTS] for each in near], dtype=float)
-    noise = np.random.default_rng(0).dirichlet(np.full(len(PARTS), 0.5), len(near))
-    doubtful = 0.45 * sure + 0.55 * noise
-    found, rings = refine_by_rings(doubtful, points, describe_points(points, fit), fit)
-    assert np.abs(found.sum(axis=1) - 1).max() < 1e-9
-    garments = np.isin(np.array(PARTS), (Part.UPPER, Part.LOWER))
-    cloth = np.isin(near, (Part.UPPER, Part.LOWER))
-
-    def wrong(posterior):
-        return ((posterior[:, garments].sum(axis=1) > 0.5) != cloth).mean()
-
-    assert wrong(found) < 0.5 * wrong(doubtful)
-    assert rings.hems[0].confidence > 0.5
+    rest, hip = fit.body.rest_vertices, fit.body.rest_joints[1, 1]
+    shaft = (part == Part.LOWER) & (rest[:, 1] < np.quantile(rest[part == Part.LOWER, 1], 0.2))
+    colours = np.where(np.isin(part, (Part.UPPER, Part.LOWER))[:, None], [40, 60, 200], [200, 150, 120]).astype(
+        np.uint8
+    )
+    colours[shaft] = [90, 50, 20]
+    points = sample_person(replace(raw, colours=colours), fit)
+    rings = find_rings(points, describe_points(points, fit), fit)
+    seen = {limb: rings.grids[limb].stations for limb in (Limb.LEFT_LEG, Limb.RIGHT_LEG)}
+    hem = np.mean([seen[limb][ring.rows].mean() for limb, ring in zip(seen, rings.hems, strict=True)])
+    end = hip - rest[shaft, 1].max()
+    assert 0.0 < hem - end < SHOWN_BELOW
+    long = next(waist for waist in rings.waists if len(waist.limbs) == 2)
+    assert max(float(seen[limb][ring.rows].mean()) for limb, ring in zip(seen, long.rings, strict=True)) < end - 0.03
 
 
 def points_near(raw: RawScan, positions: np.ndarray) -> np.ndarray:
