@@ -25,10 +25,10 @@ crosses then is taken apart by `untangle_outside`, and where it comes apart that
 It takes 1 to 8 s, and is tried from where the rounds began and from where they ended: of trousers between thighs
 either came apart where the other did not."""
 
-HOPELESS = 1e-2
+HOPELESS = 2e-2
 """Depth between parts of the wearer that run into each other beyond which cloth is left there [m]: no place is outside
-of both. Of a T-shirt 20 to 27 mm deep between arm and trunk no try came apart, at 20 s a frame; what was 3 to 6 mm deep
-in the crease under an arm, or between thighs, did."""
+of both. Of a T-shirt 20 to 27 mm deep between arm and trunk no try came apart, at 20 s a frame; what was 3 to 10 mm
+deep in the crease under an arm, or between thighs, did."""
 
 DEPTH = 1e-4
 """Depth that stays [m]: nothing of it is seen."""
