@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..body import GIRTHS, Body, Girth, Tape, unskin, weights_at
 from ..drape import flat_length
-from ..mesh import find_components
+from ..mesh import find_components, self_intersections
 from ..pattern import Garment
 
 APART = 0.5
@@ -87,13 +87,25 @@ def measure_ease(garment: Garment, body: Body) -> tuple[Ease, ...]:
     """Measure the ease of a worn garment wherever cloth goes round the body.
 
     The body's levels are those of its T-pose, to which the cloth is carried back; the cloth's length along such a level
-    is measured flat, in the pattern. A garment that hangs from the waist is measured there along its own edge.
+    is measured flat, in the pattern. A garment that hangs from the waist is measured there along its own edge. No line
+    counts that runs through faces which cross others: such cloth lies as none can.
 
     Args:
         garment: The garment, nodes on the body.
         body: The wearer.
     """
-    return ease_at(garment, carry_back(garment.nodes, body), Figure.of(body))
+    return ease_at(_without_crossed(garment), carry_back(garment.nodes, body), Figure.of(body))
+
+
+def _without_crossed(garment: Garment) -> Garment:
+    """Return the cloth without the faces that cross others: a line that comes to one ends there."""
+    crossed = self_intersections(garment.nodes, garment.faces)
+    if not len(crossed):
+        return garment
+    faces, uv_faces, panels = (
+        np.delete(each, crossed, axis=0) for each in (garment.faces, garment.uv_faces, garment.panel_of_face)
+    )
+    return replace(garment, faces=faces, uv_faces=uv_faces, panel_of_face=panels)
 
 
 def carry_back(nodes: np.ndarray, body: Body) -> np.ndarray:

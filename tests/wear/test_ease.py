@@ -12,6 +12,7 @@ import trimesh
 from garmentq.core.body import Tape, builtin_body
 from garmentq.core.drape import WearerGeometry
 from garmentq.core.export.meshes import write_ply
+from garmentq.core.mesh import self_intersections
 from garmentq.core.pattern import edge_length, load_draped_template, panel_outline
 from garmentq.core.simulate import get_fabric
 from garmentq.core.wear import Worn, cut_cloth, judge_wear, measure_ease, measure_pressure, measure_strain
@@ -60,6 +61,19 @@ def test_line_that_ends_at_a_border_is_no_girth(shirt):
     through = float(shirt.nodes[neck.vertices, 1].mean())
     middle = abs(shirt.nodes[:, 0]).max()
     assert all(abs(x) < middle for x in cut_cloth(shirt, shirt.nodes, 1, through).middles)
+
+
+def test_cloth_that_crosses_itself_is_not_measured(shirt, body):
+    """Broken where a size is told by lines through cloth that lies as none can."""
+    nodes, level = shirt.nodes.copy(), Tape.of(body).measure("chest").level
+    fold = (np.abs(nodes[:, 0]) < 0.03) & (np.abs(nodes[:, 1] - level + 0.03) < 0.08) & (nodes[:, 2] > 0)
+    nodes[fold] += np.column_stack([np.full(fold.sum(), 0.07), np.zeros(fold.sum()), 0.3 * nodes[fold, 0]])
+    torn = shirt.at(nodes)
+    assert len(self_intersections(torn.nodes, torn.faces))
+    assert "chest" in {one.place for one in ease_at(torn, carry_back(nodes, body), Figure.of(body))}
+    left = {one.place: one.value for one in measure_ease(torn, body)}
+    assert "chest" not in left
+    assert left["upper_arm"] == pytest.approx({one.place: one.value for one in measure_ease(shirt, body)}["upper_arm"])
 
 
 def test_larger_body_has_less_ease(shirt, body):
