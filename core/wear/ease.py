@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ..body import GIRTHS, Body, Girth, Tape, unskin, weights_at
 from ..drape import flat_length
@@ -88,7 +89,7 @@ def measure_ease(garment: Garment, body: Body) -> tuple[Ease, ...]:
 
     The body's levels are those of its T-pose, to which the cloth is carried back; the cloth's length along such a level
     is measured flat, in the pattern. A garment that hangs from the waist is measured there along its own edge. No line
-    counts that runs through faces which cross others: such cloth lies as none can.
+    counts that comes near faces which cross others: such cloth lies as none can.
 
     Args:
         garment: The garment, nodes on the body.
@@ -98,14 +99,21 @@ def measure_ease(garment: Garment, body: Body) -> tuple[Ease, ...]:
 
 
 def _without_crossed(garment: Garment) -> Garment:
-    """Return the cloth without the faces that cross others: a line that comes to one ends there."""
+    """Return the cloth without what is within a hand's breadth of faces that cross others: lines end there.
+
+    Around such faces cloth is crumpled, and a level line runs up and down in it.
+    """
     crossed = self_intersections(garment.nodes, garment.faces)
     if not len(crossed):
         return garment
-    faces, uv_faces, panels = (
-        np.delete(each, crossed, axis=0) for each in (garment.faces, garment.uv_faces, garment.panel_of_face)
+    far = cKDTree(garment.nodes[np.unique(garment.faces[crossed])]).query(garment.nodes)[0] > HAND[-1]
+    kept = far[garment.faces].any(axis=1)
+    return replace(
+        garment,
+        faces=garment.faces[kept],
+        uv_faces=garment.uv_faces[kept],
+        panel_of_face=garment.panel_of_face[kept],
     )
-    return replace(garment, faces=faces, uv_faces=uv_faces, panel_of_face=panels)
 
 
 def carry_back(nodes: np.ndarray, body: Body) -> np.ndarray:
