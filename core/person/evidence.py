@@ -149,7 +149,9 @@ def find_rings(
     hems = _find_pair(grids, cells, LEGS, (0.05, ankle - 0.02))
     ankles = _find_ankles(grids, cells, LEGS, ankle)
     hem = float(np.mean([grids[limb].stations[ring.rows].mean() for limb, ring in zip(LEGS, hems, strict=True)]))
-    waists = tuple(_find_waists(grids, cells, hem, use_colours) for use_colours in (True, False))
+    knee = float((joints["left_hip"] - joints["left_knee"])[1])
+    lowest = max(min(hem - SHOWN_BELOW[0], knee), hem - SHOWN_BELOW[1])
+    waists = tuple(_find_waists(grids, cells, lowest, use_colours) for use_colours in (True, False))
     return PersonRings(
         grids=grids,
         sleeves=sleeves,
@@ -241,15 +243,18 @@ WAIST_FROM = 0.22
 """Station on the trunk [m below the neck joint] where waists begin: below the bust's middle."""
 WAIST_PRIOR = -26.0
 """Log-probability of a ring against none that the best one of noise and folds gains by itself."""
-SHOWN_BELOW = 0.2
-"""Least length of a leg's garment that shows below a long top [m]: what is shorter is the shaft of a boot, and the ring
-the end of all that is worn above it."""
+SHOWN_BELOW = (0.08, 0.2)
+"""Least length of a leg's garment that shows below a long top [m], for tops that end above the knee and below it: what
+is shorter there is the shaft of a boot, and the ring the end of all that is worn above."""
 
 
 def _find_waists(
-    grids: dict[Limb, UnrolledGrid], cells: dict[Limb, _Cells], hem: float, use_colours: bool
+    grids: dict[Limb, UnrolledGrid], cells: dict[Limb, _Cells], lowest: float, use_colours: bool
 ) -> tuple[Waist, ...]:
-    """Find rings between upper and lower: on the trunk with either side higher, on the legs with the upper over."""
+    """Find rings between upper and lower: on the trunk with either side higher, on the legs with the upper over.
+
+    On legs none lies beyond the station `lowest` [m].
+    """
     found = []
     trunk = grids[Limb.TRUNK]
     crotch = trunk.stations[-1] - np.ptp(grids[LEGS[0]].stations) + 0.10
@@ -263,7 +268,7 @@ def _find_waists(
     rings = []
     for limb, edge in zip(LEGS, edges, strict=True):
         stations = grids[limb].stations
-        edge[(stations < 0.05) | (stations > hem - SHOWN_BELOW)] = -50.0
+        edge[(stations < 0.05) | (stations > lowest)] = -50.0
         rings.append(find_ring(edge, None, WARMTH))
     score = 0.5 * (rings[0].score + rings[1].score) / (1 + COUPLING) + WAIST_PRIOR
     found.append(Waist(LEGS, (rings[0], rings[1]), True, score))

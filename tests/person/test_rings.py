@@ -161,7 +161,7 @@ def test_boots_under_trousers_are_no_trousers_under_a_top(dressed):
     seen = {limb: rings.grids[limb].stations for limb in (Limb.LEFT_LEG, Limb.RIGHT_LEG)}
     hem = np.mean([seen[limb][ring.rows].mean() for limb, ring in zip(seen, rings.hems, strict=True)])
     end = hip - rest[shaft, 1].max()
-    assert 0.0 < hem - end < SHOWN_BELOW
+    assert 0.0 < hem - end < SHOWN_BELOW[1]
     long = next(waist for waist in rings.waists if len(waist.limbs) == 2)
     assert max(float(seen[limb][ring.rows].mean()) for limb, ring in zip(seen, long.rings, strict=True)) < end - 0.03
 
