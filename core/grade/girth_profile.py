@@ -18,6 +18,9 @@ LEVELS = 32
 WITHIN = 4
 """Level lines over which each girth is averaged, which evens out the teeth of a coarse mesh."""
 
+LEAST_AREA = 1e-12
+"""Twice the area of a face below which it has none [m2]: a needle of 2 cm and a twentieth of a nanometre."""
+
 UPPER, LOWER = ("neck", "waist"), ("hem", "leg.left", "leg.right")
 """Contours at which a garment begins and ends; those of the arms lie between."""
 
@@ -75,7 +78,8 @@ def measure_girths(corners: np.ndarray, faces: np.ndarray, loops: Mapping[str, n
     )
     if not (len(start) and len(end) and len(faces)):
         return None
-    count = 1 + max(int(nodes.max()) for nodes in (faces, *loops.values()))
+    corners, faces = _with_area(corners, faces)
+    count = 1 + max(int(nodes.max(initial=0)) for nodes in (faces, *loops.values()))
     piece = find_components(count, faces[:, :2].ravel(), faces[:, 1:].ravel())[1]
     whole = np.isin(piece, np.intersect1d(piece[start], piece[end]))  # a stray piece has no value, a loose band no way
     corners, faces = corners[whole[faces[:, 0]]], faces[whole[faces[:, 0]]]
@@ -98,6 +102,14 @@ def measure_girths(corners: np.ndarray, faces: np.ndarray, loops: Mapping[str, n
     ends = [value[loop].max() for name, loop in loops.items() if name.startswith(ARMS)]
     arms = float(np.interp(max(ends), (np.arange(LEVELS) + 0.5) / LEVELS, distances)) if ends else 0.0
     return GirthProfile(girths, distances, arms)
+
+
+def _with_area(corners: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the faces that have an area: nothing flows through the others, and a corner that only they have hangs."""
+    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    square = (a**2).sum(1) * (b**2).sum(1) - (a * b).sum(1) ** 2
+    kept = square > LEAST_AREA**2
+    return corners[kept], faces[kept]
 
 
 def _line_lengths(corners: np.ndarray, value: np.ndarray, levels: np.ndarray) -> np.ndarray:

@@ -104,6 +104,18 @@ def test_a_stray_piece_changes_nothing() -> None:
     assert measure_girths(more[stray], stray, {**loops, "waist": np.arange(count, count + 3)}) is None
 
 
+def test_a_corner_of_faces_without_area_changes_nothing() -> None:
+    """Breaks where a node that only needles of no width hold to the cloth makes the system singular."""
+    vertices, faces, loops = cone(np.pi)
+    edge = faces[len(faces) // 2, :2]
+    more = np.concatenate([vertices, vertices[edge].mean(axis=0, keepdims=True)])
+    needles = np.concatenate([faces, [[edge[1], edge[0], len(vertices)]]])
+    alone, both = (measure_girths(points[f], f, loops) for points, f in ((vertices, faces), (more, needles)))
+    assert alone is not None and both is not None
+    assert both.girths == pytest.approx(alone.girths, rel=1e-9)
+    assert both.distances == pytest.approx(alone.distances, rel=1e-9)
+
+
 def test_a_circle_skirt_is_cut_as_one() -> None:
     """Breaks where the nearest shipped template is taken for a cut that the parts have, or the user cannot overrule."""
     surface = target_of(*cone(np.pi))
