@@ -13,7 +13,16 @@ from ..mesh.point_normals import smooth_normals
 from .body import JOINTS, Body
 from .fit import Fitter, OrientedPoints, Stage, State, find_forearms
 from .person_search import PersonSearch, find_start, spread_subset
-from .presence import LOW, SPARSE, SeveralPersons, TooSparse, find_hairy, measure_presence, refuse, split_in_two
+from .presence import (
+    LOW,
+    SPARSE,
+    SeveralPersons,
+    TooSparse,
+    find_hairy,
+    measure_presence,
+    refuse,
+    split_in_two,
+)
 from .registration import NotHuman, body_of_state, pose_model
 from .template import Template, load_template
 from .thinning import average_points
@@ -143,6 +152,9 @@ def fit_person(
 
     Raises:
         NotHuman: where no start comes near the points.
+        ScanPartial: where much of the body has nothing of the scan over it.
+        SeveralPersons: where there are two.
+        TooSparse: where the points are too few.
     """
     settings = settings or PersonSettings()
     template = load_template()
@@ -157,13 +169,17 @@ def fit_person(
     if presence.stray > CROWD and _is_pair(template, surface, settings, hooks):
         raise SeveralPersons()
     problem = refuse(presence, height)
-    if problem is not None:
+    if problem is not None and not presence.may_be_whole:
         raise problem
     turned = orient_by(template, surface, found.state)
     weights = guess_weights(template, turned, found.state)
     hooks.progress(STAGE, 0.6, "fitting the body below the clothes")
     fit = PersonFit(body_of_state(template, found.state, 0.0), found.state, 0.0, found.residual, 0.0, found.margin)
-    return refit_person(fit, turned.points, turned.normals, weights, hooks, settings)
+    fit = refit_person(fit, turned.points, turned.normals, weights, hooks, settings)
+    # As if bare, hands and feet of small people reach beyond the scan, and pass for unseen.
+    if problem is not None and refuse(measure_presence(template, surface, fit.state), height) is not None:
+        raise problem
+    return fit
 
 
 def _is_pair(template: Template, surface: OrientedPoints, settings: PersonSettings, hooks: Hooks) -> bool:

@@ -29,6 +29,10 @@ STRAY = 0.2
 """Distance from the body [m] beyond which only a wide skirt, a thing, or somebody else is."""
 
 
+UNSEEN = 0.08
+"""Share of the body without anything of the scan over it that a whole person stays below."""
+
+
 @dataclass(frozen=True)
 class Presence:
     """Describe how a body and a scan cover each other.
@@ -55,7 +59,16 @@ class Presence:
     @property
     def is_person(self) -> bool:
         """Check whether the scan shows a person: all of the body, or its head and upper part over a wide skirt."""
-        return self.unseen < 0.08 and (self.found > 0.48 or (self.head > 0.35 and self.upper > 0.40))
+        return self.unseen < UNSEEN and self._is_like_one
+
+    @property
+    def may_be_whole(self) -> bool:
+        """Check whether the scan shows a person of whom hardly more is unseen than a fit as if bare may be off."""
+        return self.unseen < 2.0 * UNSEEN and self._is_like_one
+
+    @property
+    def _is_like_one(self) -> bool:
+        return self.found > 0.48 or (self.head > 0.35 and self.upper > 0.40)
 
 
 class ScanPartial(BadInput):

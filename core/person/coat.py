@@ -10,7 +10,7 @@ from ..body import JOINTS, Body
 from .cloths import overlap_of_cloths
 from .colour import cells_of, histogram, to_lab
 from .diffusion import Links, diffuse
-from .evidence import measure_tube
+from .evidence import find_spans, measure_tube
 from .features import Features
 from .front import FrontEdges, find_front_edges
 from .limbs import BodyPlace, Limb
@@ -84,7 +84,7 @@ def find_coat(points: PersonPoints, features: Features, posterior: np.ndarray, l
         return Coat(OUTER + open_evidence(0.0))
     inner = cloth & (over < 0.5) & (sides.aside < 0.0) | cloth & (over < 0.5) & (sides.below > 0.0)
     overlap = overlap_of_cloths(points.colours, features.place, body, inner)
-    several = several_below(overlap, measure_tube(points, features))
+    several = several_below(overlap, measure_tube(find_spans(points, features)))
     odds = OUTER + open_evidence(edges.score * (1.0 - shared_colours(sides, lab, cloth)))
     return Coat(odds, over, several)
 

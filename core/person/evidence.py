@@ -151,7 +151,8 @@ def find_rings(
     hem = float(np.mean([grids[limb].stations[ring.rows].mean() for limb, ring in zip(LEGS, hems, strict=True)]))
     knee = float((joints["left_hip"] - joints["left_knee"])[1])
     lowest = max(min(hem - SHOWN_BELOW[0], knee), hem - SHOWN_BELOW[1])
-    waists = tuple(_find_waists(grids, cells, lowest, use_colours) for use_colours in (True, False))
+    spans = find_spans(points, features, lowest)
+    waists = tuple(_find_waists(grids, cells, (lowest, spans), use_colours) for use_colours in (True, False))
     return PersonRings(
         grids=grids,
         sleeves=sleeves,
@@ -160,7 +161,7 @@ def find_rings(
         neckline=_find_neckline(grids[Limb.NECK], cells[Limb.NECK]),
         waists=waists[0],
         waists_by_shape=waists[1],
-        tube=measure_tube(points, features),
+        tube=measure_tube(spans),
         is_coloured=colours is not None,
     )
 
@@ -246,15 +247,19 @@ WAIST_PRIOR = -26.0
 SHOWN_BELOW = (0.08, 0.2)
 """Least length of a leg's garment that shows below a long top [m], for tops that end above the knee and below it: what
 is shorter there is the shaft of a boot, and the ring the end of all that is worn above."""
+SPANNED = 0.5
+"""Least share of the height between crotch and a long top's end in which cloth spans from leg to leg: a top is a tube
+there; what ends on two legs is trousers, or a jumpsuit."""
 
 
 def _find_waists(
-    grids: dict[Limb, UnrolledGrid], cells: dict[Limb, _Cells], lowest: float, use_colours: bool
+    grids: dict[Limb, UnrolledGrid], cells: dict[Limb, _Cells], legs: tuple[float, np.ndarray], use_colours: bool
 ) -> tuple[Waist, ...]:
     """Find rings between upper and lower: on the trunk with either side higher, on the legs with the upper over.
 
-    On legs none lies beyond the station `lowest` [m].
+    `legs` are the station beyond which no long top ends [m], and where cloth spans between them (`find_spans`).
     """
+    lowest, spans = legs
     found = []
     trunk = grids[Limb.TRUNK]
     crotch = trunk.stations[-1] - np.ptp(grids[LEGS[0]].stations) + 0.10
@@ -270,23 +275,34 @@ def _find_waists(
         stations = grids[limb].stations
         edge[(stations < 0.05) | (stations > lowest)] = -50.0
         rings.append(find_ring(edge, None, WARMTH))
+    end = float(np.mean([grids[limb].stations[ring.rows].mean() for limb, ring in zip(LEGS, rings, strict=True)]))
+    above = spans[: max(int((end - TUBE_FROM) / TUBE_STEP), 0)]
+    if len(above) and above.mean() < SPANNED:
+        return tuple(sorted(found, key=lambda waist: -waist.score))
     score = 0.5 * (rings[0].score + rings[1].score) / (1 + COUPLING) + WAIST_PRIOR
     found.append(Waist(LEGS, (rings[0], rings[1]), True, score))
     return tuple(sorted(found, key=lambda waist: -waist.score))
 
 
-TUBE_FROM_TO = (0.14, 0.34)
+TUBE_FROM, TUBE_TO = 0.14, 0.34
 """Stations of the legs [m] between which a skirt spans from leg to leg: from 5 cm below the crotch."""
+TUBE_STEP = 0.02
+"""Step of stations at which cloth is looked for between the legs [m]."""
 
 
 NORMALS_AROUND = 16
 """Samples whose normals are averaged: a disk of 1.5 cm radius."""
 
 
-def measure_tube(points: PersonPoints, features: Features) -> float:
-    """Measure how much of the height below the crotch has cloth from leg to leg, in front and behind.
+def find_spans(points: PersonPoints, features: Features, end: float = TUBE_TO) -> np.ndarray:
+    """Find where cloth goes from leg to leg, in front and behind: every `TUBE_STEP` from `TUBE_FROM` on, bool.
 
     A sample spans where it is nearer to the middle between the legs than to either, and faces forward or backward.
+
+    Args:
+        points: The samples.
+        features: Their description.
+        end: Station of the legs to which it is asked at least [m].
     """
     place = features.place
     leg = np.isin(place.limb, (Limb.LEFT_LEG, Limb.RIGHT_LEG))
@@ -298,12 +314,14 @@ def measure_tube(points: PersonPoints, features: Features) -> float:
     across = np.abs(np.einsum("na,na->n", normals, side))
     spans = leg & (inward > 0.015) & (across < 0.6)
     ahead = np.einsum("na,na->n", normals, place.front) > 0
-    rows = np.arange(*TUBE_FROM_TO, 0.02)
-    here = [
-        min((spans & ahead & near).sum(), (spans & ~ahead & near).sum()) >= 2
-        for near in (np.abs(place.station - row) < 0.01 for row in rows)
-    ]
-    return float(np.mean(here))
+    rows = np.arange(TUBE_FROM, max(TUBE_TO, end), TUBE_STEP)
+    close = (np.abs(place.station - row) < 0.5 * TUBE_STEP for row in rows)
+    return np.array([min((spans & ahead & near).sum(), (spans & ~ahead & near).sum()) >= 2 for near in close])
+
+
+def measure_tube(spans: np.ndarray) -> float:
+    """Return the share of the height below the crotch, to `TUBE_TO`, in which cloth spans from leg to leg."""
+    return float(spans[: round((TUBE_TO - TUBE_FROM) / TUBE_STEP)].mean())
 
 
 def spread_over(rings: PersonRings, limb: Limb, ring: Ring, count: int) -> np.ndarray:

@@ -11,7 +11,15 @@ from dressed_person import Dressed, dress_person
 from garmentq.core.body import NotHuman, PersonFit, PointWeights, fit_person, refit_person
 from garmentq.core.body.fit import Fitter, OrientedPoints, Stage, State, find_forearms
 from garmentq.core.body.person import require_contact, weigh_points
-from garmentq.core.body.presence import Presence, ScanPartial, SeveralPersons, TooSparse, refuse, split_in_two
+from garmentq.core.body.presence import (
+    Presence,
+    ScanPartial,
+    SeveralPersons,
+    TooSparse,
+    measure_presence,
+    refuse,
+    split_in_two,
+)
 from garmentq.core.body.registration import body_of_state, pose_model
 from garmentq.core.body.template import load_template, rotations_of
 from garmentq.core.body.thinning import average_points
@@ -149,6 +157,26 @@ def test_codes_follow_what_is_seen() -> None:
     assert isinstance(refuse(whole, 0.9), ScanPartial)
     chair = Presence(unseen=0.15, found=0.4, head=0.05, upper=0.6, beside=0.25, stray=0.1)
     assert isinstance(refuse(chair, 0.9), NotHuman)
+
+
+def test_hands_beyond_the_scan_do_not_refuse_a_whole_person(person: Dressed, monkeypatch) -> None:
+    """Broken where the coarse fit as if bare has the last word, or who is no person is asked a second time."""
+    whole = Presence(unseen=0.1, found=0.56, head=0.86, upper=0.55, beside=0.0, stray=0.0)
+    dog = replace(whole, found=0.3, head=0.25, upper=0.3)
+    assert whole.may_be_whole and not whole.is_person
+    assert not dog.may_be_whole and not replace(whole, unseen=0.2).may_be_whole
+    asked = []
+
+    def measure(template, surface, state):
+        asked.append(whole if not asked else measure_presence(template, surface, state))
+        return asked[-1]
+
+    monkeypatch.setattr("garmentq.core.body.person.measure_presence", measure)
+    fit = fit_person(person.vertices, vertex_normals(person.vertices, person.faces))
+    assert fit.coverage > 0.95 and len(asked) == 3
+    monkeypatch.setattr("garmentq.core.body.person.measure_presence", lambda *_: whole)
+    with pytest.raises(ScanPartial):
+        fit_person(person.vertices, vertex_normals(person.vertices, person.faces))
 
 
 def test_two_groups_are_split_apart() -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from garmentq.core.body import JOINTS, Body, builtin_body
-from garmentq.core.person.evidence import SHOWN_BELOW, find_rings
+from garmentq.core.person.evidence import find_rings, find_spans
 from garmentq.core.person.features import describe_points
 from garmentq.core.person.limbs import Limb
 from garmentq.core.person.part import PARTS, Part
@@ -147,23 +147,25 @@ def test_rings_lie_where_the_garments_end(dressed):
     assert rings.tube < 0.5
 
 
-def test_boots_under_trousers_are_no_trousers_under_a_top(dressed):
-    """Broken where the line between cloth and the shaft of a boot passes for the hem of a top with trousers below."""
+@pytest.mark.parametrize("is_tube", [True, False])
+def test_a_long_top_is_a_tube_between_the_legs(dressed, is_tube, monkeypatch):
+    """Broken where what ends on two legs passes for a top over trousers, or the hem of a tunic is not found."""
     fit, raw, part = dressed
     rest, hip = fit.body.rest_vertices, fit.body.rest_joints[1, 1]
-    shaft = (part == Part.LOWER) & (rest[:, 1] < np.quantile(rest[part == Part.LOWER, 1], 0.2))
-    colours = np.where(np.isin(part, (Part.UPPER, Part.LOWER))[:, None], [40, 60, 200], [200, 150, 120]).astype(
-        np.uint8
-    )
-    colours[shaft] = [90, 50, 20]
-    points = sample_person(replace(raw, colours=colours), fit)
-    rings = find_rings(points, describe_points(points, fit), fit)
-    seen = {limb: rings.grids[limb].stations for limb in (Limb.LEFT_LEG, Limb.RIGHT_LEG)}
-    hem = np.mean([seen[limb][ring.rows].mean() for limb, ring in zip(seen, rings.hems, strict=True)])
-    end = hip - rest[shaft, 1].max()
-    assert 0.0 < hem - end < SHOWN_BELOW[1]
-    long = next(waist for waist in rings.waists if len(waist.limbs) == 2)
-    assert max(float(seen[limb][ring.rows].mean()) for limb, ring in zip(seen, long.rings, strict=True)) < end - 0.03
+    cloth = np.isin(part, (Part.UPPER, Part.LOWER))
+    top = cloth & (rest[:, 1] > hip - 0.28)
+    colours = np.select([top[:, None], cloth[:, None]], [[0.16, 0.24, 0.78], [0.75, 0.7, 0.3]], [0.8, 0.6, 0.5])
+    even = fit.body.raised(np.where(cloth, 0.012, 0.0)).vertices
+    points = sample_person(replace(raw, points=even, colours=colours), fit)
+    features = describe_points(points, fit)
+    assert not find_spans(points, features).any()  # trousers
+    monkeypatch.setattr("garmentq.core.person.evidence.find_spans", lambda *_: np.full(20, is_tube))
+    rings = find_rings(points, features, fit)
+    long = [waist for waist in rings.waists if len(waist.limbs) == 2]
+    assert len(long) == is_tube
+    for waist in long:
+        for limb, ring in zip(waist.limbs, waist.rings, strict=True):
+            assert np.median(rings.grids[limb].stations[ring.rows]) == pytest.approx(0.28, abs=0.08)  # means of 10 cm
 
 
 def points_near(raw: RawScan, positions: np.ndarray) -> np.ndarray:
