@@ -13,16 +13,7 @@ from ..mesh.point_normals import smooth_normals
 from .body import JOINTS, Body
 from .fit import Fitter, OrientedPoints, Stage, State, find_forearms
 from .person_search import PersonSearch, find_start, spread_subset
-from .presence import (
-    LOW,
-    SPARSE,
-    SeveralPersons,
-    TooSparse,
-    find_hairy,
-    measure_presence,
-    refuse,
-    split_in_two,
-)
+from .presence import LOW, SPARSE, SeveralPersons, TooSparse, find_hairy, measure_presence, refuse, split_in_two
 from .registration import NotHuman, body_of_state, pose_model
 from .template import Template, load_template
 from .thinning import average_points
