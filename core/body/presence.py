@@ -27,8 +27,6 @@ OVER = (0.0, 0.05, 0.10, 0.15, 0.20, 0.25)
 """Heights over the skin [m] at which the scan is looked for: a coat or a skirt lies over the body and hides it."""
 STRAY = 0.2
 """Distance from the body [m] beyond which only a wide skirt, a thing, or somebody else is."""
-
-
 UNSEEN = 0.08
 """Share of the body without anything of the scan over it that a whole person stays below."""
 

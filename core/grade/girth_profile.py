@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from ..mesh import cotangent_laplacian, factor_symmetric, find_components
+from ..mesh import cotangent_laplacian, face_areas, factor_symmetric, find_components, signed_areas
 from ..pattern import Garment
 from ..segment import Target
 
@@ -106,9 +106,10 @@ def measure_girths(corners: np.ndarray, faces: np.ndarray, loops: Mapping[str, n
 
 def _with_area(corners: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the faces that have an area: nothing flows through the others, and a corner that only they have hangs."""
-    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    square = (a**2).sum(1) * (b**2).sum(1) - (a * b).sum(1) ** 2
-    kept = square > LEAST_AREA**2
+    own = np.arange(corners.shape[0] * 3).reshape(-1, 3)
+    flat = corners.shape[2] == 2
+    areas = np.abs(signed_areas(corners)) if flat else face_areas(corners.reshape(-1, 3), own)
+    kept = 2.0 * areas > LEAST_AREA
     return corners[kept], faces[kept]
 
 

@@ -277,10 +277,9 @@ def _find_waists(
         rings.append(find_ring(edge, None, WARMTH))
     end = float(np.mean([grids[limb].stations[ring.rows].mean() for limb, ring in zip(LEGS, rings, strict=True)]))
     above = spans[: max(int((end - TUBE_FROM) / TUBE_STEP), 0)]
-    if len(above) and above.mean() < SPANNED:
-        return tuple(sorted(found, key=lambda waist: -waist.score))
-    score = 0.5 * (rings[0].score + rings[1].score) / (1 + COUPLING) + WAIST_PRIOR
-    found.append(Waist(LEGS, (rings[0], rings[1]), True, score))
+    if not len(above) or above.mean() >= SPANNED:
+        score = 0.5 * (rings[0].score + rings[1].score) / (1 + COUPLING) + WAIST_PRIOR
+        found.append(Waist(LEGS, (rings[0], rings[1]), True, score))
     return tuple(sorted(found, key=lambda waist: -waist.score))
 
 
