@@ -133,7 +133,7 @@ def _drape(
         nodes, drape = redrape(mesh, wearer, fabric, target, rotation=worn.rotation, hooks=hooks)
         start = mesh.at(nodes)
     garment, drape = drape_graded(start, wearer, fabric, target, rotation=worn.rotation, settings=WARM, hooks=hooks)
-    nodes, drape = part_layers(garment, wearer, fabric, target, drape, hooks)
+    nodes, drape = part_layers(replace(worn, garment=garment), wearer, drape, hooks)
     return garment.at(nodes), drape
 
 

@@ -20,7 +20,7 @@ from .ease import Ease, measure_ease
 from .load import measure_pressure, measure_strain
 from .parting import part_layers
 from .verdicts import judge_wear
-from .waist import carry_curve
+from .waist import carry_curve, is_same_body
 from .worn import Worn
 
 STAGES = ("drape", "measure")
@@ -69,6 +69,8 @@ class Dressed:
 def dress_body(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> Dressed:
     """Dress a body in a worn garment, with its own cloth or another one, at rest under its weight.
 
+    A garment that was scanned while its wearer turned turns with him again; on anybody else it hangs at rest.
+
     The drape is that of a recovery's re-draped mesh; where cloth then passes through itself, its layers are parted.
 
     Args:
@@ -82,7 +84,7 @@ def dress_body(worn: Worn, body: Body, fabric: Fabric | None, clock: Clock) -> D
     """
     wearer = WearerGeometry(body)
     with clock.stage("drape", "dressing the body in the pattern") as hooks:
-        now, drape = drape_worn(carry_worn(worn, body, fabric), wearer, hooks)
+        now, drape = drape_worn(carry_alone(worn, body, fabric), wearer, hooks)
     return judge_dressed(worn, now, drape, wearer, clock)
 
 
@@ -98,11 +100,18 @@ def carry_worn(worn: Worn, body: Body, fabric: Fabric | None) -> Worn:
     return replace(worn, fabric=fabric or worn.fabric, body=body, waist=waist, rotation=None)
 
 
+def carry_alone(worn: Worn, body: Body, fabric: Fabric | None) -> Worn:
+    """Return a garment as `carry_worn` does, that is to hang alone: on its own wearer in the rotation it came in."""
+    carried = carry_worn(worn, body, fabric)
+    return replace(carried, rotation=worn.rotation) if is_same_body(worn.body, body) else carried
+
+
 def drape_worn(worn: Worn, wearer: WearerGeometry, hooks: Hooks) -> tuple[Worn, Drape]:
     """Drape a garment on its wearer from its pattern's rest placement, and part its layers; give it and its rest."""
-    nodes, drape = redrape(worn.garment, wearer, worn.fabric, worn.target, hooks=hooks)
-    nodes, drape = part_layers(worn.garment.at(nodes), wearer, worn.fabric, worn.target, drape, hooks)
-    return replace(worn, garment=worn.garment.at(nodes)), drape
+    nodes, drape = redrape(worn.garment, wearer, worn.fabric, worn.target, rotation=worn.rotation, hooks=hooks)
+    draped = replace(worn, garment=worn.garment.at(nodes))
+    nodes, drape = part_layers(draped, wearer, drape, hooks)
+    return replace(draped, garment=draped.garment.at(nodes)), drape
 
 
 def judge_dressed(
@@ -136,7 +145,7 @@ def judge_dressed(
             "pressure_p99_pa": float(np.quantile(pressure, 0.99)),
         }
     warnings = [] if drape.converged else [f"the garment is {drape.outcome.advice}"]
-    if before.rotation is not None:
+    if before.rotation is not None and draped.rotation is None:
         warnings.append("the scanned cloth was in motion; here it hangs at rest.")
     return Dressed(
         before=before,

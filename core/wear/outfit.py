@@ -12,7 +12,7 @@ from ..clock import Clock, peak_mb
 from ..drape import WearerGeometry
 from ..simulate import Drape
 from ..verdict import Gate
-from .dressing import Dressed, carry_worn, drape_worn, judge_dressed
+from .dressing import Dressed, carry_alone, carry_worn, drape_worn, judge_dressed
 from .over import lay_each, rest_together
 from .underneath import measure_layers
 from .worn import Worn
@@ -71,11 +71,12 @@ def dress_outfit(outfit: Mapping[str, Worn], body: Body, clock: Clock) -> Dresse
     """
     wearer = WearerGeometry(body)
     with clock.stage("drape", "dressing the body in all garments") as hooks:
-        carried = [carry_worn(worn, body, None) for worn in outfit.values()]
-        if len(carried) == 1:  # as `dress_body` has it
-            alone, drape = drape_worn(carried[0], wearer, hooks)
+        if len(outfit) == 1:  # as `dress_body` has it
+            (only,) = outfit.values()
+            alone, drape = drape_worn(carry_alone(only, body, None), wearer, hooks)
             rest: tuple[Worn, ...] = (alone,)
         else:
+            carried = [carry_worn(worn, body, None) for worn in outfit.values()]
             rest, drape = rest_together(lay_each(carried, wearer, hooks), wearer, hooks)
     judged = {}
     for place, ((word, before), now) in enumerate(zip(outfit.items(), rest, strict=True)):

@@ -19,7 +19,7 @@ def carry_curve(curve: np.ndarray, old: Body, new: Body) -> np.ndarray:
         old: The wearer.
         new: The other body.
     """
-    if old is new or _is_same(old, new):
+    if is_same_body(old, new):
         return curve
     faces, was, now = match_models(old, new)
     points = unskin(curve, weights_at(old, curve, rest=False), old.transforms)
@@ -45,5 +45,6 @@ def match_models(old: Body, new: Body) -> tuple[np.ndarray, np.ndarray, np.ndarr
     return fitted.rest_faces, models[0], models[1]
 
 
-def _is_same(old: Body, new: Body) -> bool:
-    return np.array_equal(old.vertices, new.vertices) and np.array_equal(old.transforms, new.transforms)
+def is_same_body(old: Body, new: Body) -> bool:
+    """Return whether two bodies are one, in one pose."""
+    return old is new or (np.array_equal(old.vertices, new.vertices) and np.array_equal(old.transforms, new.transforms))

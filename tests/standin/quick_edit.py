@@ -13,4 +13,4 @@ def drape_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
         return garment, Drape(garment.nodes, 0.1, 3, 1.0, Outcome.CONVERGED, garment.nodes)
 
     monkeypatch.setattr("garmentq.core.edit.redraping.drape_graded", drape)
-    monkeypatch.setattr("garmentq.core.edit.redraping.part_layers", lambda garment, *given: (garment.nodes, given[3]))
+    monkeypatch.setattr("garmentq.core.edit.redraping.part_layers", lambda worn, *given: (worn.garment.nodes, given[1]))

@@ -6,13 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from garmentq.core.body import builtin_body
 from garmentq.core.clock import Clock
 from garmentq.core.drape import WearerGeometry, redrape
+from garmentq.core.drape.motion import rotation_of
 from garmentq.core.mesh import self_intersections
 from garmentq.core.segment import Target
 from garmentq.core.simulate import Drape, Outcome, get_fabric
 from garmentq.core.wear import Worn, dress_body, wear_template
+from garmentq.core.wear.dressing import carry_alone
 from garmentq.core.wear.parting import part_layers
+
+RATE = 8.0
+"""Angular velocity of a wearer who turns [rad/s]."""
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +35,7 @@ def at_rest(nodes: np.ndarray) -> Drape:
 def test_cloth_that_crosses_nothing_stays(worn):
     """Broken where cloth that is in order is brought to rest a second time."""
     drape = at_rest(worn.garment.nodes)
-    found = part_layers(worn.garment, WearerGeometry(worn.body), worn.fabric, worn.target, drape)
+    found = part_layers(worn, WearerGeometry(worn.body), drape)
     assert found[0] is worn.garment.nodes and found[1] is drape
 
 
@@ -43,16 +49,27 @@ def test_crossed_cloth_is_parted(worn):
     behind = pulled[hem, 2].min() - pulled[front, 2].max() - 0.02
     pulled[front, 2] += behind
     assert len(self_intersections(pulled, garment.faces)) > 10
-    nodes, drape = part_layers(garment.at(pulled), wearer, worn.fabric, worn.target, at_rest(pulled))
+    nodes, drape = part_layers(replace(worn, garment=garment.at(pulled)), wearer, at_rest(pulled))
     assert len(self_intersections(nodes, garment.faces)) == 0 and drape.converged
 
 
+def test_cloth_turns_on_its_own_wearer_only(worn):
+    """Broken where cloth that was scanned in rotation hangs at rest on its own wearer, or turns with another body."""
+    turning = replace(worn, rotation=rotation_of(worn.body, RATE))
+    assert carry_alone(turning, worn.body, None).rotation == turning.rotation
+    again = replace(worn.body, vertices=worn.body.vertices.copy())
+    assert carry_alone(turning, again, None).rotation == turning.rotation
+    assert carry_alone(turning, builtin_body("builtin:male"), None).rotation is None
+
+
 @pytest.mark.nightly
-def test_the_wearer_himself_wears_the_redraped_mesh(worn):
-    """Broken where a result that is dressed on its own wearer is not what the recovery draped anew."""
-    garment = worn.garment
+@pytest.mark.parametrize("rate", [0.0, RATE])
+def test_the_wearer_himself_wears_the_redraped_mesh(worn, rate):
+    """Broken where a result that is dressed on its own wearer is not its re-draped mesh, also in rotation."""
+    garment, rotation = worn.garment, rotation_of(worn.body, rate) if rate else None
     scan = Target(garment.nodes, garment.faces, np.zeros_like(garment.nodes), garment.contours, (), "skirt")
-    nodes, _ = redrape(garment, WearerGeometry(worn.body), worn.fabric, scan)
-    dressed = dress_body(replace(worn, garment=garment.at(nodes)), worn.body, None, Clock())
+    nodes, _ = redrape(garment, WearerGeometry(worn.body), worn.fabric, scan, rotation=rotation)
+    result = replace(worn, garment=garment.at(nodes), rotation=rotation)
+    dressed = dress_body(result, worn.body, None, Clock())
     assert dressed.metrics["self_intersecting_faces"] == 0.0
     assert np.linalg.norm(dressed.worn.garment.nodes - nodes, axis=1).max() < 5e-4
