@@ -233,12 +233,11 @@ def redrape_pattern(case: Case, drape: GradedDrape, fit: Fit, clock: Clock) -> F
 
 def find_body(request: Request, pieces: Pieces, hooks: Hooks) -> Body:
     """Register the given mesh or the dressed person, read a body of SMPL's format, or make the built-in body."""
-    wearer = pieces.wearer
-    if is_builtin(request.body) or wearer is None:
-        return builtin_body(str(request.body))
-    own = read_body(request)
+    own, wearer = read_body(request), pieces.wearer
     if own is not None:
         return own
+    if is_builtin(request.body) or wearer is None:
+        return builtin_body(str(request.body))
     body = load(hooks, "body", Body)
     if body is None:
         body = register_body(wearer.vertices, wearer.faces, cloth=pieces.cloth, name=wearer.name, hooks=hooks)

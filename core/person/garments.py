@@ -21,7 +21,7 @@ from ..segment import Contour, choose_category, name_contours
 from .confidence import garment_confidence
 from .inner_side import find_inner_side
 from .openings import Surroundings, find_openings
-from .part import CLOTH, GARMENTS, Part
+from .part import GARMENTS, Part
 from .separation import FoundContour, FoundGarment, Separation
 
 LEAST_AREA = 0.02
@@ -68,7 +68,7 @@ def cut_garment_of(person: PersonSurface, separation: Separation, part: Part, ho
         hooks: Cancellation.
 
     Returns:
-        What `recover` starts from: the garment, the whole person with what is cloth, and the body.
+        What `recover` starts from: the garment, and the body that wears it.
 
     Raises:
         PartNotWorn: where nothing of the scan is that.
@@ -84,8 +84,7 @@ def cut_garment_of(person: PersonSurface, separation: Separation, part: Part, ho
     hidden = _mark_hidden(garment, contours, found[0].contours)
     hidden |= mark_covered(garment, holes, whole.vertices[np.isin(label, GARMENTS) & (label != part)])
     garment = replace(garment, hidden=hidden)
-    pieces = Pieces(garment, whole, np.isin(label, CLOTH), label.astype(np.int64))
-    return Reading(pieces, body=separation.body, category=found[0].category or None)
+    return Reading(Pieces(garment, None), body=separation.body, category=found[0].category or None)
 
 
 def find_garments(raw: RawScan, label: np.ndarray, confidence: np.ndarray, body: Body) -> tuple[FoundGarment, ...]:

@@ -29,16 +29,16 @@ def cut_garment(scan: Scan, cloth: np.ndarray) -> Scan:
     Raises:
         LabelUnknown: where what is left is no surface.
     """
-    field = soften(scan.vertices, scan.faces, cloth)
-    vertices, faces, ends, share = _cut_level(scan.vertices, scan.faces, field)
+    edges = HalfEdges.of(scan.faces, len(scan.vertices))
+    field = _average_marks(scan.vertices, edges, cloth)
+    vertices, faces, ends, share = _cut_level(scan.vertices, edges, field)
     surface = RepairedMesh(vertices, faces, np.arange(len(vertices)))
     surface = clean_cut(surface) if len(faces) else surface
     if len(surface.faces) == 0:
         raise refusal.LabelUnknown(f"the labels leave no surface of {scan.name}; check --keep.")
     first, second = ends[surface.origin].T
     t = share[surface.origin][:, None]
-    colours = scan.colours
-    border = HalfEdges.of(scan.faces, len(scan.vertices)).border_vertices
+    colours, border = scan.colours, edges.border_vertices
     return Scan(
         vertices=surface.vertices,
         faces=surface.faces,
@@ -53,12 +53,11 @@ def cut_garment(scan: Scan, cloth: np.ndarray) -> Scan:
     )
 
 
-def soften(vertices: np.ndarray, faces: np.ndarray, cloth: np.ndarray) -> np.ndarray:
+def _average_marks(vertices: np.ndarray, half_edges: HalfEdges, cloth: np.ndarray) -> np.ndarray:
     """Average marks along the surface over `SOFTNESS`, shape [vertex_count].
 
     A round f <- f / 2 + (mean over neighbours) / 2 widens by a variance of edge^2 / 4 in each direction.
     """
-    half_edges = HalfEdges.of(faces, len(vertices))
     tail, head = half_edges.tail, half_edges.head
     links = adjacency_matrix(np.stack([tail, head], axis=1), len(vertices))
     degree = np.maximum(np.asarray(links.sum(axis=1)).ravel(), 1.0)
@@ -70,11 +69,10 @@ def soften(vertices: np.ndarray, faces: np.ndarray, cloth: np.ndarray) -> np.nda
 
 
 def _cut_level(
-    vertices: np.ndarray, faces: np.ndarray, field: np.ndarray
+    vertices: np.ndarray, half_edges: HalfEdges, field: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Keep where field > 1/2; give vertices, faces, and of each vertex the edge [n, 2] and the share along it [n]."""
-    inside = field > 0.5
-    half_edges = HalfEdges.of(faces, len(vertices))
+    faces, inside = half_edges.faces, field > 0.5
     edges, edge = half_edges.edges, half_edges.edge
     crossed = np.flatnonzero(inside[edges[:, 0]] != inside[edges[:, 1]])
     a, b = edges[crossed].T

@@ -12,8 +12,15 @@ from .raw import RawScan
 from .scan import Scan
 
 FACES = 100_000
-"""Triangles that a fit needs: their sides are 7 mm on a whole person, less than a fold of cloth is wide, and 4 to 6 mm
-on a garment, a third of the detail mesh's own."""
+"""Triangles of a whole person that a fit needs: their sides are 7 mm, less than a fold of cloth is wide."""
+
+GARMENT_FACES = 60_000
+"""Triangles of one garment that a recovery needs: their sides are 5 to 8 mm, less than half the detail mesh's own; with
+100 000 of them no distance was smaller by more than 0.05 mm, and a recovery took a sixth longer."""
+
+SLACK = 4 / 3
+"""Share of these up to which a garment's mesh stays as it is: on a scan with 2 mm of noise a pattern's outline was
+nearer by 0.4 mm with all of 77 000 triangles than with 60 000."""
 
 
 @dataclass(frozen=True)
@@ -57,9 +64,9 @@ def thin(raw: RawScan, faces: int = FACES) -> RawScan:
     )
 
 
-def thin_scan(scan: Scan, faces: int = FACES) -> tuple[Scan, ThinMesh]:
-    """Thin a checked mesh to about so many triangles; labels, `unseen` and `hidden` are those of `origin`."""
-    if len(scan.faces) <= faces:
+def thin_scan(scan: Scan, faces: int = GARMENT_FACES) -> tuple[Scan, ThinMesh]:
+    """Thin a garment's checked mesh to about so many triangles; labels, `unseen` and `hidden` are those of `origin`."""
+    if len(scan.faces) <= SLACK * faces:
         own = np.arange(len(scan.vertices))
         return scan, ThinMesh(scan.vertices, scan.faces, own, own)
     small = thin_mesh(scan.vertices, scan.faces, faces)
