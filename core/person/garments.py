@@ -13,11 +13,12 @@ from ..hooks import SILENT, Hooks
 from ..mesh import face_areas, lump, vertex_normals
 from ..mesh.point_normals import estimate_normals, orient_normals
 from ..reading import Reading
-from ..scan import Pieces, Scan, cut_garment
+from ..scan import Pieces, Scan
 from ..scan.raw import RawScan
 from ..scan.reconstruct import reconstruct
 from ..scan.thin import thin
-from ..segment import Contour, choose_category, name_contours
+from ..segment import Contour, choose_category
+from .capped import cut_part
 from .confidence import garment_confidence
 from .inner_side import find_inner_side
 from .openings import Surroundings, find_openings
@@ -79,8 +80,7 @@ def cut_garment_of(person: PersonSurface, separation: Separation, part: Part, ho
         raise PartNotWorn(f"Nothing of {whole.name} is {part.word}; correct the labels file, or name another garment.")
     hooks.check()
     own = label == part
-    garment = cut_garment(whole, own & ~find_inner_side(whole, own, separation.body))
-    contours, holes = name_contours(garment.vertices, garment.faces, separation.body, garment.unseen, scanned=True)
+    garment, contours, holes = cut_part(whole, own & ~find_inner_side(whole, own, separation.body), separation.body)
     hidden = _mark_hidden(garment, contours, found[0].contours)
     hidden |= mark_covered(garment, holes, whole.vertices[np.isin(label, GARMENTS) & (label != part)])
     garment = replace(garment, hidden=hidden)
@@ -106,8 +106,7 @@ def find_garments(raw: RawScan, label: np.ndarray, confidence: np.ndarray, body:
         own = label == part
         if part not in sure or area[own].sum() < LEAST_AREA:
             continue
-        garment = cut_garment(whole, own)
-        contours, _ = name_contours(garment.vertices, garment.faces, body, garment.unseen, scanned=True)
+        garment, contours, _ = cut_part(whole, own, body)
         category = choose_part_category(part, contours, garment, body)
         openings = find_openings(garment, contours, part, around)
         found.append(FoundGarment(part, sure[part], category, openings))
