@@ -37,6 +37,7 @@ from .measure import (
     measure_seams,
     measure_wear,
 )
+from .mesh import self_intersections
 from .pattern import Garment, find_cut, load_template, mesh_pattern, name_cut
 from .pattern.parts import PartsConflict
 from .pieces import measure_pieces
@@ -184,6 +185,8 @@ def drape_to_scan(case: Case, clock: Clock) -> GradedDrape:
         garment, drape = drape_as_scanned(
             graded, case.wearer, case.fabric, case.target, vertex_count=count, settings=settings, hooks=hooks
         )
+        if settings.apart:
+            garment, drape = _untie(case, garment, drape, hooks)
     motion = () if drape.rotation is None else (describe_motion(drape.rotation),)
     warnings = (
         *case.notes,
@@ -194,6 +197,21 @@ def drape_to_scan(case: Case, clock: Clock) -> GradedDrape:
     )
     save(clock.hooks, "drape", _KeptDrape(garment.pattern.points, garment.nodes, drape, warnings), base.points, count)
     return GradedDrape(garment, drape, warnings)
+
+
+def _untie(case: Case, garment: Garment, drape: Drape, hooks: Hooks) -> tuple[Garment, Drape]:
+    """Return a drape that still crosses itself, or the pattern dressed from its flat panels where that crosses less.
+
+    A scan in which a sleeve has grown together with the trunk gives a start in which the two lie in each other, and on
+    the way out of that a sleeve can end beside its arm.
+    """
+    crossed = len(self_intersections(garment.nodes, garment.faces))
+    if not crossed:
+        return garment, drape
+    nodes, again = redrape(garment, case.wearer, case.fabric, case.target, rotation=drape.rotation, hooks=hooks)
+    if len(self_intersections(nodes, garment.faces)) >= crossed:
+        return garment, drape
+    return garment.at(nodes, name_contours(nodes, garment.faces, case.body)[0]), again
 
 
 def _note_hidden(case: Case) -> tuple[str, ...]:
