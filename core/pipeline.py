@@ -19,6 +19,7 @@ from .drape import (
     describe_motion,
     drape_as_scanned,
     drape_template,
+    drape_uncrossed,
     hangs_in_sleeves,
     redrape,
 )
@@ -37,7 +38,6 @@ from .measure import (
     measure_seams,
     measure_wear,
 )
-from .mesh import self_intersections
 from .pattern import Garment, find_cut, load_template, mesh_pattern, name_cut
 from .pattern.parts import PartsConflict
 from .pieces import measure_pieces
@@ -186,7 +186,7 @@ def drape_to_scan(case: Case, clock: Clock) -> GradedDrape:
             graded, case.wearer, case.fabric, case.target, vertex_count=count, settings=settings, hooks=hooks
         )
         if settings.apart:
-            garment, drape = _untie(case, garment, drape, hooks)
+            garment, drape = drape_uncrossed(garment, drape, case.wearer, case.fabric, case.target, hooks)
     motion = () if drape.rotation is None else (describe_motion(drape.rotation),)
     warnings = (
         *case.notes,
@@ -197,21 +197,6 @@ def drape_to_scan(case: Case, clock: Clock) -> GradedDrape:
     )
     save(clock.hooks, "drape", _KeptDrape(garment.pattern.points, garment.nodes, drape, warnings), base.points, count)
     return GradedDrape(garment, drape, warnings)
-
-
-def _untie(case: Case, garment: Garment, drape: Drape, hooks: Hooks) -> tuple[Garment, Drape]:
-    """Return a drape that still crosses itself, or the pattern dressed from its flat panels where that crosses less.
-
-    A scan in which a sleeve has grown together with the trunk gives a start in which the two lie in each other, and on
-    the way out of that a sleeve can end beside its arm.
-    """
-    crossed = len(self_intersections(garment.nodes, garment.faces))
-    if not crossed:
-        return garment, drape
-    nodes, again = redrape(garment, case.wearer, case.fabric, case.target, rotation=drape.rotation, hooks=hooks)
-    if len(self_intersections(nodes, garment.faces)) >= crossed:
-        return garment, drape
-    return garment.at(nodes, name_contours(nodes, garment.faces, case.body)[0]), again
 
 
 def _note_hidden(case: Case) -> tuple[str, ...]:
