@@ -19,11 +19,10 @@ from .drape import (
     describe_motion,
     drape_as_scanned,
     drape_template,
-    drape_uncrossed,
     hangs_in_sleeves,
     redrape,
 )
-from .fit import METHODS, Fit, find_held
+from .fit import METHODS, Fit, find_held, uncross
 from .grade import Candidate, Choice, choose_cut, complete_target, grade_pattern, share_by_hems, slide_seams
 from .hooks import SILENT, Hooks
 from .inputs import read_body, read_files, read_template
@@ -186,7 +185,7 @@ def drape_to_scan(case: Case, clock: Clock) -> GradedDrape:
             graded, case.wearer, case.fabric, case.target, vertex_count=count, settings=settings, hooks=hooks
         )
         if settings.apart:
-            garment, drape = drape_uncrossed(garment, drape, case.wearer, case.fabric, case.target, hooks)
+            garment, drape = uncross(case, garment, drape, hooks)
     motion = () if drape.rotation is None else (describe_motion(drape.rotation),)
     warnings = (
         *case.notes,

@@ -8,7 +8,6 @@ import numpy as np
 
 from ..body import Body, find_hanging_arms, project_outside, skin, unskin, untangle_outside, weights_at
 from ..hooks import SILENT, Hooks
-from ..mesh import self_intersections
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target, find_loops, name_contours, smoothed_length
 from ..simulate import (
@@ -266,28 +265,3 @@ def redrape(
     placed = garment.at(resample(worn, worn.nodes, garment))
     draped, drape = drape_graded(placed, wearer, fabric, target, rotation=rotation, settings=settings, hooks=hooks)
     return draped.nodes, drape
-
-
-def drape_uncrossed(
-    garment: Garment, drape: Drape, wearer: WearerGeometry, fabric: Fabric, target: Target, hooks: Hooks = SILENT
-) -> tuple[Garment, Drape]:
-    """Return a drape that still crosses itself, or the pattern dressed from its rest placement where that crosses less.
-
-    A scan in which a sleeve has grown together with the trunk gives a start in which the two lie in each other, and on
-    the way out of that a sleeve can end beside its arm. A drape without crossings comes back as it is.
-
-    Args:
-        garment: A graded pattern's mesh as `drape_graded` left it.
-        drape: The equilibrium of that.
-        wearer: The wearer's geometry.
-        fabric: The cloth.
-        target: Where its waist, if any, holds the garment's.
-        hooks: Progress and cancellation.
-    """
-    crossed = len(self_intersections(garment.nodes, garment.faces))
-    if not crossed:
-        return garment, drape
-    nodes, again = redrape(garment, wearer, fabric, target, rotation=drape.rotation, hooks=hooks)
-    if len(self_intersections(nodes, garment.faces)) >= crossed:
-        return garment, drape
-    return garment.at(nodes, name_contours(nodes, garment.faces, wearer.body)[0]), again

@@ -15,6 +15,7 @@ from .result import Fit
 from .scene import FitScene
 from .settings import MaterialSettings, ShapeSettings
 from .shape import ShapeFit, ShapeProblem, fit_shape, keep_seams
+from .uncross import uncross
 
 __all__ = [
     "METHODS",
@@ -58,4 +59,5 @@ __all__ = [
     "nearest_fabrics",
     "posterior",
     "ratio_prior",
+    "uncross",
 ]

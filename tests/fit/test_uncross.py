@@ -1,0 +1,86 @@
+"""A graded drape that crosses itself makes way for the pattern dressed from flat, where that is nearer to the scan."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from garmentq.core.body import builtin_body
+from garmentq.core.case import Case
+from garmentq.core.drape import WearerGeometry
+from garmentq.core.drape.shipped import WEARER
+from garmentq.core.fit import uncross
+from garmentq.core.hooks import SILENT
+from garmentq.core.mesh import self_intersections, vertex_normals
+from garmentq.core.pattern import Garment, load_draped_template, mesh_pattern, resample
+from garmentq.core.recovery import Request
+from garmentq.core.scan import Scan
+from garmentq.core.segment import Target
+from garmentq.core.simulate import Drape, Outcome, get_fabric
+
+module = sys.modules[uncross.__module__]
+
+
+@pytest.fixture(scope="module")
+def shirt() -> Garment:
+    """Return a coarse T-shirt on the body that it was drafted for."""
+    worn = load_draped_template("tshirt")
+    mesh = mesh_pattern(worn.pattern, 800)
+    return mesh.at(resample(worn, worn.nodes, mesh))
+
+
+@pytest.fixture(scope="module")
+def case() -> Case:
+    """Return the case whose scan is that T-shirt."""
+    worn = load_draped_template("tshirt")
+    normals = vertex_normals(worn.nodes, worn.faces)
+    return Case(
+        request=Request(Path("tshirt.ply"), WEARER),
+        scan=Scan(worn.nodes, worn.faces),
+        wearer=WearerGeometry(builtin_body(WEARER)),
+        target=Target(worn.nodes, worn.faces, normals, worn.contours, (), "tshirt"),
+        template="tshirt",
+        base=worn.pattern,
+        fabric=get_fabric("cotton_poplin"),
+    )
+
+
+def at_rest(nodes: np.ndarray) -> Drape:
+    return Drape(nodes, 0.0, 1, 1.0, Outcome.CONVERGED, nodes)
+
+
+def test_a_drape_without_crossings_stays(case, shirt):
+    """Broken where a drape in order costs another one, or is replaced by it."""
+    assert not len(self_intersections(shirt.nodes, shirt.faces))
+    drape = at_rest(shirt.nodes)
+    found = uncross(case, shirt, drape, SILENT)
+    assert found[0] is shirt and found[1] is drape
+
+
+def lose_sleeve(case: Case, shirt: Garment) -> Garment:
+    """Return the T-shirt with its left sleeve across the trunk."""
+    nodes, shoulder = shirt.nodes.copy(), case.body.joint("left_shoulder")
+    nodes[nodes[:, 0] > shoulder[0] + 0.06] += [-0.45, -0.1, 0.0]
+    assert len(self_intersections(nodes, shirt.faces)) > 20
+    return shirt.at(nodes)
+
+
+@pytest.mark.nightly
+def test_a_sleeve_beside_its_arm_is_dressed_anew(case, shirt):
+    """Broken where a sleeve that a scan shows grown together with the trunk stays beside its arm."""
+    lost = lose_sleeve(case, shirt)
+    found, drape = uncross(case, lost, at_rest(lost.nodes), SILENT)
+    assert len(self_intersections(found.nodes, found.faces)) == 0 and drape.converged
+    assert {contour.name for contour in found.contours} == {"cuff.left", "cuff.right", "hem", "neck"}
+
+
+def test_a_drape_that_is_no_farther_stays(case, shirt, monkeypatch):
+    """Broken where a drape is given up for one without crossings that cannot be brought nearer to the scan."""
+    lost = lose_sleeve(case, shirt)
+    far = lost.nodes + [0.0, 0.0, 0.3]
+    monkeypatch.setattr(module, "redrape", lambda *given, **named: (far, at_rest(far)))
+    drape = at_rest(lost.nodes)
+    found = uncross(case, lost, drape, SILENT)
+    assert found[0] is lost and found[1] is drape
