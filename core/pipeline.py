@@ -20,6 +20,7 @@ from .drape import (
     drape_as_scanned,
     drape_template,
     hangs_in_sleeves,
+    outgrown_measures,
     redrape,
 )
 from .fit import METHODS, Fit, find_held, uncross
@@ -37,7 +38,7 @@ from .measure import (
     measure_seams,
     measure_wear,
 )
-from .pattern import Garment, find_cut, load_template, mesh_pattern, name_cut
+from .pattern import Garment, draft_template, find_cut, load_template, mesh_pattern, name_cut
 from .pattern.parts import PartsConflict
 from .pieces import measure_pieces
 from .recovery import Recovery, Request
@@ -265,7 +266,8 @@ def find_template(request: Request, target: Target, body: Body) -> Choice:
     else:
         stem = settings.template.partition("+")[0]
         name = name_cut(stem, find_cut(settings.template).choose(settings.chosen_parts))
-        choice = Choice(name, load_template(name))
+        measures = outgrown_measures(body)
+        choice = Choice(name, load_template(name) if measures is None else draft_template(name, measures))
     pattern, shares = share_by_hems(choice.pattern, target, body)
     return replace(choice, pattern=pattern, notes=(*choice.notes, *(share.tell() for share in shares)))
 

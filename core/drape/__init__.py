@@ -5,7 +5,7 @@ from .dress import DressSettings, dress, flat_length, place, waist_loop
 from .follow import FollowSettings, PbdState, Threads, follow, lay_threads
 from .layer_contact import LayerContact
 from .motion import MotionSettings, describe_motion, drape_as_scanned
-from .sizing import measure_wearer, size_template
+from .sizing import measure_wearer, outgrown_measures, size_template
 from .stage import (
     DrapeSettings,
     drape_graded,
@@ -40,6 +40,7 @@ __all__ = [
     "hangs_in_sleeves",
     "lay_threads",
     "measure_wearer",
+    "outgrown_measures",
     "pin_waist",
     "place",
     "redrape",

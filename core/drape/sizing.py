@@ -25,6 +25,10 @@ NECK_ABOVE = 0.03
 NECK_POINT = 1.36
 """Half distance of the side neck points over the neck's half width; on the body of the drafts 7 cm."""
 
+OUTGROWN = 1.12
+"""Bust or hips over those of the library's drafts beyond which none of these goes over a wearer: a T-shirt of the
+library is 1.02 m round the chest. A tank top that was hung on a man of 1.20 m slid down his arms."""
+
 
 def measure_wearer(body: Body) -> BodyMeasures:
     """Take the measures that the drafts need from a body, in its T-pose.
@@ -56,6 +60,16 @@ def measure_wearer(body: Body) -> BodyMeasures:
         shoulder_half_width=float(half + BONE_END),
         neck_half_width=NECK_POINT * float(off[throat].max()),
     )
+
+
+def outgrown_measures(body: Body) -> BodyMeasures | None:
+    """Return the measures to which a base pattern is drafted for a wearer whom the library's size does not go over.
+
+    None for all others: the library's size is graded to the scan like any other, and what is known of it is kept.
+    """
+    measures, usual = measure_wearer(body), BodyMeasures()
+    is_larger = measures.bust > OUTGROWN * usual.bust or measures.hip > OUTGROWN * usual.hip
+    return measures if is_larger else None
 
 
 def size_template(name: str, body: Body) -> Pattern:

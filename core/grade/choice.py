@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 from ..body import Body
+from ..drape import outgrown_measures
 from ..errors import BadInput
 from ..pattern import Pattern, edge_length, list_templates, load_template, name_cut
 from ..pattern.parts import CUTS, Bodice, Cut, Neckline, draft_cut, half_neck
@@ -74,7 +75,8 @@ def choose_cut(target: Target, body: Body, parts: Mapping[str, str] | None = Non
     The template is that of `rank_templates`, with the sleeves and the girths that the scan shows. A garment with a neck
     then gets the necklines, in front and behind, whose lines are nearest to the scan's (`fit_necklines`): the shipped
     one where they agree or differ in depth only, which grading mends, or else one drafted with the scan's proportion of
-    depth to width. Grading moves control points and never makes a corner, so a V has to be there before it.
+    depth to width. Grading moves control points and never makes a corner, so a V has to be there before it. It is
+    drafted to the wearer's measures where the library's size does not go over him.
 
     Args:
         target: The target.
@@ -101,7 +103,9 @@ def choose_cut(target: Target, body: Body, parts: Mapping[str, str] | None = Non
         for part, word in wanted.items()
         if not cut.has_place_for(part)
     )
-    pattern = load_template(name) if cut == CUTS.get(name) else draft_cut(cut, name=name)
+    measures = outgrown_measures(body)
+    usual = cut == CUTS.get(name) and measures is None
+    pattern = load_template(name) if usual else draft_cut(cut, measures, name)
     return Choice(name, pattern, candidates, notes)
 
 

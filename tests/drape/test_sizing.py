@@ -1,0 +1,53 @@
+"""Base patterns come in the library's size, and for a wearer whom that does not go over in his own."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from garmentq.core.body import Body, builtin_body
+from garmentq.core.drape import WearerGeometry, drape_template, measure_wearer, outgrown_measures, size_template
+from garmentq.core.mesh import vertex_normals
+from garmentq.core.pattern import Pattern, edge_points, load_template
+from garmentq.core.pipeline import find_template
+from garmentq.core.recovery import Request
+from garmentq.core.segment import Target
+from garmentq.core.settings import RecoverySettings
+
+
+@pytest.fixture(scope="module")
+def heavy() -> Body:
+    return builtin_body("builtin:male,height=1.75,weight=120,pose=A")
+
+
+def hem_girth(pattern: Pattern) -> float:
+    """Return the length of all edges that end at the hem [m]."""
+    lines = [
+        edge_points(panel, k, 50)
+        for panel in pattern.panels
+        for k, edge in enumerate(panel.edges)
+        if edge.contour == "hem"
+    ]
+    return float(sum(np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in lines))
+
+
+@pytest.mark.parametrize("spec", ["builtin:female,height=1.70", "builtin:female,height=1.55,weight=45"])
+def test_usual_wearers_get_the_size_of_the_library(spec):
+    """Broken where every wearer gets a draft of his own, and with it a recovery that nobody has measured."""
+    assert outgrown_measures(builtin_body(spec)) is None
+
+
+@pytest.mark.parametrize("named", [None, "tank"])
+def test_a_large_wearer_gets_a_pattern_that_goes_over_him(heavy, named):
+    """Broken where a man of 1.22 m round the chest is dressed in a top of 1.02 m, which slides down his arms."""
+    worn = drape_template(size_template("tank", heavy), WearerGeometry(heavy))
+    assert len(worn.contours) == 4
+    normals = vertex_normals(worn.nodes, worn.faces)
+    target = Target(worn.nodes, worn.faces, normals, worn.contours, (), "tank")
+    request = Request(Path("tank.ply"), "builtin:male", settings=replace(RecoverySettings(), template=named))
+    found = find_template(request, target, heavy)
+    bust = measure_wearer(heavy).bust
+    assert found.template.partition("+")[0] == "tank"
+    assert hem_girth(load_template("tank")) < bust < hem_girth(found.pattern)
