@@ -6,15 +6,7 @@ from .follow import FollowSettings, PbdState, Threads, follow, lay_threads
 from .layer_contact import LayerContact
 from .motion import MotionSettings, describe_motion, drape_as_scanned
 from .sizing import measure_wearer, outgrown_measures, size_template
-from .stage import (
-    DrapeSettings,
-    drape_graded,
-    drape_template,
-    hangs_in_sleeves,
-    redrape,
-    remesh,
-    waist_height,
-)
+from .stage import DrapeSettings, drape_graded, drape_template, hangs_in_sleeves, redrape, remesh, waist_height
 from .tie import pin_waist, tie_contour
 from .wearer import WearerGeometry
 
