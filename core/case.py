@@ -62,6 +62,12 @@ class Case:
         """Return the wearer's body."""
         return self.wearer.body
 
+    @property
+    def has_free_curves(self) -> bool:
+        """Return whether the scan may shape the base pattern's curves: not those of a file, or of what is locked."""
+        locked = any(word.startswith(("panel:", "point:")) for word in self.settings.locks)
+        return self.request.template is None and not locked
+
 
 @dataclass(frozen=True)
 class GradedDrape:

@@ -23,8 +23,17 @@ from .drape import (
     outgrown_measures,
     redrape,
 )
-from .fit import METHODS, Fit, find_held, uncross
-from .grade import Candidate, Choice, choose_cut, complete_target, grade_pattern, share_by_hems, slide_seams
+from .fit import METHODS, Fit, fair_garment, find_held, uncross
+from .grade import (
+    Candidate,
+    Choice,
+    SlideSettings,
+    choose_cut,
+    complete_target,
+    grade_pattern,
+    share_by_hems,
+    slide_seams,
+)
 from .hooks import SILENT, Hooks
 from .inputs import read_body, read_files, read_template
 from .measure import (
@@ -38,7 +47,7 @@ from .measure import (
     measure_seams,
     measure_wear,
 )
-from .pattern import Garment, draft_template, find_cut, load_template, mesh_pattern, name_cut
+from .pattern import Garment, Pattern, draft_template, find_cut, load_template, mesh_pattern, name_cut
 from .pattern.parts import PartsConflict
 from .pieces import measure_pieces
 from .recovery import Recovery, Request
@@ -70,6 +79,8 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     case = complete_case(make_case(request, clock), clock)
     remarks = find_remarks(case.scan.vertices, case.body)
     drape = drape_to_scan(case, clock)
+    if case.has_free_curves:
+        case = replace(case, base=drape.garment.pattern)  # from here on its curves are as the scan shows them
     fit = METHODS[request.settings.method].fit(case, drape, clock)
     if fit.base is not None:
         case = replace(case, base=fit.base)  # with the darts that were added, without those that were closed
@@ -152,16 +163,16 @@ def complete_case(case: Case, clock: Clock) -> Case:
 
 @dataclass(frozen=True)
 class _KeptDrape:
-    """The checkpoint `drape`: the same control points and vertex count give the same mesh, so that is not in it.
+    """The checkpoint `drape`: the same pattern and vertex count give the same mesh, so that is not in it.
 
     Attributes:
-        points: Control points of the graded pattern [m], shape [point_count, 2].
+        pattern: The graded one.
         nodes: Of the garment on the wearer [m], shape [node_count, 3].
         drape: The equilibrium.
         warnings: What the user should know.
     """
 
-    points: np.ndarray
+    pattern: Pattern
     nodes: np.ndarray
     drape: Drape
     warnings: tuple[str, ...]
@@ -172,7 +183,7 @@ def drape_to_scan(case: Case, clock: Clock) -> GradedDrape:
     base, count = case.base, case.settings.vertex_count
     kept = load(clock.hooks, "drape", _KeptDrape, base.points, count)
     if kept is not None:
-        garment = mesh_pattern(base.with_points(kept.points), count)
+        garment = mesh_pattern(kept.pattern, count)
         if len(garment.nodes) == len(kept.nodes):  # another release may mesh the same points otherwise
             contours, _ = name_contours(kept.nodes, garment.faces, case.body)
             return GradedDrape(garment.at(kept.nodes, contours), kept.drape, kept.warnings)
@@ -195,7 +206,7 @@ def drape_to_scan(case: Case, clock: Clock) -> GradedDrape:
         *motion,
         *(() if drape.converged else (drape.outcome.advice,)),
     )
-    save(clock.hooks, "drape", _KeptDrape(garment.pattern.points, garment.nodes, drape, warnings), base.points, count)
+    save(clock.hooks, "drape", _KeptDrape(garment.pattern, garment.nodes, drape, warnings), base.points, count)
     return GradedDrape(garment, drape, warnings)
 
 
@@ -213,7 +224,7 @@ def _note_hidden(case: Case) -> tuple[str, ...]:
 
 
 def grade(case: Case, worn: Garment, hooks: Hooks) -> tuple[Garment, tuple[str, ...]]:
-    """Grade a worn base pattern to the target, and slide its seams to where they lie on the body.
+    """Grade a worn base pattern to the target, and slide its seams, and shape its curves, to where the cloth has them.
 
     Returns:
         The graded garment on the target, and what the user should know.
@@ -221,7 +232,11 @@ def grade(case: Case, worn: Garment, hooks: Hooks) -> tuple[Garment, tuple[str, 
     grading = grade_pattern(worn, case.target, case.body, hooks=hooks)
     for _ in range(GRADINGS - 1):
         grading = grade_pattern(grading.garment, case.target, case.body, hooks=hooks)
-    return slide_seams(grading.garment, case.target, case.body, case.base, hooks=hooks), tuple(grading.warnings)
+    settings = SlideSettings().with_curves(case.has_free_curves)
+    slid = slide_seams(grading.garment, case.target, case.body, case.base, settings=settings, hooks=hooks)
+    if case.has_free_curves:
+        slid = fair_garment(slid, case.base, find_held(slid.pattern, case.base, ()))
+    return slid, tuple(grading.warnings)
 
 
 def redrape_pattern(case: Case, drape: GradedDrape, fit: Fit, clock: Clock) -> Fit:

@@ -3,6 +3,7 @@
 from ..grade import IsometrySettings, move_pattern
 from .body_offset import estimate_body_offset, is_estimated
 from .descent import Descent, DescentProblem, InverseSettings, descend
+from .fairness import fair_garment
 from .hybrid import fit_pattern
 from .independence import count_independent
 from .inverse import InverseFit, fit_inverse
@@ -45,6 +46,7 @@ __all__ = [
     "count_independent",
     "descend",
     "estimate_body_offset",
+    "fair_garment",
     "find_held",
     "fit_bending",
     "fit_inverse",

@@ -24,7 +24,7 @@ class GradeSettings:
     Attributes:
         registration: The coarse registration in 3D.
         flattening: The fit of the control points.
-        least_area: A panel may not lose more than this share of its area in one grading; the step is shortened then.
+        least_area: A panel keeps more than this share of its area in one grading, or the step is shortened.
         back_offs: Halvings of the step before the pattern is left as it was.
     """
 
@@ -104,13 +104,14 @@ def step_without_folds(pattern: Pattern, points: np.ndarray, settings: GradeSett
     for _ in range(settings.back_offs):
         wanted = pattern.with_points(pattern.points + share * (points - pattern.points))
         graded = equalise_seams(wanted, like=pattern)
-        if _is_sound(graded, pattern, settings.least_area):
+        if is_sound(graded, pattern, settings.least_area):
             return graded, share
         share /= 2
     return pattern, 0.0
 
 
-def _is_sound(graded: Pattern, base: Pattern, least_area: float) -> bool:
+def is_sound(graded: Pattern, base: Pattern, least_area: float = 0.05) -> bool:
+    """Return whether no panel crosses itself, runs clockwise or has less than a share of the area that it had."""
     try:
         for panel, before in zip(graded.panels, base.panels, strict=True):
             check_outline(panel)

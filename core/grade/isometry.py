@@ -9,17 +9,21 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..body import Body
-from ..mesh import ClosedCurve, HalfEdges, TriangleSurface, gradient_operator, lump
-from ..pattern import Garment, Pattern, find_symmetry, map_controls
+from ..mesh import ClosedCurve, TriangleSurface, gradient_operator, lump, shape_gradients
+from ..pattern import Garment, Pattern, equalise_seams, redraw
 from ..segment import Target, name_contours
 from .armpits import Armpits
-from .flattening import narrow_panels, seam_rows, solve_sewn
-from .grading import GradeSettings, move_pattern, step_without_folds
+from .flattening import narrow_panels, solve_sewn
+from .freedom import Freedom
+from .grading import is_sound, move_pattern
 from .proportion import Proportions, find_proportions
 from .registration import match_surface
 
 if TYPE_CHECKING:
     from ..simulate import BlockPattern, Solver
+
+HALVINGS = 8
+"""Times that a step is tried shorter."""
 
 
 @dataclass(frozen=True)
@@ -27,21 +31,25 @@ class IsometrySettings:
     """Set the joint fit of pattern and place.
 
     Attributes:
-        vertices: Vertices of its mesh; 1000 have edges of 3 cm, and a step takes 0.3 s. Seams move as a whole.
-        steps: Steps; the slowest motion, of a waist seam towards the waist, is most of its way after 24.
+        vertices: Vertices of its mesh; 1000 have edges of 3 cm, and a step takes 0.1 s. Seams move as a whole.
+        steps: Steps at most; most garments rest after 5 to 10.
         surface: A node that is this far from the target's tangent plane [m] costs as much per area as a strain of 1.
             4 mm keeps nodes on the surface and lets a fold be cut short.
         border: The same for a node on an open contour, across the contour [m].
         along: Share of that cost for sliding along the contour, which is not seen.
-        reach: Damping: a motion of this many metres in one step costs as much as a strain of 1. It only has to be
-            there where nothing else holds a node.
+        reach_first, reach_last: Damping: a motion of this many metres in one step costs as much as a strain of 1, at
+            the first step and where it is least. 1 m moves a seam by a few centimetres at once; 10 m only hold a node
+            that nothing else holds.
+        farthest: No node goes further in one step [m], or its closest point on the target is another one's: two edges
+            of the mesh.
         proportion: Cost of one standard deviation of a rule of `Proportions`, by the garment's area: as much as a
             strain of 3 % everywhere, which is what unlike cloth and folds leave.
         believed: Strain up to which a drape's cloth is believed: beyond a tenth lie bad triangles. Where a garment
             hangs from its neck, or is tight, it strains by more than the 3 % of cloth that hangs free: clipped to 3 %,
             panels of ten garments are 2.7 % off in area, to 10 % 2.4 %, to 30 % 2.5 %.
         facing: As in the coarse registration.
-        keep: Damping of the control points, relative to the mean diagonal of their matrix.
+        curves: True where the handles of curves move, too.
+        keep: Damping of the parameters, relative to the mean diagonal of their matrix.
         stay: Cost by area of a panel's strain from where the fit began; 0 lets panels go wherever isometry leads.
         stay_band: The same for panels narrower than 12 cm.
         stay_hidden: The same for faces at nodes that a hanging arm hides where a sleeve begins, or next to them; where
@@ -54,10 +62,13 @@ class IsometrySettings:
     surface: float = 0.004
     border: float = 0.002
     along: float = 0.05
-    reach: float = 3.0
+    reach_first: float = 1.0
+    reach_last: float = 10.0
+    farthest: float = 0.06
     proportion: float = 0.001
     believed: float = 0.10
     facing: float = 0.3
+    curves: bool = False
     keep: float = 1e-4
     stay: float = 0.0
     stay_band: float = 0.0
@@ -65,33 +76,61 @@ class IsometrySettings:
 
 
 @dataclass(frozen=True)
+class _Model:
+    """Describe a garment's strain and place to first order.
+
+    Strains are vectors (E_11, E_22, sqrt(2) E_12), of the same length as E.
+
+    Attributes:
+        strain: E, shape [face_count, 3].
+        by_nodes: Its rates by a face's corners, shape [face_count, 3, corner, coordinate].
+        by_flat: The rates of the wanted U^2 / 2 by the parameters, shape [face_count, 3, parameter_count].
+        area: Of each face, flat [m2].
+        mass: Of each node [m2].
+        held: What holds each node on the target, shape [node_count, 3, 3].
+        pulled: What pulls it there, shape [node_count, 3].
+    """
+
+    strain: np.ndarray
+    by_nodes: np.ndarray
+    by_flat: np.ndarray
+    area: np.ndarray
+    mass: np.ndarray
+    held: np.ndarray
+    pulled: np.ndarray
+
+
+@dataclass(frozen=True)
 class Isometry:
     """Describe what stays the same from step to step.
 
-    Minimises over the nodes x and the effective control points c at once
+    Minimises over the nodes x and the parameters c of the pattern (`Freedom`) at once
 
-        sum_f A_f |F_f - R_f U_f J_f|^2 + sum_v a_v (n_v . (x_v - q_v))^2 / l^2 + contours + w A sum_k r_k^2
-        + sum_f b_f A_f |J_f G_f - I|^2
+        sum_f A_f |E_f|^2 + sum_v a_v (n_v . (x_v - q_v))^2 / l^2 + contours + w A sum_k r_k^2
+        + sum_f b_f A_f |J_f G_f - I|^2,    E_f = (F_f^T F_f - J_f^T U_f^2 J_f) / 2
 
-    For fixed rotations R_f it is one linear system; the nodes are eliminated from it. Seams stay equal to first order
-    and are equalised after each step.
+    by damped Gauss-Newton steps; the nodes are eliminated from each. E is blind to how a face is turned, so that a seam
+    can slide over a bend in one step: with rotations held for a step, as a local-global scheme does, it creeps, and
+    the panels of T-shirts were left 7 % off after as many steps. Seams stay equal to first order and are equalised
+    after each step.
 
-    Notation: F_f the map from face f's present flat shape to 3D, J_f the map to its new flat shape, linear in c;
-    U_f the strain that the cloth has on the target; q_v, n_v closest point and normal on the target, l `surface`; r_k
-    what the rules of `Proportions` miss, w `proportion`, A the garment's area; J_f G_f the map from the flat shape at
-    the start, b_f `stay`, `stay_band` or `stay_hidden`.
+    Notation: E_f Green's strain of the cloth from what is wanted; F_f the map from face f's present flat shape to 3D,
+    J_f the map to its new flat shape, linear in c; U_f the strain that the cloth has on the target; q_v, n_v closest
+    point and normal on the target, l `surface`; r_k what the rules of `Proportions` and `Freedom` miss, w `proportion`, A the
+    garment's area; J_f G_f the map from the flat shape at the start, b_f `stay`, `stay_band` or `stay_hidden`.
 
     Attributes:
         goal: The target.
         hidden: Nodes between the trunk and a hanging arm, which stay where they are, shape [node_count].
         loose: Nodes that `stay_hidden` leaves free, shape [node_count]; none of them is `hidden`.
         borders: Nodes of each open contour, and the target's contour or, where it is not trusted, their own place [m].
-        strain: U, shape [face_count, 2, 2].
-        free: Control points (x0, y0, ...) by effective ones, shape [2 point_count, effective_count].
+        wanted: U^2, shape [face_count, 2, 2].
+        freedom: What may move of the pattern.
         proportions: Rules to keep.
-        start: Control points at the start [m], shape [point_count, 2].
-        anchor: Matrix of the last sum, shape [effective_count, effective_count].
-        coupled: Which nodes share a face or a hinge.
+        start: The pattern at the start.
+        anchor: Matrix of the last sum, shape [parameter_count, parameter_count].
+        coupled: Which nodes share a face.
+        slots: Where each face's blocks go, shape [face_count, 6].
         solver: Analysed for it.
         settings: How.
     """
@@ -100,12 +139,13 @@ class Isometry:
     hidden: np.ndarray
     loose: np.ndarray
     borders: tuple[tuple[np.ndarray, ClosedCurve], ...]
-    strain: np.ndarray
-    free: np.ndarray
+    wanted: np.ndarray
+    freedom: Freedom
     proportions: Proportions
-    start: np.ndarray
+    start: Pattern
     anchor: np.ndarray
     coupled: BlockPattern
+    slots: np.ndarray
     solver: Solver
     settings: IsometrySettings
 
@@ -146,70 +186,85 @@ class Isometry:
         on_border = [node for line, _ in borders for node in line]
         hidden[on_border] = loose[on_border] = False
         hidden &= ~loose
-        free = find_symmetry(like).matrix.toarray()
-        # faces alone couple nodes; with the hinges, whose blocks stay zero, elimination keeps its order and round-off
-        hinges = HalfEdges.of(garment.faces, len(garment.nodes)).hinge_vertices
-        coupled, _ = BlockPattern.of(len(garment.nodes), garment.faces, hinges)
+        freedom = Freedom.of(like, settings.curves)
+        coupled, (slots,) = BlockPattern.of(len(garment.nodes), garment.faces)
         return cls(
             goal=TriangleSurface(target.vertices, target.faces),
             hidden=hidden,
             loose=loose,
             borders=tuple(borders),
-            strain=strain,
-            free=free,
+            wanted=strain @ strain,
+            freedom=freedom,
             proportions=find_proportions(like),
-            start=garment.pattern.points,
-            anchor=_anchor(garment, free, loose, settings),
+            start=garment.pattern,
+            anchor=_anchor(garment, freedom, loose, settings),
             coupled=coupled,
+            slots=slots,
             solver=make_solver(coupled),
             settings=settings,
         )
 
-    def step(self, garment: Garment) -> Garment:
-        """Solve once for nodes and control points with the rotations as they are."""
-        on_uv, area = gradient_operator(garment.rest, garment.uv_faces, len(garment.uv))
-        weight = np.repeat(area, 2)
-        gradient = sp.csr_matrix(on_uv @ _uv_of_nodes(garment))
-        wanted = self._turned_strain(gradient, garment.nodes)
-        moved = self._move_flat(garment, on_uv, wanted)
-        count, parameters = len(garment.nodes), self.free.shape[1]
-        # Rows of a face: (d/dx, d/dy) of the three coordinates.
-        target_rows = np.swapaxes(wanted, 1, 2)
-        held, pulled = self._hold_on_target(garment, area)
-        self._factor(sp.csr_matrix(gradient.T @ sp.diags(weight) @ gradient), held)
-        weighted = weight.reshape(-1, 2, 1, 1) * moved
-        coupling = (gradient.T @ weighted.reshape(len(weight), -1)).reshape(3 * count, parameters)
-        load = gradient.T @ (weight[:, None] * target_rows.reshape(-1, 3))
-        start, follow = self.solver.solve((load + pulled).ravel()), self.solver.solve(coupling)
-        flat = moved.reshape(-1, parameters)
-        matrix = flat.T @ weighted.reshape(-1, parameters) - coupling.T @ follow
-        right = coupling.T @ start - weighted.reshape(-1, parameters).T @ target_rows.ravel()
-        change = self._solve_pattern(garment.pattern, matrix, right, float(area.sum()))
-        points = garment.pattern.points + (self.free @ change).reshape(-1, 2)
-        pattern, share = step_without_folds(garment.pattern, points, GradeSettings())
-        nodes = (start + share * (follow @ change)).reshape(-1, 3)
-        return move_pattern(garment, pattern).at(nodes)
+    def step(self, garment: Garment, reach: float) -> tuple[Garment, float]:
+        """Return the garment after one step, and the reach [m] that it was taken with.
 
-    def _factor(self, stiffness: sp.csr_matrix, held: np.ndarray) -> None:
-        """Factor the nodes' matrix: a stiffness [n, n] that all coordinates share, and a block [3, 3] of each node."""
-        pairs = np.asarray(stiffness[self.coupled.rows, self.coupled.columns]).ravel()
-        blocks = pairs[:, None, None] * np.eye(3)
-        blocks[self.coupled.diagonal] += held
+        Reach is halved until no panel folds over and no node goes too far; after `HALVINGS` the garment comes back as
+        it is.
+        """
+        model = self._linearise(garment)
+        for _ in range(HALVINGS):
+            change, moved = self._solve(model, garment, reach)
+            if np.linalg.norm(moved, axis=1).max() < self.settings.farthest:
+                pattern = equalise_seams(self.freedom.move(garment.pattern, change), like=garment.pattern)
+                if is_sound(pattern, garment.pattern):
+                    follow = redraw if self.freedom.has_curves else move_pattern
+                    return follow(garment, pattern).at(garment.nodes + moved), reach
+            reach /= 2.0
+        return garment, reach
+
+    def _linearise(self, garment: Garment) -> _Model:
+        """Return strain and place of a garment with their rates."""
+        gradients = shape_gradients(garment.rest)
+        slope = np.einsum("fkc,fkd->fcd", garment.nodes[garment.faces], gradients)
+        strain = 0.5 * (np.swapaxes(slope, 1, 2) @ slope - self.wanted)
+        # the rate of F^T F / 2 by corner k's coordinate c is sym(g_k x (row c of F))
+        by_nodes = np.einsum("fki,fcj->fijkc", gradients, slope)
+        on_uv, area = gradient_operator(garment.rest, garment.uv_faces, len(garment.uv))
+        by_flat = np.einsum("fia,fjap->fijp", self.wanted, _slope_rates(garment, on_uv, self.freedom))
+        return _Model(_as_vector(strain), _as_vector(by_nodes), _as_vector(by_flat), area, *self._hold(garment, area))
+
+    def _solve(self, model: _Model, garment: Garment, reach: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the change of the parameters and of the nodes [m], shape [node_count, 3]."""
+        count, parameters = len(garment.nodes), model.by_flat.shape[2]
+        weighted = model.area[:, None, None, None] * model.by_nodes
+        blocks = np.zeros((len(self.coupled.rows), 3, 3))
+        for slots, (i, j) in zip(self.slots.T, zip(*np.triu_indices(3), strict=True), strict=True):
+            block = np.einsum("fsc,fsd->fcd", weighted[:, :, i], model.by_nodes[:, :, j])
+            turned = slots < 0
+            np.add.at(blocks, slots[~turned], block[~turned])
+            np.add.at(blocks, ~slots[turned], np.swapaxes(block[turned], 1, 2))
+        blocks[self.coupled.diagonal] += model.held + (model.mass / reach**2)[:, None, None] * np.eye(3)
         if not self.solver.factor(self.coupled.assemble(blocks)):
             raise np.linalg.LinAlgError("the cloth on the target is not held everywhere")  # a node without a face
 
-    def _turned_strain(self, gradient: sp.csr_matrix, nodes: np.ndarray) -> np.ndarray:
-        """Return R_f U_f, shape [face_count, 3, 2], R_f the isometry nearest to F_f U_f."""
-        slope = np.swapaxes((gradient @ nodes).reshape(-1, 2, 3), 1, 2)
-        left, _, right = np.linalg.svd(slope @ self.strain, full_matrices=False)
-        return np.asarray(left @ right @ self.strain)
+        def gather(rates: np.ndarray) -> np.ndarray:
+            """Sum what faces ask of strain, shape [face_count, 3, n], over their nodes, shape [3 node_count, n]."""
+            found = np.zeros((count, 3, rates.shape[2]))
+            np.add.at(found, garment.faces, np.einsum("fskc,fsp->fkcp", weighted, rates))
+            return found.reshape(3 * count, -1)
 
-    def _move_flat(self, garment: Garment, on_uv: sp.csr_matrix, wanted: np.ndarray) -> np.ndarray:
-        """Return d(R U J)/dc, (d/dx, d/dy) of three coordinates of each face, shape [face_count, 2, 3, parameters]."""
-        return np.einsum("fka,fdap->fdkp", wanted, _slope_rates(garment, on_uv, self.free))
+        coupling = gather(model.by_flat)
+        load = (model.pulled - gather(model.strain[:, :, None]).reshape(-1, 3)).ravel()
+        alone, follow = self.solver.solve(load), self.solver.solve(coupling)
+        flat = model.by_flat.reshape(-1, parameters)
+        by_area = np.repeat(model.area, 3)
+        own = flat.T @ (by_area[:, None] * flat)
+        matrix = own - coupling.T @ follow + np.diag(np.diag(own)) / reach**2
+        right = flat.T @ (by_area * model.strain.ravel()) + coupling.T @ alone
+        change = self._solve_pattern(garment.pattern, matrix, right, float(model.area.sum()))
+        return change, (alone + follow @ change).reshape(-1, 3)
 
-    def _hold_on_target(self, garment: Garment, area: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return what holds the nodes on the target: each one's block, [n, 3, 3], and right side, shape [n, 3]."""
+    def _hold(self, garment: Garment, area: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return each node's area, what holds it on the target, shape [n, 3, 3], and pulls it there, shape [n, 3]."""
         chosen, nodes, count = self.settings, garment.nodes, len(garment.nodes)
         mass = lump(area, garment.faces, count)
         own = TriangleSurface(nodes, garment.faces).vertex_normals
@@ -218,54 +273,56 @@ class Isometry:
             seen[line] = False
         seen &= ~self.loose
         normal = self.goal.face_normals[found.face]
-        blocks = (np.where(seen, mass, 0.0) / chosen.surface**2)[:, None, None] * normal[:, :, None] * normal[:, None]
-        blocks[self.hidden] = (mass[self.hidden] / chosen.surface**2)[:, None, None] * np.eye(3)
-        pulled = np.einsum("vij,vj->vi", blocks, np.where(self.hidden[:, None], nodes, found.foot))
-        still = mass / chosen.reach**2
-        blocks += still[:, None, None] * np.eye(3)
-        pulled += still[:, None] * nodes
+        held = (np.where(seen, mass, 0.0) / chosen.surface**2)[:, None, None] * normal[:, :, None] * normal[:, None]
+        held[self.hidden] = (mass[self.hidden] / chosen.surface**2)[:, None, None] * np.eye(3)
+        away = np.where(self.hidden[:, None], 0.0, found.foot - nodes)
         for line, loop in self.borders:
             near = loop.closest(nodes[line])
             tangent = loop.tangents[near.segment]
             across = np.eye(3) - (1.0 - chosen.along) * tangent[:, :, None] * tangent[:, None]
-            across *= (mass[line] / chosen.border**2)[:, None, None]
-            blocks[line] += across
-            pulled[line] += np.einsum("vij,vj->vi", across, near.foot)
-        return blocks, pulled
+            held[line] = (mass[line] / chosen.border**2)[:, None, None] * across
+            away[line] = near.foot - nodes[line]
+        return mass, held, np.einsum("vij,vj->vi", held, away)
 
     def _solve_pattern(self, pattern: Pattern, matrix: np.ndarray, right: np.ndarray, area: float) -> np.ndarray:
-        """Return the change of the effective control points [m] under equal seams, pulled by ratios and start."""
+        """Return the change of the parameters under equal seams, pulled by rules and start."""
         damping = self.settings.keep * float(np.trace(matrix)) / len(matrix)
         matrix = matrix + self.anchor + damping * np.eye(len(matrix))
         if self.anchor.any():
-            gone = np.linalg.lstsq(self.free, (pattern.points - self.start).ravel(), rcond=None)[0]
-            right = right - self.anchor @ gone
-        missing, rates = self.proportions.linearise(pattern)
-        rates = rates @ self.free
+            right = right - self.anchor @ self.freedom.away(pattern, self.start)
         pull = self.settings.proportion * area
-        rows = seam_rows(pattern, pattern.points) @ self.free
-        return solve_sewn(matrix + pull * rates.T @ rates, right + pull * rates.T @ missing, rows, np.zeros(len(rows)))
+        for missing, rates in (self._measure_proportions(pattern), self.freedom.shape_rules(pattern)):
+            matrix = matrix + pull * rates.T @ rates
+            right = right + pull * rates.T @ missing
+        rows = self.freedom.seam_rows(pattern)
+        return solve_sewn(matrix, right, rows, np.zeros(len(rows)))
+
+    def _measure_proportions(self, pattern: Pattern) -> tuple[np.ndarray, np.ndarray]:
+        """Return what the rules of proportion miss, and its rates by the parameters."""
+        missing, by_points = self.proportions.linearise(pattern)
+        if not self.freedom.has_curves:
+            return missing, by_points @ self.freedom.points
+        return missing, self.freedom.join(by_points, self.proportions.curve_rates(pattern))
 
 
-def _anchor(garment: Garment, free: np.ndarray, loose: np.ndarray, settings: IsometrySettings) -> np.ndarray:
-    """Return the matrix that holds the panels' shape where it is, by the effective control points."""
+def _anchor(garment: Garment, freedom: Freedom, loose: np.ndarray, settings: IsometrySettings) -> np.ndarray:
+    """Return the matrix that holds the panels' shape where it is, by the parameters."""
     on_uv, area = gradient_operator(garment.rest, garment.uv_faces, len(garment.uv))
     narrow = narrow_panels(garment.pattern)[garment.panel_of_face]
     stay = np.where(narrow, settings.stay_band, settings.stay)
     unseen = loose[garment.faces].any(axis=1)
     weight = area * np.where(unseen, np.maximum(stay, settings.stay_hidden), stay)
-    rates = _slope_rates(garment, on_uv, free).reshape(4 * len(area), -1)
+    rates = _slope_rates(garment, on_uv, freedom).reshape(4 * len(area), -1)
     return np.asarray(rates.T @ (np.repeat(weight, 4)[:, None] * rates))
 
 
-def _slope_rates(garment: Garment, on_uv: sp.csr_matrix, free: np.ndarray) -> np.ndarray:
-    """Return dJ/dc of each face, (d/dx, d/dy) of two coordinates, shape [face_count, 2, 2, effective_count]."""
-    flat = (map_controls(garment).matrix @ free).reshape(len(garment.uv), -1)
+def _slope_rates(garment: Garment, on_uv: sp.csr_matrix, freedom: Freedom) -> np.ndarray:
+    """Return dJ/dc of each face, (d/dx, d/dy) of two coordinates, shape [face_count, 2, 2, parameter_count]."""
+    flat = freedom.rates(garment).reshape(len(garment.uv), -1)
     return np.asarray(on_uv @ flat).reshape(len(garment.faces), 2, 2, -1)
 
 
-def _uv_of_nodes(garment: Garment) -> sp.csr_matrix:
-    """Return the matrix that hands each uv vertex its node's value, shape [uv_count, node_count]."""
-    count = len(garment.uv)
-    ones = (np.ones(count), (np.arange(count), garment.uv_node))
-    return sp.csr_matrix(ones, shape=(count, len(garment.nodes)))
+def _as_vector(matrix: np.ndarray) -> np.ndarray:
+    """Return the symmetric parts of 2x2 matrices, shape [n, 2, 2, ...], as vectors as long, shape [n, 3, ...]."""
+    shear = (matrix[:, 0, 1] + matrix[:, 1, 0]) / np.sqrt(2.0)
+    return np.stack([matrix[:, 0, 0], matrix[:, 1, 1], shear], axis=1)

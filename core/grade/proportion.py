@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..pattern import EdgeRef, Pattern, edge_length, panel_area
+from ..pattern.curves import edge_area
+from ..pattern.handles import area_rates, handles_of, length_rates
 from .flattening import SHORT, kept_vectors
 from .parts import across_armholes, are_mirrored, count_seams
 
@@ -88,9 +90,9 @@ class Proportions:
     def linearise(self, pattern: Pattern) -> tuple[np.ndarray, np.ndarray]:
         """Return what each rule misses, shape [rule_count], and its rates, shape [rule_count, 2 point_count].
 
-        Both in standard deviations of a ratio. Rates of areas are those of the polygons of control points: curves
-        follow their chords. An edge that lies far off its direction is believed to be cut otherwise: it is weighed as
-        by Cauchy's distribution, d sum ln(1 + (angle / s)^2), s its `spread`, d `DIRECTION_SHARE`.
+        Both in standard deviations of a ratio; curves follow their chords. An edge that lies far off its direction is
+        believed to be cut otherwise: it is weighed as by Cauchy's distribution, d sum ln(1 + (angle / s)^2), s its
+        `spread`, d `DIRECTION_SHARE`.
         """
         missing, rates, points = [], [], pattern.points
         for (a, b), ratio in zip(self.sisters, self.areas, strict=True):
@@ -123,6 +125,32 @@ class Proportions:
         missing += list(self.drawn - self.vectors @ points.ravel())
         others = np.array([rate.ravel() for rate in rates]).reshape(-1, 2 * len(pattern.points))
         return np.array(missing), np.concatenate([others, self.vectors])
+
+    def curve_rates(self, pattern: Pattern) -> np.ndarray:
+        """Return the rates of the rules by the handles of all curves, shape [rule_count, 2 handle_count].
+
+        In the order and the units of `linearise`; only areas and lengths have any.
+        """
+        size = 2 * len(handles_of(pattern))
+
+        def share(name: str) -> np.ndarray:
+            return np.asarray(area_rates(pattern, name) / panel_area(pattern.panel(name)))
+
+        areas = [share(a) - share(b) for a, b in self.sisters]
+
+        def ratios(pairs: tuple[tuple[EdgeRef, EdgeRef], ...], spread: float) -> np.ndarray:
+            found = [length_rates(pattern, {a: 1 / _length(pattern, a), b: -1 / _length(pattern, b)}) for a, b in pairs]
+            return np.array(found).reshape(-1, size) / spread
+
+        return np.concatenate(
+            [
+                np.array(areas).reshape(-1, size) / AREA_SPREAD,
+                ratios(self.edges, LENGTH_SPREAD),
+                np.zeros((len(self.widths), size)),
+                ratios(self.notched, NOTCH_SPREAD),
+                np.zeros((len(self.directed) + len(self.drawn), size)),
+            ]
+        )
 
 
 def find_proportions(like: Pattern) -> Proportions:
@@ -318,10 +346,11 @@ def _length_rate(pattern: Pattern, ref: EdgeRef) -> np.ndarray:
 
 
 def _area_rate(pattern: Pattern, name: str) -> np.ndarray:
-    """Return d ln A / d points of a panel's polygon of control points [1/m], shape [point_count, 2]."""
-    start, points = pattern.first_points[name], pattern.panel(name).points
-    after, before = np.roll(points, -1, axis=0), np.roll(points, 1, axis=0)
-    rates = np.zeros((len(pattern.points), 2))
+    """Return d ln A / d points of a panel [1/m], shape [point_count, 2]: its polygon's, and the curves' beside it."""
+    start, panel = pattern.first_points[name], pattern.panel(name)
+    after, before = np.roll(panel.points, -1, axis=0), np.roll(panel.points, 1, axis=0)
     turned = np.stack([after[:, 1] - before[:, 1], before[:, 0] - after[:, 0]], axis=1)
-    rates[start : start + len(points)] = 0.5 * turned / panel_area(pattern.panel(name))
-    return rates
+    beside = 2.0 * np.array([edge_area(edge) for edge in panel.edges])[:, None] * (after - panel.points)
+    rates = np.zeros((len(pattern.points), 2))
+    rates[start : start + len(panel.points)] = 0.5 * turned - beside + np.roll(beside, 1, axis=0)
+    return rates / panel_area(panel)

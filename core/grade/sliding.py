@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -12,9 +12,11 @@ from ..errors import BadInput
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target
-from .grading import GradeSettings, move_pattern, step_without_folds
 from .isometry import Isometry, IsometrySettings
 from .strain import believed_strain, hidden_folds
+
+GROWTH = 2.0
+"""Factor by which the reach of the steps grows from one to the next."""
 
 
 @dataclass(frozen=True)
@@ -25,9 +27,8 @@ class SlideSettings:
         settled: Largest motion of a control point in one step [m] below which the sliding ends. A millimetre is a
             tenth of what is left of the outlines.
         isometry: The steps. 800 vertices: 500 cut folds so short that outlines are off by 10 mm more; 1000 take half as
-            long again and gain nothing. 12 steps with momentum go as far as 30 without. No strain is believed but
-            what its coarse mesh cuts the folds short by: the template's drape is of another size, and its strain
-            spoils skirts by 3 % in area. `stay` 0.02: a panel that
+            long again and gain nothing. No strain is believed but what its coarse mesh cuts the folds short by: the
+            template's drape is of another size, and its strain spoils skirts by 3 % in area. `stay` 0.02: a panel that
             is strained by 7 % from the graded pattern costs as much as cloth that is strained by 1 %; without it a
             waist seam slides on without end where the surface is smooth. Bands keep their shape: where their long seams
             lie cannot be seen.
@@ -37,6 +38,10 @@ class SlideSettings:
     isometry: IsometrySettings = field(
         default_factory=lambda: IsometrySettings(vertices=800, steps=12, believed=0.0, stay=0.02, stay_band=1.0)
     )
+
+    def with_curves(self, are_free: bool) -> SlideSettings:
+        """Return the same with the handles of curves free or not."""
+        return replace(self, isometry=replace(self.isometry, curves=are_free))
 
 
 def slide_seams(
@@ -52,8 +57,7 @@ def slide_seams(
 
     Registration knows the surface to a millimetre, but not where on it a seam lies, and spreads the stretch evenly. A
     developable panel can only be bent, so the seams have to lie where the target's Gaussian curvature is: at the waist,
-    round the arm. Each step solves for nodes and pattern at once (`Isometry`); the slow motion of a whole seam is
-    carried on by momentum (Nesterov's, begun anew where it goes against the last step: O'Donoghue and Candes 2015).
+    round the arm. Each step solves for nodes and pattern at once (`Isometry`).
 
     **Deviation** from thesis 3.2.3, which moves the points of open contours only.
 
@@ -94,7 +98,7 @@ def _can_be_meshed(garment: Garment) -> bool:
 
 
 def solve_isometry(problem: Isometry, start: Garment, settled: float, tell: Callable[[int], None]) -> Garment:
-    """Repeat the step of a problem with momentum until the pattern rests, or its settings' number of steps is over.
+    """Repeat the step of a problem until the pattern rests, or its settings' number of steps is over.
 
     Args:
         problem: What to solve.
@@ -102,17 +106,13 @@ def solve_isometry(problem: Isometry, start: Garment, settled: float, tell: Call
         settled: Largest motion of a control point in one step [m] below which it ends.
         tell: Hears the number of each step before it is made.
     """
-    found = tried = start
-    turn = 0
-    for step in range(problem.settings.steps):
+    found, chosen = start, problem.settings
+    reach = chosen.reach_first
+    for step in range(chosen.steps):
         tell(step)
-        before, found = found, problem.step(tried)
-        ahead = found.nodes - before.nodes
-        turn = 0 if step and float(np.sum((tried.nodes - found.nodes) * ahead)) > 0.0 else turn + 1
-        way = found.pattern.points - before.pattern.points
-        if float(np.linalg.norm(way, axis=1).max()) < settled:
+        before = found.pattern.points
+        found, reach = problem.step(found, reach)
+        if float(np.linalg.norm(found.pattern.points - before, axis=1).max()) < settled:
             break
-        share = turn / (turn + 3.0)
-        further = step_without_folds(found.pattern, found.pattern.points + share * way, GradeSettings())[0]
-        tried = move_pattern(found, further).at(found.nodes + share * ahead)
+        reach = min(GROWTH * reach, chosen.reach_last)
     return found

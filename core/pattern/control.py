@@ -51,22 +51,15 @@ def map_controls(garment: Garment) -> ControlMap:
     """Compute the control map of a flat mesh."""
     blocks = []
     for index, panel in enumerate(garment.pattern.panels):
-        own = np.flatnonzero(garment.panel_of_uv == index)
-        uv, first = garment.uv[own], own[0]
-        weights = np.zeros((len(own), len(panel.points)), complex)
-        loop = []
+        weights = np.zeros((len(garment.uv), len(panel.points)), complex)
         for i in range(len(panel.edges)):
-            along = garment.edge_uv[EdgeRef(panel.name, i)][:-1] - first
+            along = garment.edge_uv[EdgeRef(panel.name, i)][:-1]
             after = (i + 1) % len(panel.points)
-            place = relative_to_chord(uv[along], panel.points[i], panel.points[after]) @ np.array([1.0, 1j])
+            place = relative_to_chord(garment.uv[along], panel.points[i], panel.points[after]) @ np.array([1.0, 1j])
             weights[along, i] = 1.0 - place
             weights[along, after] += place
-            loop.append(along)
-        rim = np.concatenate(loop)
-        inner = np.setdiff1d(np.arange(len(own)), rim)
-        for part in np.array_split(inner, len(inner) // CHUNK + 1):
-            weights[part] = mean_value_coordinates(uv[rim], uv[part]) @ weights[rim]
-        blocks.append(_as_real(weights))
+        spread_inside(garment, index, weights)
+        blocks.append(_as_real(weights[garment.panel_of_uv == index]))
     return ControlMap(csr_matrix(block_diag(blocks, format="csr")), garment.pattern.points)
 
 
@@ -80,17 +73,28 @@ def redraw(garment: Garment, pattern: Pattern) -> Garment:
         garment: The garment.
         pattern: The same panels, seams and kinds of corners; points and edges' shapes may differ a little.
     """
-    uv = garment.uv.copy()
+    moved = np.zeros_like(garment.uv)
     for index, panel in enumerate(pattern.panels):
-        own = np.flatnonzero(garment.panel_of_uv == index)
-        along = [garment.edge_uv[EdgeRef(panel.name, i)] for i in range(len(panel.edges))]
-        rim = np.concatenate([line[:-1] for line in along])
-        new = np.concatenate([edge_points(panel, i, len(line) - 1)[:-1] for i, line in enumerate(along)])
-        inner = np.setdiff1d(own, rim)
-        uv[rim] = new
-        for part in np.array_split(inner, len(inner) // CHUNK + 1):
-            uv[part] += mean_value_coordinates(garment.uv[rim], garment.uv[part]) @ (new - garment.uv[rim])
-    return replace(garment, pattern=pattern, uv=uv)
+        for i in range(len(panel.edges)):
+            along = garment.edge_uv[EdgeRef(panel.name, i)]
+            moved[along[:-1]] = edge_points(panel, i, len(along) - 1)[:-1] - garment.uv[along[:-1]]
+        spread_inside(garment, index, moved)
+    return replace(garment, pattern=pattern, uv=garment.uv + moved)
+
+
+def spread_inside(garment: Garment, panel: int, values: np.ndarray) -> None:
+    """Set values at a panel's inner vertices to the average of its outline's, by mean value coordinates.
+
+    Args:
+        garment: The flat mesh.
+        panel: Index of the panel.
+        values: At all uv vertices, shape [uv_count, ...]; those of the panel's outline are given.
+    """
+    own, drawn = np.flatnonzero(garment.panel_of_uv == panel), garment.pattern.panels[panel]
+    rim = np.concatenate([garment.edge_uv[EdgeRef(drawn.name, i)][:-1] for i in range(len(drawn.edges))])
+    inner = np.setdiff1d(own, rim)
+    for part in np.array_split(inner, len(inner) // CHUNK + 1):
+        values[part] = np.tensordot(mean_value_coordinates(garment.uv[rim], garment.uv[part]), values[rim], 1)
 
 
 def mean_value_coordinates(polygon: np.ndarray, points: np.ndarray) -> np.ndarray:

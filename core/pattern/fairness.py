@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .curves import is_flat_arc, unit_circle, unit_points
+from .curves import edge_area, is_flat_arc, unit_circle
 from .memo import once
 from .pattern import Edge, EdgeRef, Panel, Pattern
 from .seams import equalise_seams
@@ -36,9 +36,6 @@ straight hem need not become a curve for the difference."""
 ALIKE = 0.3
 """Two edges that meet at less than 33 degrees count as one line: a point then moves across both by their mean, not far
 along them."""
-
-AREA_SEGMENTS = 64
-"""Parts of a curve whose area is summed: 0.03 % of it are lost."""
 
 Corner = tuple[str, int]
 """Panel's name, and index of a control point in it."""
@@ -259,7 +256,7 @@ def _keep_area(bent: Pattern, before: Pattern, held: Collection[Corner]) -> Patt
     for panel, old in zip(bent.panels, before.panels, strict=True):
         chord = np.roll(panel.points, -1, axis=0) - panel.points
         length = np.maximum(np.linalg.norm(chord, axis=1), 1e-9)
-        gained = [_unit_area(new) - _unit_area(edge) for new, edge in zip(panel.edges, old.edges, strict=True)]
+        gained = [edge_area(new) - edge_area(edge) for new, edge in zip(panel.edges, old.edges, strict=True)]
         outward = np.stack([chord[:, 1], -chord[:, 0]], axis=1) / length[:, None]
         move = -np.array(gained) * length
         moved = panel.points.copy()
@@ -269,12 +266,6 @@ def _keep_area(bent: Pattern, before: Pattern, held: Collection[Corner]) -> Patt
                 moved[i] += np.linalg.lstsq(outward[sides], move[sides], rcond=ALIKE)[0]
         points[panel.name] = moved
     return bent.with_points(points)
-
-
-def _unit_area(edge: Edge) -> float:
-    """Return the area between an edge and its chord, in squared chords; positive to the right, outside a panel."""
-    x, y = unit_points(edge, AREA_SEGMENTS).T
-    return float(-np.sum((x[1:] - x[:-1]) * (y[1:] + y[:-1])) / 2.0)
 
 
 def _rotate(angle: float) -> np.ndarray:
