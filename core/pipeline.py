@@ -47,7 +47,7 @@ from .measure import (
     measure_seams,
     measure_wear,
 )
-from .pattern import Garment, Pattern, draft_template, find_cut, load_template, mesh_pattern, name_cut
+from .pattern import Garment, Panel, draft_template, find_cut, load_template, mesh_pattern, name_cut
 from .pattern.parts import PartsConflict
 from .pieces import measure_pieces
 from .recovery import Recovery, Request
@@ -166,13 +166,13 @@ class _KeptDrape:
     """The checkpoint `drape`: the same pattern and vertex count give the same mesh, so that is not in it.
 
     Attributes:
-        pattern: The graded one.
+        panels: Of the graded pattern, which has the base pattern's seams.
         nodes: Of the garment on the wearer [m], shape [node_count, 3].
         drape: The equilibrium.
         warnings: What the user should know.
     """
 
-    pattern: Pattern
+    panels: tuple[Panel, ...]
     nodes: np.ndarray
     drape: Drape
     warnings: tuple[str, ...]
@@ -183,7 +183,7 @@ def drape_to_scan(case: Case, clock: Clock) -> GradedDrape:
     base, count = case.base, case.settings.vertex_count
     kept = load(clock.hooks, "drape", _KeptDrape, base.points, count)
     if kept is not None:
-        garment = mesh_pattern(kept.pattern, count)
+        garment = mesh_pattern(replace(base, panels=kept.panels), count)
         if len(garment.nodes) == len(kept.nodes):  # another release may mesh the same points otherwise
             contours, _ = name_contours(kept.nodes, garment.faces, case.body)
             return GradedDrape(garment.at(kept.nodes, contours), kept.drape, kept.warnings)
@@ -206,7 +206,7 @@ def drape_to_scan(case: Case, clock: Clock) -> GradedDrape:
         *motion,
         *(() if drape.converged else (drape.outcome.advice,)),
     )
-    save(clock.hooks, "drape", _KeptDrape(garment.pattern, garment.nodes, drape, warnings), base.points, count)
+    save(clock.hooks, "drape", _KeptDrape(garment.pattern.panels, garment.nodes, drape, warnings), base.points, count)
     return GradedDrape(garment, drape, warnings)
 
 
