@@ -16,12 +16,12 @@ from ..pattern.handles import (
     length_rates,
     with_handles,
 )
-from .flattening import narrow_panels, seam_rows
+from .flattening import seam_rows
 from .parts import find_parts
 
 CURVE_SPREAD = 0.3
 """Standard deviation of a handle from where the base pattern has it [chords]: one maker's armhole is cut out where
-another's runs straight down, with handles 0.3 to 0.6 of a chord elsewhere. With 1 the panels of drapes of GarmentCode's
+another's runs straight down, with handles 0.3 to 0.6 of a chord elsewhere. With 1 the panels of GarmentCode's drapes
 are 0.2 % nearer in area, and those of a drape with 3 % of strain, of which a T-shirt has the noise, 2.4 % further off."""
 
 SMOOTH_SPREAD = np.radians(1.0)
@@ -113,15 +113,11 @@ class Freedom:
 
 
 def _keeps_shape(like: Pattern) -> set[EdgeRef]:
-    """Return the edges whose curves stay: seams within a part, as a front's with its back, and all of bands.
+    """Return the edges whose curves stay: seams within a part, as a front's with its back.
 
     A side seam follows the girths, and where it lies on a smooth side cannot be seen: free, it turns in and out with
     what strain a missing dart leaves there.
     """
-    narrow, part = narrow_panels(like), find_parts(like)
-    at = {panel.name: index for index, panel in enumerate(like.panels)}
-    held = {EdgeRef(panel.name, i) for panel in like.panels if narrow[at[panel.name]] for i in range(len(panel.edges))}
-    for seam in like.seams:
-        if part[at[seam.a.panel]] == part[at[seam.b.panel]]:
-            held |= {seam.a, seam.b}
-    return held
+    part = dict(zip((panel.name for panel in like.panels), find_parts(like), strict=True))
+    within = [seam for seam in like.seams if part[seam.a.panel] == part[seam.b.panel]]
+    return {ref for seam in within for ref in (seam.a, seam.b)}
