@@ -22,7 +22,7 @@ from .parts import find_parts
 CURVE_SPREAD = 0.3
 """Standard deviation of a handle from where the base pattern has it [chords]: one maker's armhole is cut out where
 another's runs straight down, with handles 0.3 to 0.6 of a chord elsewhere. With 1 the panels of GarmentCode's drapes
-are 0.2 % nearer in area, and those of a drape with 3 % of strain, of which a T-shirt has the noise, 2.4 % further off."""
+are 0.2 % nearer in area, and those of a T-shirt whose cloth is strained by 3 % are 2.4 % further off."""
 
 SMOOTH_SPREAD = np.radians(1.0)
 """The same of a corner from the base pattern's where that is smooth [rad]; a cutter's knife does not show 5 degrees."""
