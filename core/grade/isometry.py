@@ -116,8 +116,9 @@ class Isometry:
 
     Notation: E_f Green's strain of the cloth from what is wanted; F_f the map from face f's present flat shape to 3D,
     J_f the map to its new flat shape, linear in c; U_f the strain that the cloth has on the target; q_v, n_v closest
-    point and normal on the target, l `surface`; r_k what the rules of `Proportions` and `Freedom` miss, w `proportion`, A
-    the garment's area; J_f G_f the map from the flat shape at the start, b_f `stay`, `stay_band` or `stay_hidden`.
+    point and normal on the target, l `surface`; r_k what the rules of `Proportions` and `Freedom` miss, w the share
+    `proportion`, A the garment's area; J_f G_f the map from the flat shape at the start, b_f `stay`, `stay_band` or
+    `stay_hidden`.
 
     Attributes:
         goal: The target.
