@@ -79,10 +79,10 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     case = complete_case(make_case(request, clock), clock)
     remarks = find_remarks(case.scan.vertices, case.body)
     drape = drape_to_scan(case, clock)
-    if case.has_free_curves:
-        case = replace(case, base=drape.garment.pattern)  # from here on its curves are as the scan shows them
-    fit = METHODS[request.settings.method].fit(case, drape, clock)
-    if fit.base is not None:
+    # where curves are free the fits start from those that the scan has shown
+    shaped = replace(case, base=drape.garment.pattern) if case.has_free_curves else case
+    fit = METHODS[request.settings.method].fit(shaped, drape, clock)
+    if fit.base is not None and fit.changes:
         case = replace(case, base=fit.base)  # with the darts that were added, without those that were closed
     if fit.wearer is not None:
         case = replace(case, wearer=fit.wearer)  # from here on the body is where the cloth rests on it
@@ -232,7 +232,7 @@ def grade(case: Case, worn: Garment, hooks: Hooks) -> tuple[Garment, tuple[str, 
     grading = grade_pattern(worn, case.target, case.body, hooks=hooks)
     for _ in range(GRADINGS - 1):
         grading = grade_pattern(grading.garment, case.target, case.body, hooks=hooks)
-    settings = SlideSettings().with_curves(case.has_free_curves)
+    settings = SlideSettings().with_curves() if case.has_free_curves else SlideSettings()
     slid = slide_seams(grading.garment, case.target, case.body, case.base, settings=settings, hooks=hooks)
     if case.has_free_curves:
         slid = fair_garment(slid, case.base, find_held(slid.pattern, case.base, ()))

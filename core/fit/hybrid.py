@@ -18,7 +18,7 @@ from ..pattern import resample
 from ..simulate import Fabric, FabricEstimate
 from .body_offset import estimate_body_offset, is_estimated
 from .fairness import fair_garment
-from .isometry import fit_isometry
+from .isometry import fit_isometry, steps_of
 from .locks import find_held, keep_held
 from .material import fit_bending, nearest_fabrics, posterior, refine_bending, state_density
 from .panel_change import change_panels
@@ -59,7 +59,7 @@ def fit_pattern(
     garment, target, wearer, like, fabric = drape.garment, case.target, case.wearer, case.base, case.fabric
     material, locks, rotation = MaterialSettings(), drape.locks(case.settings), drape.drape.rotation
     held = find_held(garment.pattern, like, locks)
-    isometric = fit_isometry(garment, registered, target, wearer.body, like, hooks=hooks)
+    isometric = fit_isometry(garment, registered, target, wearer.body, like, steps_of(case), hooks)
     changed = change_panels(isometric, case, garment, registered, hooks)
     if changed.changes:
         isometric, like, garment = changed.garment, changed.base, changed.graded

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..body import Body
+from ..case import Case
 from ..grade import Isometry, IsometrySettings, believed_strain, hidden_folds, solve_isometry
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
@@ -18,6 +19,15 @@ short."""
 
 SETTLED = 3e-4
 """Largest motion of a control point in one step [m] below which the pattern rests: far less than what is left."""
+
+
+def steps_of(case: Case) -> IsometrySettings:
+    """Return how a case's pattern is fitted: by Gauss-Newton steps where its base pattern is the library's.
+
+    On the registered cloth these come to rest in what the registration has for noise, from which creeping steps stay
+    away: a maker's own base pattern is fitted by those; what the library's is off is more than that noise.
+    """
+    return STEPS.by_newton() if case.has_free_curves else STEPS
 
 
 def fit_isometry(

@@ -17,7 +17,7 @@ from ..segment import name_contours
 from .dart_closing import asked_width, close_darts
 from .dart_cutting import CutGarment, cut_darts, relax_panels
 from .dart_search import propose_dart, relax_panel, rms_strain
-from .isometry import SETTLED, STEPS, lay_on_target
+from .isometry import SETTLED, lay_on_target, steps_of
 from .wedge import wanted_strain
 
 LEAST_STRAIN = 0.01
@@ -204,7 +204,7 @@ def _relax(found: FittedPanels, case: Case, panels: set[str]) -> FittedPanels:
 def _fit(start: Garment, strain: np.ndarray, base: Pattern, case: Case) -> Garment:
     """Fit a pattern and its place on the target to each other, from where a garment lies."""
     named = start.at(start.nodes, name_contours(start.nodes, start.faces, case.body)[0])
-    problem = Isometry.of(named, case.target, case.body, base, strain, STEPS)
+    problem = Isometry.of(named, case.target, case.body, base, strain, steps_of(case))
     return solve_isometry(problem, named, SETTLED, lambda step: None)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,8 +22,11 @@ from .registration import match_surface
 if TYPE_CHECKING:
     from ..simulate import BlockPattern, Solver
 
-HALVINGS = 8
-"""Times that a step is tried shorter."""
+NEWTON_REACH = 10.0
+"""Reach of Gauss-Newton steps at last [m]: that only holds a node that nothing else holds."""
+
+HALVINGS = 5
+"""Times that a step is tried, shorter each time."""
 
 
 @dataclass(frozen=True)
@@ -37,11 +40,12 @@ class IsometrySettings:
             4 mm keeps nodes on the surface and lets a fold be cut short.
         border: The same for a node on an open contour, across the contour [m].
         along: Share of that cost for sliding along the contour, which is not seen.
-        reach_first, reach_last: Damping: a motion of this many metres in one step costs as much as a strain of 1, at
-            the first step and where it is least. 1 m moves a seam by a few centimetres at once; 10 m only hold a node
-            that nothing else holds.
-        farthest: No node goes further in one step [m], or its closest point on the target is another one's: two edges
-            of the mesh.
+        newton: True for Gauss-Newton steps on Green's strain, False for steps with the rotations held (`Isometry`).
+        reach: Damping: a motion of this many metres in one step costs as much as a strain of 1. It only has to be
+            there where nothing else holds a node. Gauss-Newton steps begin with `reach_first`, and it doubles from
+            step to step up to this: 1 m moves a seam by a few centimetres at once.
+        farthest: No node goes further in one Gauss-Newton step [m], or its closest point on the target is another
+            one's: two edges of the mesh.
         proportion: Cost of one standard deviation of a rule of `Proportions`, by the garment's area: as much as a
             strain of 3 % everywhere, which is what unlike cloth and folds leave.
         believed: Strain up to which a drape's cloth is believed: beyond a tenth lie bad triangles. Where a garment
@@ -62,8 +66,9 @@ class IsometrySettings:
     surface: float = 0.004
     border: float = 0.002
     along: float = 0.05
+    newton: bool = False
+    reach: float = 3.0
     reach_first: float = 1.0
-    reach_last: float = 10.0
     farthest: float = 0.06
     proportion: float = 0.001
     believed: float = 0.10
@@ -74,17 +79,19 @@ class IsometrySettings:
     stay_band: float = 0.0
     stay_hidden: float = 0.0
 
+    def by_newton(self, curves: bool = False) -> IsometrySettings:
+        """Return the same by Gauss-Newton steps, with the handles of curves free or not."""
+        return replace(self, newton=True, curves=curves, reach=NEWTON_REACH)
+
 
 @dataclass(frozen=True)
 class _Model:
     """Describe a garment's strain and place to first order.
 
-    Strains are vectors (E_11, E_22, sqrt(2) E_12), of the same length as E.
-
     Attributes:
-        strain: E, shape [face_count, 3].
-        by_nodes: Its rates by a face's corners, shape [face_count, 3, corner, coordinate].
-        by_flat: The rates of the wanted U^2 / 2 by the parameters, shape [face_count, 3, parameter_count].
+        strain: E as vectors of the same length, shape [face_count, k].
+        by_nodes: Its rates by a face's corners, shape [face_count, k, corner, coordinate].
+        by_flat: Its rates by the parameters, turned about, shape [face_count, k, parameter_count].
         area: Of each face, flat [m2].
         mass: Of each node [m2].
         held: What holds each node on the target, shape [node_count, 3, 3].
@@ -107,25 +114,25 @@ class Isometry:
     Minimises over the nodes x and the parameters c of the pattern (`Freedom`) at once
 
         sum_f A_f |E_f|^2 + sum_v a_v (n_v . (x_v - q_v))^2 / l^2 + contours + w A sum_k r_k^2
-        + sum_f b_f A_f |J_f G_f - I|^2,    E_f = (F_f^T F_f - J_f^T U_f^2 J_f) / 2
+        + sum_f b_f A_f |J_f G_f - I|^2
 
-    by damped Gauss-Newton steps; the nodes are eliminated from each. E is blind to how a face is turned, so that a seam
-    can slide over a bend in one step: with rotations held for a step, as a local-global scheme does, it creeps, and
-    the panels of T-shirts were left 7 % off after as many steps. Seams stay equal to first order and are equalised
-    after each step.
+    by linear least squares again and again; the nodes are eliminated from each. With the rotations R_f held for a step,
+    E = F - R U J (a local-global scheme); a seam creeps then, which momentum helps (`solve_isometry`). By Gauss-Newton
+    steps on Green's strain, E = (F^T F - J^T U^2 J) / 2, which is blind to how a face is turned, it slides over a bend
+    at once. Seams stay equal to first order and are equalised after each step.
 
-    Notation: E_f Green's strain of the cloth from what is wanted; F_f the map from face f's present flat shape to 3D,
-    J_f the map to its new flat shape, linear in c; U_f the strain that the cloth has on the target; q_v, n_v closest
-    point and normal on the target, l `surface`; r_k what the rules of `Proportions` and `Freedom` miss, w the share
-    `proportion`, A the garment's area; J_f G_f the map from the flat shape at the start, b_f `stay`, `stay_band` or
-    `stay_hidden`.
+    Notation: E_f by how much the cloth misses what is wanted; F_f the map from face f's present flat shape to 3D, J_f
+    the map to its new flat shape, linear in c; U_f the strain that the cloth has on the target, R_f the isometry
+    nearest to F_f U_f; q_v, n_v closest point and normal on the target, l `surface`; r_k what the rules of
+    `Proportions` and `Freedom` miss, w `proportion`, A the garment's area; J_f G_f the map from the flat shape at the
+    start, b_f `stay`, `stay_band` or `stay_hidden`.
 
     Attributes:
         goal: The target.
         hidden: Nodes between the trunk and a hanging arm, which stay where they are, shape [node_count].
         loose: Nodes that `stay_hidden` leaves free, shape [node_count]; none of them is `hidden`.
         borders: Nodes of each open contour, and the target's contour or, where it is not trusted, their own place [m].
-        wanted: U^2, shape [face_count, 2, 2].
+        strain: U, shape [face_count, 2, 2].
         freedom: What may move of the pattern.
         proportions: Rules to keep.
         start: The pattern at the start.
@@ -140,7 +147,7 @@ class Isometry:
     hidden: np.ndarray
     loose: np.ndarray
     borders: tuple[tuple[np.ndarray, ClosedCurve], ...]
-    wanted: np.ndarray
+    strain: np.ndarray
     freedom: Freedom
     proportions: Proportions
     start: Pattern
@@ -194,7 +201,7 @@ class Isometry:
             hidden=hidden,
             loose=loose,
             borders=tuple(borders),
-            wanted=strain @ strain,
+            strain=strain,
             freedom=freedom,
             proportions=find_proportions(like),
             start=garment.pattern,
@@ -205,33 +212,43 @@ class Isometry:
             settings=settings,
         )
 
-    def step(self, garment: Garment, reach: float) -> tuple[Garment, float]:
-        """Return the garment after one step, and the reach [m] that it was taken with.
-
-        Reach is halved until no panel folds over and no node goes too far; after `HALVINGS` the garment comes back as
-        it is.
-        """
-        model = self._linearise(garment)
+    def step(self, garment: Garment, reach: float) -> Garment:
+        """Return the garment after one step, which is halved until no panel folds over; at last it stays as it is."""
+        change, moved = self._solve(self._linearise(garment), garment, reach)
+        share, follow = 1.0, redraw if self.freedom.has_curves else move_pattern
+        if self.settings.newton:
+            share = min(1.0, self.settings.farthest / max(float(np.linalg.norm(moved, axis=1).max()), 1e-9))
         for _ in range(HALVINGS):
-            change, moved = self._solve(model, garment, reach)
-            if np.linalg.norm(moved, axis=1).max() < self.settings.farthest:
-                pattern = equalise_seams(self.freedom.move(garment.pattern, change), like=garment.pattern)
-                if is_sound(pattern, garment.pattern):
-                    follow = redraw if self.freedom.has_curves else move_pattern
-                    return follow(garment, pattern).at(garment.nodes + moved), reach
-            reach /= 2.0
-        return garment, reach
+            pattern = equalise_seams(self.freedom.move(garment.pattern, share * change), like=garment.pattern)
+            if is_sound(pattern, garment.pattern):
+                return follow(garment, pattern).at(garment.nodes + share * moved)
+            share /= 2.0
+        return garment
 
     def _linearise(self, garment: Garment) -> _Model:
         """Return strain and place of a garment with their rates."""
         gradients = shape_gradients(garment.rest)
         slope = np.einsum("fkc,fkd->fcd", garment.nodes[garment.faces], gradients)
-        strain = 0.5 * (np.swapaxes(slope, 1, 2) @ slope - self.wanted)
-        # the rate of F^T F / 2 by corner k's coordinate c is sym(g_k x (row c of F))
-        by_nodes = np.einsum("fki,fcj->fijkc", gradients, slope)
         on_uv, area = gradient_operator(garment.rest, garment.uv_faces, len(garment.uv))
-        by_flat = np.einsum("fia,fjap->fijp", self.wanted, _slope_rates(garment, on_uv, self.freedom))
-        return _Model(_as_vector(strain), _as_vector(by_nodes), _as_vector(by_flat), area, *self._hold(garment, area))
+        rates = _slope_rates(garment, on_uv, self.freedom)
+        if self.settings.newton:
+            wanted = self.strain @ self.strain
+            strain = _as_vector(0.5 * (np.swapaxes(slope, 1, 2) @ slope - wanted))
+            # the rate of F^T F / 2 by corner k's coordinate c is sym(g_k x (row c of F))
+            by_nodes = _as_vector(np.einsum("fki,fcj->fijkc", gradients, slope))
+            by_flat = _as_vector(np.einsum("fia,fjap->fijp", wanted, rates))
+        else:
+            wanted = self._turn_strain(slope)
+            count = len(slope)
+            strain = (slope - wanted).reshape(count, 6)
+            by_nodes = np.einsum("fkd,ce->fcdke", gradients, np.eye(3)).reshape(count, 6, 3, 3)
+            by_flat = np.einsum("fca,fdap->fcdp", wanted, rates).reshape(count, 6, -1)
+        return _Model(strain, by_nodes, by_flat, area, *self._hold(garment, area))
+
+    def _turn_strain(self, slope: np.ndarray) -> np.ndarray:
+        """Return R U, shape [face_count, 3, 2], R the isometry nearest to F U."""
+        left, _, right = np.linalg.svd(slope @ self.strain, full_matrices=False)
+        return np.asarray(left @ right @ self.strain)
 
     def _solve(self, model: _Model, garment: Garment, reach: float) -> tuple[np.ndarray, np.ndarray]:
         """Return the change of the parameters and of the nodes [m], shape [node_count, 3]."""
@@ -248,7 +265,7 @@ class Isometry:
             raise np.linalg.LinAlgError("the cloth on the target is not held everywhere")  # a node without a face
 
         def gather(rates: np.ndarray) -> np.ndarray:
-            """Sum what faces ask of strain, shape [face_count, 3, n], over their nodes, shape [3 node_count, n]."""
+            """Sum what faces ask of strain, shape [face_count, k, n], over their nodes, shape [3 node_count, n]."""
             found = np.zeros((count, 3, rates.shape[2]))
             np.add.at(found, garment.faces, np.einsum("fskc,fsp->fkcp", weighted, rates))
             return found.reshape(3 * count, -1)
@@ -257,9 +274,11 @@ class Isometry:
         load = (model.pulled - gather(model.strain[:, :, None]).reshape(-1, 3)).ravel()
         alone, follow = self.solver.solve(load), self.solver.solve(coupling)
         flat = model.by_flat.reshape(-1, parameters)
-        by_area = np.repeat(model.area, 3)
+        by_area = np.repeat(model.area, model.strain.shape[1])
         own = flat.T @ (by_area[:, None] * flat)
-        matrix = own - coupling.T @ follow + np.diag(np.diag(own)) / reach**2
+        matrix = own - coupling.T @ follow
+        if self.settings.newton:
+            matrix += np.diag(np.diag(own)) / reach**2
         right = flat.T @ (by_area * model.strain.ravel()) + coupling.T @ alone
         change = self._solve_pattern(garment.pattern, matrix, right, float(model.area.sum()))
         return change, (alone + follow @ change).reshape(-1, 3)

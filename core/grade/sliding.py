@@ -12,11 +12,12 @@ from ..errors import BadInput
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target
+from .grading import GradeSettings, move_pattern, step_without_folds
 from .isometry import Isometry, IsometrySettings
 from .strain import believed_strain, hidden_folds
 
 GROWTH = 2.0
-"""Factor by which the reach of the steps grows from one to the next."""
+"""Factor by which the reach of Gauss-Newton steps grows from one to the next."""
 
 
 @dataclass(frozen=True)
@@ -39,9 +40,9 @@ class SlideSettings:
         default_factory=lambda: IsometrySettings(vertices=800, steps=12, believed=0.0, stay=0.02, stay_band=1.0)
     )
 
-    def with_curves(self, are_free: bool) -> SlideSettings:
-        """Return the same with the handles of curves free or not."""
-        return replace(self, isometry=replace(self.isometry, curves=are_free))
+    def with_curves(self) -> SlideSettings:
+        """Return the same with free handles of curves, by Gauss-Newton steps."""
+        return replace(self, isometry=self.isometry.by_newton(curves=True))
 
 
 def slide_seams(
@@ -100,19 +101,30 @@ def _can_be_meshed(garment: Garment) -> bool:
 def solve_isometry(problem: Isometry, start: Garment, settled: float, tell: Callable[[int], None]) -> Garment:
     """Repeat the step of a problem until the pattern rests, or its settings' number of steps is over.
 
+    Steps with the rotations held go on with momentum (Nesterov's, begun anew where it goes against the last step:
+    O'Donoghue and Candes 2015); the damping of Gauss-Newton steps falls.
+
     Args:
         problem: What to solve.
         start: The garment to start from.
         settled: Largest motion of a control point in one step [m] below which it ends.
         tell: Hears the number of each step before it is made.
     """
-    found, chosen = start, problem.settings
-    reach = chosen.reach_first
+    chosen = problem.settings
+    found = tried = start
+    turn, reach = 0, chosen.reach_first if chosen.newton else chosen.reach
     for step in range(chosen.steps):
         tell(step)
-        before = found.pattern.points
-        found, reach = problem.step(found, reach)
-        if float(np.linalg.norm(found.pattern.points - before, axis=1).max()) < settled:
+        before, found = found, problem.step(tried, reach)
+        way = found.pattern.points - before.pattern.points
+        if float(np.linalg.norm(way, axis=1).max()) < settled:
             break
-        reach = min(GROWTH * reach, chosen.reach_last)
+        if chosen.newton:
+            tried, reach = found, min(GROWTH * reach, chosen.reach)
+            continue
+        ahead = found.nodes - before.nodes
+        turn = 0 if step and float(np.sum((tried.nodes - found.nodes) * ahead)) > 0.0 else turn + 1
+        share = turn / (turn + 3.0)
+        further = step_without_folds(found.pattern, found.pattern.points + share * way, GradeSettings())[0]
+        tried = move_pattern(found, further).at(found.nodes + share * ahead)
     return found
