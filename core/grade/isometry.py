@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 NEWTON_REACH = 10.0
 """Reach of Gauss-Newton steps at last [m]: that only holds a node that nothing else holds."""
 
+NEWTON_PROPORTION = 0.0003
+"""Their cost of a rule's standard deviation: as much as a strain of 1.7 %, which is what unlike cloth leaves after
+them. With 3 % panels of 25 drapes were 0.15 % further off and their outlines 0.3 mm."""
+
 HALVINGS = 5
 """Times that a step is tried, shorter each time."""
 
@@ -81,7 +85,7 @@ class IsometrySettings:
 
     def by_newton(self, curves: bool = False) -> IsometrySettings:
         """Return the same by Gauss-Newton steps, with the handles of curves free or not."""
-        return replace(self, newton=True, curves=curves, reach=NEWTON_REACH)
+        return replace(self, newton=True, curves=curves, reach=NEWTON_REACH, proportion=NEWTON_PROPORTION)
 
 
 @dataclass(frozen=True)
