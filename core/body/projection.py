@@ -51,6 +51,27 @@ def project_outside(
     return best
 
 
+def raise_to_depth(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface, depth: float) -> np.ndarray:
+    """Move what lies deeper in a body than a depth [m] up to it, nodes and faces by their corners; the rest stays.
+
+    Args:
+        nodes: Positions [m], shape [n, 3].
+        faces: Shape [m, 3].
+        skin: The body's exposed skin.
+        depth: What may remain [m].
+    """
+    for _ in range(ROUNDS):
+        distance, push = ways_out(nodes, skin, -depth)
+        push[distance >= -depth] = 0.0
+        middle, outward = ways_out(nodes[faces].mean(axis=1), skin, -depth)
+        low = middle < -depth
+        _keep_larger(push, faces[low], outward[low])
+        if not push.any():
+            break
+        nodes = nodes + push
+    return nodes
+
+
 def _carry(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface, clearance: float) -> np.ndarray:
     """Carry what is inside out by a current as wide as the cloth's mean edge."""
     edge = float(np.linalg.norm(nodes[faces] - nodes[faces[:, [1, 2, 0]]], axis=2).mean())

@@ -7,10 +7,19 @@ import numpy as np
 from ..mesh import move_towards, self_intersections, untangle
 from ..mesh.untangling import STEP
 from .exposed import ExposedSurface, penetration_depth
-from .projection import project_outside
+from .projection import project_outside, raise_to_depth
 
 TURNS = 4
 """Times that cloth is taken out of itself: out of the body again it may cross anew, in a crease; two did so far."""
+
+SHARINGS = 12
+"""Times that layers in a gap are pulled apart and raised in turns: trousers between thighs that touch took four."""
+
+FINE_STEP = 5e-5
+"""Step of untangling there [m]: layers end as far apart at most."""
+
+LEFT_ROOM = 0.9
+"""Depth to which cloth is raised there by the greatest allowed: some is left for the layers' way apart."""
 
 ALLOWED = 5e-4
 """Depth in the body that is left as it is [m]: half of what a result may have."""
@@ -52,6 +61,8 @@ def untangle_outside(
         if not crossed:
             break
     if least:
+        best, least = share_room(best, faces, skin, deepest)
+    if least:
         return best
     return _go_back(best, nodes, faces, skin, max(allowed, penetration_depth(best, faces, skin)))
 
@@ -80,3 +91,31 @@ def _go_back(
         for deep in (at_nodes[nodes_deep], at_faces[faces_deep]):
             goal[deep] = apart[deep]
     return apart
+
+
+def share_room(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface, limit: float) -> tuple[np.ndarray, int]:
+    """Return cloth that crosses itself where parts of a body leave it less room than it needs, and what still crosses.
+
+    Pulled apart one layer goes deeper than it may, raised again it crosses the other: in turns both come to share what
+    room there is. Steps are short, so that layers end no further apart than they must.
+
+    Args:
+        nodes: Positions [m], shape [node_count, 3].
+        faces: Shape [face_count, 3].
+        skin: The body's exposed skin.
+        limit: Greatest depth in the body [m].
+
+    Returns:
+        Positions no deeper than the limit, the given ones where none of these cross less; and how many faces cross.
+    """
+    best, least = nodes, len(self_intersections(nodes, faces))
+    for _ in range(SHARINGS):
+        nodes = untangle(nodes, faces, FINE_STEP)
+        if penetration_depth(nodes, faces, skin) > limit:
+            nodes = raise_to_depth(nodes, faces, skin, LEFT_ROOM * limit)
+        crossed = len(self_intersections(nodes, faces))
+        if crossed < least and penetration_depth(nodes, faces, skin) <= limit:
+            best, least = nodes, crossed
+        if not least:
+            break
+    return best, least

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 import trimesh
-from garmentq.core.body import ExposedSurface, penetration_depth, untangle_outside
+from garmentq.core.body import ExposedSurface, penetration_depth, untangle_outside, untangling
+from garmentq.core.body.projection import raise_to_depth
 from garmentq.core.mesh import self_intersections, untangle
 
 
@@ -49,3 +51,44 @@ def test_sound_cloth_comes_back_as_it_is():
     lower = faces[: len(faces) // 2]
     one = nodes[:196]
     assert untangle_outside(one, skin, lower) is one
+
+
+def lay_between_balls(gap: float) -> tuple[np.ndarray, np.ndarray, ExposedSurface]:
+    """Return two sheets between two balls of 0.3 m that nearly touch, crossed around the narrowest place [m]."""
+    balls = [
+        trimesh.creation.icosphere(subdivisions=5, radius=0.3).apply_translation([side * (0.3 + gap / 2), 0.0, 0.0])
+        for side in (-1.0, 1.0)
+    ]
+    both = trimesh.util.concatenate(balls)
+    skin = ExposedSurface(np.asarray(both.vertices), np.asarray(both.faces), splits=0)
+    grid = np.linspace(-0.1, 0.1, 15)
+    y, z = (axis.ravel() for axis in np.meshgrid(grid, grid))
+    at = np.arange(225).reshape(15, 15)
+    a, b, c, d = (each.ravel() for each in (at[:-1, :-1], at[:-1, 1:], at[1:, 1:], at[1:, :-1]))
+    faces = np.concatenate([np.stack([a, c, b], axis=1), np.stack([a, d, c], axis=1)])
+    half = gap / 2 + (y**2 + z**2) / 0.6
+    sheets = []
+    for side, shift in ((-1.0, 0.0), (1.0, 0.004)):
+        x = side * (0.5 * half - (0.5 * gap + 1e-4) * np.exp(-(y**2 + z**2) / (2 * 0.03**2)))
+        sheets.append(np.stack([x, y + shift, z + shift], axis=1))
+    return np.concatenate(sheets), np.concatenate([faces, faces + 225]), skin
+
+
+def test_layers_share_the_room_between_parts_of_a_body():
+    """Broken where layers in a narrow gap stay crossed, or one of them stays as deep as taking them apart left it."""
+    nodes, faces, skin = lay_between_balls(2e-4)
+    limit = 3e-4
+    assert len(self_intersections(nodes, faces)) > 0
+    assert penetration_depth(untangle(nodes, faces, untangling.FINE_STEP), faces, skin) > limit
+    apart, crossed = untangling.share_room(nodes, faces, skin, limit)
+    assert crossed == len(self_intersections(apart, faces)) == 0
+    assert 0.0 < penetration_depth(apart, faces, skin) <= limit
+
+
+def test_only_what_is_too_deep_is_raised():
+    """Broken where cloth outside moves, or cloth inside leaves the body altogether."""
+    nodes, faces, skin = lay_on_ball()
+    sunk = nodes * (0.3 / np.linalg.norm(nodes, axis=1, keepdims=True) - 0.01)
+    raised = raise_to_depth(np.concatenate([sunk, nodes]), np.concatenate([faces, faces + len(nodes)]), skin, 1e-3)
+    np.testing.assert_array_equal(raised[len(nodes) :], nodes)
+    assert penetration_depth(raised[: len(nodes)], faces, skin) == pytest.approx(1e-3, abs=1e-4)
