@@ -27,6 +27,9 @@ are 0.2 % nearer in area, and those of a T-shirt whose cloth is strained by 3 % 
 SMOOTH_SPREAD = np.radians(1.0)
 """The same of a corner from the base pattern's where that is smooth [rad]; a cutter's knife does not show 5 degrees."""
 
+UPPER = ("neck", "armhole")
+"""Beginnings of the names of open contours whose shape the contour itself tells."""
+
 
 @dataclass(frozen=True)
 class Freedom:
@@ -113,11 +116,18 @@ class Freedom:
 
 
 def _keeps_shape(like: Pattern) -> set[EdgeRef]:
-    """Return the edges whose curves stay: seams within a part, as a front's with its back.
+    """Return the edges whose curves stay: seams within a part, as a front's with its back, necklines and open armholes.
 
     A side seam follows the girths, and where it lies on a smooth side cannot be seen: free, it turns in and out with
-    what strain a missing dart leaves there.
+    what strain a missing dart leaves there. A neckline is chosen by its contour (`neckline.py`): free, a V's sides bow
+    with the strain of the cloth beside them, and an open armhole likewise. A hem's curve is told by the flare above it.
     """
     part = dict(zip((panel.name for panel in like.panels), find_parts(like), strict=True))
     within = [seam for seam in like.seams if part[seam.a.panel] == part[seam.b.panel]]
-    return {ref for seam in within for ref in (seam.a, seam.b)}
+    upper = {
+        EdgeRef(panel.name, i)
+        for panel in like.panels
+        for i, edge in enumerate(panel.edges)
+        if edge.contour.startswith(UPPER)
+    }
+    return upper | {ref for seam in within for ref in (seam.a, seam.b)}
