@@ -8,6 +8,7 @@ import numpy as np
 
 from ..body import Body, find_hanging_arms, project_outside, skin, unskin, untangle_outside, weights_at
 from ..hooks import SILENT, Hooks
+from ..mesh import deformation_gradients, principal_stretches
 from ..pattern import Garment, Pattern, mesh_pattern, resample
 from ..segment import Target, find_loops, name_contours, smoothed_length
 from ..simulate import (
@@ -30,6 +31,10 @@ from .wearer import WearerGeometry
 
 PLACED = 0.1
 """Distance of placed panels from the middle plane where their contours are named [m]: deeper than the bones bend."""
+
+TORN = 3.0
+"""Stretch of the first thousandth of a dressed pattern's faces from which it is dressed again, on a finer mesh. A
+T-shirt that was caught had 4.7, and 4.7 at rest; one that was not had 2.5, and 1.1 at rest."""
 
 
 @dataclass(frozen=True)
@@ -233,6 +238,12 @@ def drape_graded(
     return garment.at(nodes, contours), drape
 
 
+def measure_stretch(worn: Garment) -> float:
+    """Return by how much all but a thousandth of a worn garment's faces are stretched at most."""
+    stretches = principal_stretches(deformation_gradients(worn.nodes, worn.faces, worn.rest))
+    return float(np.quantile(stretches[:, 0], 0.999))
+
+
 def redrape(
     garment: Garment,
     wearer: WearerGeometry,
@@ -262,6 +273,11 @@ def redrape(
         Nodes at rest [m], shape [node_count, 3], outside the wearer's exact mesh, and the drape with its residual.
     """
     worn = drape_template(garment.pattern, wearer, target, carry=True, settings=settings, hooks=hooks)
+    if measure_stretch(worn) > TORN:
+        # a sleeve of few faces can be caught beside an arm, and what is caught stays so at rest
+        finer = replace(settings, template_vertices=2 * settings.template_vertices)
+        again = drape_template(garment.pattern, wearer, target, carry=True, settings=finer, hooks=hooks)
+        worn = min(worn, again, key=measure_stretch)
     placed = garment.at(resample(worn, worn.nodes, garment))
     draped, drape = drape_graded(placed, wearer, fabric, target, rotation=rotation, settings=settings, hooks=hooks)
     return draped.nodes, drape

@@ -1,0 +1,52 @@
+"""A pattern that is caught while it is dressed is dressed again."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from garmentq.core.body import builtin_body
+from garmentq.core.drape import WearerGeometry, redrape, stage
+from garmentq.core.pattern import Garment, load_draped_template
+from garmentq.core.segment import Target
+from garmentq.core.simulate import get_fabric
+
+
+@pytest.fixture(scope="module")
+def worn() -> Garment:
+    """Return a tank top as it hangs on the built-in body."""
+    found = load_draped_template("tank")
+    assert found is not None
+    return found
+
+
+def catch(garment: Garment) -> Garment:
+    """Return the garment with a hundredth of its nodes held back by a hand's width."""
+    nodes = garment.nodes.copy()
+    nodes[:: len(nodes) // 15] += [0.0, -0.1, 0.0]
+    return replace(garment, nodes=nodes)
+
+
+@pytest.mark.parametrize("caught", [{1500}, {3000}, {1500, 3000}, set()])
+def test_what_is_caught_is_dressed_again(worn, monkeypatch, caught):
+    """Broken where cloth that is torn from the start is brought to rest, or a worse second try is taken."""
+    tried, hung = [], []
+
+    def dress(pattern, wearer, target, *, carry, settings, hooks):
+        tried.append(settings.template_vertices)
+        return catch(worn) if settings.template_vertices in caught else worn
+
+    def come_to_rest(garment, *given, **named):
+        hung.append(garment)
+        return garment, SimpleNamespace()
+
+    monkeypatch.setattr(stage, "drape_template", dress)
+    monkeypatch.setattr(stage, "drape_graded", come_to_rest)
+    body = builtin_body("builtin:female")
+    target = Target(worn.nodes, worn.faces, np.zeros_like(worn.nodes), worn.contours, (), "tank")
+    redrape(worn, WearerGeometry(body), get_fabric("cotton_poplin"), target)
+    assert tried == ([1500, 3000] if 1500 in caught else [1500])
+    sound = stage.measure_stretch(worn) < 2.0
+    assert sound and (stage.measure_stretch(hung[0]) < stage.TORN) == (caught != {1500, 3000})
