@@ -65,8 +65,12 @@ class Case:
     @property
     def has_free_curves(self) -> bool:
         """Return whether the scan may shape the base pattern's curves: not those of a file, or of what is locked."""
-        locked = any(word.startswith(("panel:", "point:")) for word in self.settings.locks)
-        return self.request.template is None and not locked
+        return self.request.template is None and not self.has_locked_panels
+
+    @property
+    def has_locked_panels(self) -> bool:
+        """Return whether the user locks panels or points of them."""
+        return any(word.startswith(("panel:", "point:")) for word in self.settings.locks)
 
 
 @dataclass(frozen=True)

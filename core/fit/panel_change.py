@@ -117,7 +117,7 @@ def change_panels(
     """
     _, strain = lay_on_target(graded, registered)
     found = FittedPanels(garment, case.base, strain, graded)
-    if case.settings.keep_cut or any(word.startswith(("panel:", "point:")) for word in case.settings.locks):
+    if case.settings.keep_cut or case.has_locked_panels:
         return found
     hooks.check()
     try:

@@ -62,7 +62,7 @@ class Freedom:
         """Return whether curves are free."""
         return self.handles.shape[1] > 0
 
-    def join(self, by_points: np.ndarray, by_handles: np.ndarray) -> np.ndarray:
+    def combine(self, by_points: np.ndarray, by_handles: np.ndarray) -> np.ndarray:
         """Return rates by the parameters, given those by all points and by all handles, shape [..., a + b]."""
         return np.concatenate([by_points @ self.points, by_handles @ self.handles], axis=-1)
 
@@ -81,7 +81,7 @@ class Freedom:
             sewn = [seam for seam in pattern.seams if not seam.gathered]
             for row, seam in zip(by_handles, sewn, strict=True):
                 row[:] = length_rates(pattern, {seam.a: 1.0, seam.b: -1.0})
-        return self.join(rows, by_handles)
+        return self.combine(rows, by_handles)
 
     def shape_rules(self, pattern: Pattern) -> tuple[np.ndarray, np.ndarray]:
         """Return by how much free curves miss the base pattern's shape, shape [n], and its rates, shape [n, a + b].
@@ -99,7 +99,7 @@ class Freedom:
             of_points, of_handles = corner_rates(pattern, join)
             by_points.append(of_points.reshape(1, -1) / SMOOTH_SPREAD)
             by_handles.append(of_handles.reshape(1, -1) / SMOOTH_SPREAD)
-        return np.concatenate(missing), self.join(np.concatenate(by_points), np.concatenate(by_handles))
+        return np.concatenate(missing), self.combine(np.concatenate(by_points), np.concatenate(by_handles))
 
     def move(self, pattern: Pattern, change: np.ndarray) -> Pattern:
         """Return a pattern with parameters changed, seams not yet equal."""

@@ -326,7 +326,7 @@ class Isometry:
         missing, by_points = self.proportions.linearise(pattern)
         if not self.freedom.has_curves:
             return missing, by_points @ self.freedom.points
-        return missing, self.freedom.join(by_points, self.proportions.curve_rates(pattern))
+        return missing, self.freedom.combine(by_points, self.proportions.curve_rates(pattern))
 
 
 def _anchor(garment: Garment, freedom: Freedom, loose: np.ndarray, settings: IsometrySettings) -> np.ndarray:

@@ -101,7 +101,7 @@ def test_rates_are_those_of_the_drawing():
     np.testing.assert_allclose(missing, 0.0, atol=1e-9)
     np.testing.assert_allclose(rates @ change, (ends[1] - ends[0]) / 2.0, atol=1e-6)
     missing, by_points = proportions.linearise(base)
-    found = free.join(by_points, proportions.curve_rates(base)) @ change
+    found = free.combine(by_points, proportions.curve_rates(base)) @ change
     ends = [proportions.linearise(one)[0] for one in (forwards, backwards)]
     np.testing.assert_allclose(found, (ends[1] - ends[0]) / 2.0, atol=1e-4)
     again = free.move(base, free.away(forwards, base))
