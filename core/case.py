@@ -9,8 +9,11 @@ from .recovery import Request
 from .settings import RecoverySettings
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from .body import Body
     from .drape import WearerGeometry
+    from .fit.panel_change import PanelChange
     from .grade import Candidate
     from .pattern import Garment, Pattern
     from .scan import Scan
@@ -81,11 +84,27 @@ class GradedDrape:
         garment: Its mesh, nodes at rest outside the wearer, contours named.
         drape: The equilibrium as the solver left it.
         warnings: What the user should know, one sentence each.
+        laid: The nodes on the target, where the sliding left them by Gauss-Newton steps [m], shape [node_count, 3];
+            None after other steps, and where hanging arms hide so much cloth that layers of it would lie in each other.
+        base: The base pattern with the darts that the scan has shown; None: the case's.
+        changes: These darts.
     """
 
     garment: Garment
     drape: Drape
     warnings: tuple[str, ...] = ()
+    laid: np.ndarray | None = None
+    base: Pattern | None = None
+    changes: tuple[PanelChange, ...] = ()
+
+    @property
+    def starts(self) -> tuple[Garment, ...]:
+        """Return the mesh wherever its deformation may begin: on the target, if it was laid there, and as it drapes.
+
+        On the target its folds are the target's, but lie in each other where the target does not show them; a drape is
+        clear of itself, but full skirts hang in other folds, 15 mm off.
+        """
+        return (self.garment,) if self.laid is None else (self.garment.at(self.laid), self.garment)
 
     def locks(self, settings: RecoverySettings) -> tuple[str, ...]:
         """Return what the user locks; also the fabric where the cloth was in motion, which tells nothing of it."""

@@ -23,7 +23,7 @@ from .drape import (
     outgrown_measures,
     redrape,
 )
-from .fit import METHODS, Fit, fair_garment, find_held, uncross
+from .fit import METHODS, DartedGarment, Fit, PanelChange, add_bust_darts, fair_garment, find_held, uncross
 from .grade import (
     Candidate,
     Choice,
@@ -47,7 +47,7 @@ from .measure import (
     measure_seams,
     measure_wear,
 )
-from .pattern import Garment, Panel, draft_template, find_cut, load_template, mesh_pattern, name_cut
+from .pattern import Garment, Panel, Seam, draft_template, find_cut, load_template, mesh_pattern, name_cut, resample
 from .pattern.parts import PartsConflict
 from .pieces import measure_pieces
 from .recovery import Recovery, Request
@@ -79,11 +79,14 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     case = complete_case(make_case(request, clock), clock)
     remarks = find_remarks(case.scan.vertices, case.body)
     drape = drape_to_scan(case, clock)
+    if drape.base is not None:
+        case = replace(case, base=drape.base)
     # where curves are free the fits start from those that the scan has shown
     shaped = replace(case, base=drape.garment.pattern) if case.has_free_curves else case
     fit = METHODS[request.settings.method].fit(shaped, drape, clock)
     if fit.base is not None and fit.changes:
         case = replace(case, base=fit.base)  # with the darts that were added, without those that were closed
+    changes = (*drape.changes, *fit.changes)
     if fit.wearer is not None:
         case = replace(case, wearer=fit.wearer)  # from here on the body is where the cloth rests on it
     if fit.meshes.simulation is not None:
@@ -109,7 +112,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
                     *case.scan.repairs,
                     *drape.warnings,
                     *fit.warnings,
-                    *(change.tell() for change in fit.changes),
+                    *(change.tell() for change in changes),
                     *(corner.tell() for corner in fit.corners),
                 )
             )
@@ -119,7 +122,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         peak_mb=peak_mb(),
         manifest=describe(case)
         | {
-            "panel_changes": [asdict(change) for change in fit.changes],
+            "panel_changes": [asdict(change) for change in changes],
             "proved_corners": [corner.record() for corner in fit.corners],
         },
         estimates=fit.estimates,
@@ -166,16 +169,24 @@ class _KeptDrape:
     """The checkpoint `drape`: the same pattern and vertex count give the same mesh, so that is not in it.
 
     Attributes:
-        panels: Of the graded pattern, which has the base pattern's seams.
+        panels: Of the graded pattern.
+        drawn: Of the base pattern with the same darts.
+        seams: Of both.
+        changes: Darts that the scan has shown.
         nodes: Of the garment on the wearer [m], shape [node_count, 3].
         drape: The equilibrium.
         warnings: What the user should know.
+        laid: The nodes where the sliding left them on the target [m], shape [node_count, 3], or None.
     """
 
     panels: tuple[Panel, ...]
+    drawn: tuple[Panel, ...]
+    seams: tuple[Seam, ...]
+    changes: tuple[PanelChange, ...]
     nodes: np.ndarray
     drape: Drape
     warnings: tuple[str, ...]
+    laid: np.ndarray | None
 
 
 def drape_to_scan(case: Case, clock: Clock) -> GradedDrape:
@@ -183,21 +194,25 @@ def drape_to_scan(case: Case, clock: Clock) -> GradedDrape:
     base, count = case.base, case.settings.vertex_count
     kept = load(clock.hooks, "drape", _KeptDrape, base.points, count)
     if kept is not None:
-        garment = mesh_pattern(replace(base, panels=kept.panels), count)
+        garment = mesh_pattern(replace(base, panels=kept.panels, seams=kept.seams), count)
         if len(garment.nodes) == len(kept.nodes):  # another release may mesh the same points otherwise
             contours, _ = name_contours(kept.nodes, garment.faces, case.body)
-            return GradedDrape(garment.at(kept.nodes, contours), kept.drape, kept.warnings)
+            worn = garment.at(kept.nodes, contours)
+            darted = replace(base, panels=kept.drawn, seams=kept.seams)
+            return GradedDrape(worn, kept.drape, kept.warnings, kept.laid, darted, kept.changes)
     with clock.stage("template", "dressing the body in the template") as hooks:
         worn = drape_template(base, case.wearer, case.target, hooks=hooks)
     with clock.stage("grade", "grading the pattern to the scan") as hooks:
-        graded, notes = grade(case, worn, hooks)
+        slid, notes = grade(case, worn, hooks)
     with clock.stage("drape", "draping the graded pattern") as hooks:
         settings = DrapeSettings(apart=hangs_in_sleeves(case.target, case.body))
         garment, drape = drape_as_scanned(
-            graded, case.wearer, case.fabric, case.target, vertex_count=count, settings=settings, hooks=hooks
+            slid.garment, case.wearer, case.fabric, case.target, vertex_count=count, settings=settings, hooks=hooks
         )
         if settings.apart:
             garment, drape = uncross(case, garment, drape, hooks)
+        is_laid = case.has_free_curves and not settings.apart
+        laid = resample(slid.garment, slid.garment.nodes, garment) if is_laid else None
     motion = () if drape.rotation is None else (describe_motion(drape.rotation),)
     warnings = (
         *case.notes,
@@ -206,8 +221,10 @@ def drape_to_scan(case: Case, clock: Clock) -> GradedDrape:
         *motion,
         *(() if drape.converged else (drape.outcome.advice,)),
     )
-    save(clock.hooks, "drape", _KeptDrape(garment.pattern.panels, garment.nodes, drape, warnings), base.points, count)
-    return GradedDrape(garment, drape, warnings)
+    panels = garment.pattern.panels, slid.base.panels
+    state = _KeptDrape(*panels, slid.base.seams, slid.changes, garment.nodes, drape, warnings, laid)
+    save(clock.hooks, "drape", state, base.points, count)
+    return GradedDrape(garment, drape, warnings, laid, slid.base, slid.changes)
 
 
 def _note_hidden(case: Case) -> tuple[str, ...]:
@@ -223,20 +240,25 @@ def _note_hidden(case: Case) -> tuple[str, ...]:
     )
 
 
-def grade(case: Case, worn: Garment, hooks: Hooks) -> tuple[Garment, tuple[str, ...]]:
+def grade(case: Case, worn: Garment, hooks: Hooks) -> tuple[DartedGarment, tuple[str, ...]]:
     """Grade a worn base pattern to the target, and slide its seams, and shape its curves, to where the cloth has them.
 
     Returns:
-        The graded garment on the target, and what the user should know.
+        The graded garment on the target, its front with darts where only they make the cloth as pointed as it is, and
+        what the user should know.
     """
     grading = grade_pattern(worn, case.target, case.body, hooks=hooks)
     for _ in range(GRADINGS - 1):
         grading = grade_pattern(grading.garment, case.target, case.body, hooks=hooks)
     settings = SlideSettings().with_curves() if case.has_free_curves else SlideSettings()
     slid = slide_seams(grading.garment, case.target, case.body, case.base, settings=settings, hooks=hooks)
+    found = DartedGarment(slid, case.base)
     if case.has_free_curves:
-        slid = fair_garment(slid, case.base, find_held(slid.pattern, case.base, ()))
-    return slid, tuple(grading.warnings)
+        if not case.settings.keep_cut:
+            found = add_bust_darts(slid, grading.garment, case, settings)
+        fair = fair_garment(found.garment, found.base, find_held(found.garment.pattern, found.base, ()))
+        found = replace(found, garment=fair)
+    return found, tuple(grading.warnings)
 
 
 def redrape_pattern(case: Case, drape: GradedDrape, fit: Fit, clock: Clock) -> Fit:

@@ -2,6 +2,7 @@
 
 from ..grade import IsometrySettings, move_pattern
 from .body_offset import estimate_body_offset, is_estimated
+from .bust_darts import DartedGarment, add_bust_darts
 from .descent import Descent, DescentProblem, InverseSettings, descend
 from .fairness import fair_garment
 from .hybrid import fit_pattern
@@ -12,6 +13,7 @@ from .locks import LockUnknown, find_held, keep_held
 from .losses import ChamferLoss, ContourLoss, PanelLoss, PlaneLoss, RangeLoss, RegisteredLoss, SeamLoss
 from .material import fit_bending, folding, nearest_fabrics, posterior, ratio_prior
 from .methods import METHODS, Graded, Hybrid, Inverse, Method
+from .panel_change import PanelChange
 from .result import Fit
 from .scene import FitScene
 from .settings import MaterialSettings, ShapeSettings
@@ -22,6 +24,7 @@ __all__ = [
     "METHODS",
     "ChamferLoss",
     "ContourLoss",
+    "DartedGarment",
     "Descent",
     "DescentProblem",
     "Fit",
@@ -35,6 +38,7 @@ __all__ = [
     "LockUnknown",
     "MaterialSettings",
     "Method",
+    "PanelChange",
     "PanelLoss",
     "PlaneLoss",
     "RangeLoss",
@@ -43,6 +47,7 @@ __all__ = [
     "ShapeFit",
     "ShapeProblem",
     "ShapeSettings",
+    "add_bust_darts",
     "count_independent",
     "descend",
     "estimate_body_offset",

@@ -1,4 +1,4 @@
-"""Cut proposed darts into a fitted garment: its pattern, its base pattern, and where its nodes go."""
+"""Cut planned darts into a fitted garment: its pattern, its base pattern, and where its nodes go."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from ..pattern.control import mean_value_coordinates
 from ..pattern.editing.darts import LABEL, Dart, find_darts, insert_dart
 from ..pattern.editing.dividing import NEAR_END
 from ..pattern.resampling import locate
-from .dart_search import Proposal, mirror_of, reflect, relax_panel
+from .dart_search import PlannedDart, mirror_of, reflect, relax_panel
 from .wedge import FlatPanel, Wedge
 
 SAMPLES = 200
@@ -112,8 +112,8 @@ class CutGarment:
         drawn: The pattern as they opened it; its seams are not equal yet.
         pattern: With equal seams.
         base: The base pattern with the same darts.
-        darts: Of `pattern`; a proposal's dart and its mirror image follow each other.
-        owner: For each dart the number of its proposal.
+        darts: Of `pattern`; a planned dart and its mirror image follow each other.
+        owner: For each dart the number of its plan.
     """
 
     before: Garment
@@ -168,30 +168,30 @@ class CutGarment:
         return found
 
 
-def cut_darts(garment: Garment, strain: np.ndarray, base: Pattern, proposals: tuple[Proposal, ...]) -> CutGarment:
+def cut_darts(garment: Garment, strain: np.ndarray, base: Pattern, planned: tuple[PlannedDart, ...]) -> CutGarment:
     """Cut darts into a fitted garment and its base pattern, and open them.
 
     Args:
         garment: The flat panels, fitted to the cloth on the target.
         strain: Wanted strain of each face, shape [face_count, 2, 2].
         base: The base pattern.
-        proposals: The darts, at most one of a panel.
+        planned: The darts, at most one of a panel.
     """
     pattern, like = garment.pattern, base
     opened: dict[int, OpenPanel] = {}
     ends: dict[tuple[str, tuple[float, ...]], tuple[OpenPanel, Wedge]] = {}
     owners: dict[tuple[str, tuple[float, ...]], int] = {}
-    for number, proposal in enumerate(proposals):
-        mirror = mirror_of(garment, proposal.panel)
-        wedges = (proposal.wedge,) if mirror is None else (proposal.wedge, reflect(mirror, proposal.wedge))
-        opened[proposal.panel] = OpenPanel.of(relax_panel(garment, strain, proposal.panel), wedges, proposal.angle)
-        name = pattern.panels[proposal.panel].name
+    for number, plan in enumerate(planned):
+        mirror = mirror_of(garment, plan.panel)
+        wedges = (plan.wedge,) if mirror is None else (plan.wedge, reflect(mirror, plan.wedge))
+        opened[plan.panel] = OpenPanel.of(relax_panel(garment, strain, plan.panel), wedges, plan.angle)
+        name = pattern.panels[plan.panel].name
         for wedge in wedges:
             edge, at = _find_mouth(pattern, name, wedge.mouth)
             there = mean_value_coordinates(garment.pattern.panel(name).points, wedge.apex[None])[0]
             like, _ = insert_dart(like, edge, at, there @ base.panel(name).points)
             pattern, _ = insert_dart(pattern, edge, at, wedge.apex)
-            ends[name, tuple(wedge.apex)] = opened[proposal.panel], wedge
+            ends[name, tuple(wedge.apex)] = opened[plan.panel], wedge
             owners[name, tuple(wedge.apex)] = number
     keys = [(dart.panel, tuple(dart.ends(pattern)[1])) for dart in find_darts(pattern)]
     darts = tuple(dart for dart, key in zip(find_darts(pattern), keys, strict=True) if key in ends)

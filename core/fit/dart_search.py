@@ -54,28 +54,37 @@ class Mouth:
 
 
 @dataclass(frozen=True)
-class Proposal:
-    """Describe a dart, with its mirror image where the panel is its own, that takes strain.
+class PlannedDart:
+    """Describe a dart that is to be cut, with its mirror image where the panel is its own.
 
     Attributes:
         panel: Index of the panel.
         mouth: Where it begins.
         wedge: Mouth and apex in the panel's axes.
         angle: At the apex [rad].
-        before, after: Root mean square of the panel's strain that no flat shape takes, without it and with it.
     """
 
     panel: int
     mouth: Mouth
     wedge: Wedge
     angle: float
-    before: float
-    after: float
 
     @property
     def width(self) -> float:
         """Return its intake [m]."""
         return 2.0 * self.wedge.length * float(np.tan(self.angle / 2.0))
+
+
+@dataclass(frozen=True)
+class Proposal(PlannedDart):
+    """Describe a dart that takes strain.
+
+    Attributes:
+        before, after: Root mean square of the panel's strain that no flat shape takes, without it and with it.
+    """
+
+    before: float
+    after: float
 
     @property
     def share(self) -> float:
@@ -113,7 +122,9 @@ def propose_dart(garment: Garment, strain: np.ndarray, index: int) -> Proposal |
         The best; None where no dart that is open takes any, or there is no room for one.
     """
     panel = relax_panel(garment, strain, index)
-    places = [(mouth, wedge) for mouth in _mouths(garment, index) for wedge in _wedges(garment, panel, index, mouth)]
+    places = [
+        (mouth, wedge) for mouth in list_mouths(garment, index) for wedge in _wedges(garment, panel, index, mouth)
+    ]
     if not places:
         return None
     wedges = [wedge for _, wedge in places]
@@ -146,15 +157,19 @@ def mirror_of(garment: Garment, index: int) -> Mirror | None:
 
 def reflect(mirror: Mirror, wedge: Wedge) -> Wedge:
     """Return the mirror image of a wedge, which opens as wide to the other side."""
-    mouth, apex = (point @ mirror.rotation.T + mirror.shift for point in (wedge.mouth, wedge.apex))
-    return Wedge(mouth, apex)
+    return Wedge(reflect_point(mirror, wedge.mouth), reflect_point(mirror, wedge.apex))
 
 
-def _mouths(garment: Garment, index: int) -> list[Mouth]:
+def reflect_point(mirror: Mirror, point: np.ndarray) -> np.ndarray:
+    """Return the mirror image of a point of a panel [m], shape [2]."""
+    return np.asarray(point @ mirror.rotation.T + mirror.shift)
+
+
+def list_mouths(garment: Garment, index: int) -> list[Mouth]:
     """List the places where a dart of a panel may begin: on seams with other panels, and on an open waist."""
     panel = garment.pattern.panels[index]
     sewn = {ref for seam in garment.pattern.seams if seam.a.panel != seam.b.panel for ref in (seam.a, seam.b)}
-    corners = _corners(garment, index)
+    corners = find_corners(garment, index)
     found = []
     for i, edge in enumerate(panel.edges):
         ref = EdgeRef(panel.name, i)
@@ -169,7 +184,7 @@ def _mouths(garment: Garment, index: int) -> list[Mouth]:
     return found
 
 
-def _corners(garment: Garment, index: int) -> np.ndarray:
+def find_corners(garment: Garment, index: int) -> np.ndarray:
     """Return the corners of a panel's outline as it is meshed [m], shape [count, 2]."""
     panel, found = garment.pattern.panels[index], []
     for i in range(len(panel.edges)):
@@ -192,7 +207,7 @@ def _wedges(garment: Garment, panel: FlatPanel, index: int, mouth: Mouth) -> lis
     length = np.linalg.norm(away, axis=1)
     fits = (length >= LEAST_LENGTH) & (length <= MOST_LENGTH) & (away @ inward > 0.5 * length)
     fits &= np.abs(away @ warp) >= np.cos(OFF_WARP) * length
-    fits &= _depth(garment, panel, index) >= INSIDE
+    fits &= find_depths(garment, index) >= INSIDE
     return [Wedge(mouth.place, panel.uv[i]) for i in np.flatnonzero(fits)]
 
 
@@ -204,8 +219,9 @@ def _off_warp(garment: Garment, index: int, wedge: Wedge) -> float:
     return float(np.arccos(min(along, 1.0)))
 
 
-def _depth(garment: Garment, panel: FlatPanel, index: int) -> np.ndarray:
+def find_depths(garment: Garment, index: int) -> np.ndarray:
     """Return the distance of a panel's vertices from those of its outline [m], shape [vertex_count]."""
     drawn = garment.pattern.panels[index]
     rim = garment.uv[np.concatenate([garment.edge_uv[EdgeRef(drawn.name, i)] for i in range(len(drawn.edges))])]
-    return np.asarray(np.linalg.norm(panel.uv[:, None] - rim[None], axis=2).min(axis=1))
+    own = garment.uv[garment.panel_of_uv == index]
+    return np.asarray(np.linalg.norm(own[:, None] - rim[None], axis=2).min(axis=1))

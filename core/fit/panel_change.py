@@ -8,7 +8,7 @@ import numpy as np
 
 from ..case import Case
 from ..errors import Cancelled, GarmentqError
-from ..grade import Isometry, move_pattern, solve_isometry
+from ..grade import Isometry, SlideSettings, move_pattern, solve_isometry
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, mesh_pattern
 from ..pattern.editing.darts import Dart, find_darts
@@ -140,20 +140,20 @@ def _close(found: FittedPanels, case: Case) -> FittedPanels:
     if not needless:
         return found
     closed = _refit(relaxed, close_darts(relaxed.garment, wanted, relaxed.base, needless), case)
-    strains = _strains(found), _strains(closed)
+    strains = strains_of(found.garment, found.strain), strains_of(closed.garment, closed.strain)
     changes = []
     for dart in needless:
         before, after = (each[dart.panel] for each in strains)
         if 1.0 - (before / after) ** 2 > PROPOSED_SHARE and after > LEAST_STRAIN:
             return found  # without it one would be proposed
-        changes.append(_describe(found.garment.pattern, dart, "closed", widths[dart], (before, after)))
+        changes.append(describe_dart(found.garment.pattern, dart, "closed", widths[dart], (before, after)))
     return replace(closed, changes=tuple(changes))
 
 
 def _add(found: FittedPanels, case: Case) -> FittedPanels:
     """Add the darts that take enough strain and come out wide enough; one that does not is taken back."""
     wanted = wanted_strain(found.garment, found.strain)
-    before = _strains(found)
+    before = strains_of(found.garment, found.strain)
     proposals = [
         one
         for index in range(len(found.garment.pattern.panels))
@@ -166,13 +166,13 @@ def _add(found: FittedPanels, case: Case) -> FittedPanels:
         cut = cut_darts(found.garment, wanted, found.base, tuple(proposals))
         names = {dart.panel for dart in cut.darts}
         added = _relax(_refit(found, cut, case), case, names)
-        after = _strains(added)
+        after = strains_of(added.garment, added.strain)
         changes: dict[int, list[PanelChange]] = {}
         for dart, number in zip(cut.darts, cut.owner, strict=True):
             strain = before[dart.panel], after[dart.panel]
             width = dart.width(added.garment.pattern)
             if width >= LEAST_WIDTH and 1.0 - (strain[1] / strain[0]) ** 2 >= KEPT_SHARE:
-                change = _describe(added.garment.pattern, dart, "added", width, strain)
+                change = describe_dart(added.garment.pattern, dart, "added", width, strain)
                 changes.setdefault(number, []).append(change)
         if len(changes) == len(proposals):
             every = tuple(change for number in sorted(changes) for change in changes[number])
@@ -183,12 +183,31 @@ def _add(found: FittedPanels, case: Case) -> FittedPanels:
 
 def _refit(found: FittedPanels, cut: CutGarment, case: Case) -> FittedPanels:
     """Return the panels with other darts, meshed anew and fitted to the target by isometry."""
-    mesh = mesh_pattern(cut.pattern, len(found.garment.nodes))
-    start = mesh.at(cut.place(found.garment, found.garment.nodes, mesh))
-    strain = cut.carry_strain(found.strain, mesh)
+    garment, strain = fit_cut(cut, found.garment, found.strain, case, _settings_of(case))
     fine = mesh_pattern(cut.pattern, len(found.graded.nodes))
     graded = fine.at(cut.place(found.graded, found.graded.nodes, fine))
-    return FittedPanels(_fit(start, strain, cut.base, case), cut.base, strain, graded, found.changes)
+    return FittedPanels(garment, cut.base, strain, graded, found.changes)
+
+
+def fit_cut(
+    cut: CutGarment, before: Garment, strain: np.ndarray, case: Case, settings: SlideSettings
+) -> tuple[Garment, np.ndarray]:
+    """Mesh a pattern with other darts anew, and fit it to the target by isometry.
+
+    Args:
+        cut: The pattern, and where its darts were cut.
+        before: The garment without them.
+        strain: The strain that the cloth of its faces is believed to have, shape [face_count, 2, 2].
+        case: The target and the wearer.
+        settings: How.
+
+    Returns:
+        The garment, and the strain of its faces.
+    """
+    mesh = mesh_pattern(cut.pattern, len(before.nodes))
+    start = mesh.at(cut.place(before, before.nodes, mesh))
+    carried = cut.carry_strain(strain, mesh)
+    return _fit(start, carried, cut.base, case, settings), carried
 
 
 def _relax(found: FittedPanels, case: Case, panels: set[str]) -> FittedPanels:
@@ -196,23 +215,32 @@ def _relax(found: FittedPanels, case: Case, panels: set[str]) -> FittedPanels:
     for _ in range(ROUNDS):
         wanted = wanted_strain(found.garment, found.strain)
         pattern, base = relax_panels(found.garment, wanted, found.base, panels)
-        fitted = _fit(move_pattern(found.garment, pattern), found.strain, base, case)
+        fitted = _fit(move_pattern(found.garment, pattern), found.strain, base, case, _settings_of(case))
         found = replace(found, garment=fitted, base=base)
     return found
 
 
-def _fit(start: Garment, strain: np.ndarray, base: Pattern, case: Case) -> Garment:
+def _settings_of(case: Case) -> SlideSettings:
+    return SlideSettings(SETTLED, steps_of(case))
+
+
+def _fit(start: Garment, strain: np.ndarray, base: Pattern, case: Case, settings: SlideSettings) -> Garment:
     """Fit a pattern and its place on the target to each other, from where a garment lies."""
     named = start.at(start.nodes, name_contours(start.nodes, start.faces, case.body)[0])
-    problem = Isometry.of(named, case.target, case.body, base, strain, steps_of(case))
-    return solve_isometry(problem, named, SETTLED, lambda step: None)
+    problem = Isometry.of(named, case.target, case.body, base, strain, settings.isometry)
+    return solve_isometry(problem, named, settings.settled, lambda step: None)
 
 
-def _strains(found: FittedPanels) -> dict[str, float]:
-    """Return the root mean square of the strain that no flat shape takes, by the panel's name."""
-    wanted, strains = wanted_strain(found.garment, found.strain), {}
-    for index, panel in enumerate(found.garment.pattern.panels):
-        flat = relax_panel(found.garment, wanted, index)
+def strains_of(garment: Garment, strain: np.ndarray) -> dict[str, float]:
+    """Return the root mean square of the strain that no flat shape takes, by the panel's name.
+
+    Args:
+        garment: The flat panels and their nodes on the target.
+        strain: That the cloth of each face is believed to have, shape [face_count, 2, 2].
+    """
+    wanted, strains = wanted_strain(garment, strain), {}
+    for index, panel in enumerate(garment.pattern.panels):
+        flat = relax_panel(garment, wanted, index)
         strains[panel.name] = rms_strain(flat, float(flat.left @ flat.left))
     return strains
 
@@ -226,7 +254,7 @@ def _images(pattern: Pattern, dart: Dart) -> set[Dart]:
     return {apexes[corner] for corner, _ in images if corner in apexes}
 
 
-def _describe(pattern: Pattern, dart: Dart, kind: str, width: float, strain: tuple[float, float]) -> PanelChange:
+def describe_dart(pattern: Pattern, dart: Dart, kind: str, width: float, strain: tuple[float, float]) -> PanelChange:
     """Return a change with its place."""
     panel = pattern.panel(dart.panel)
     edge = panel.edges[(dart.first - 1) % len(panel.edges)]

@@ -1,5 +1,6 @@
 """Grading of a base pattern: contours along the bones, and the stretch between them (thesis 3.2.3)."""
 
+from .bust_points import BustPoints, find_bust_points
 from .choice import Candidate, Choice, TemplateMissing, choose_cut, choose_template, flat_contours
 from .completion import complete_target
 from .distances import ContourMeasure, compare_contours, position_along
@@ -16,12 +17,15 @@ from .grading import GradeSettings, Grading, grade_pattern, move_pattern, step_w
 from .hem_corners import HemShare, share_by_hems
 from .isometry import Isometry, IsometrySettings
 from .neckline import NecklineFit, fit_necklines
+from .parts import find_parts
 from .proportion import Proportions, find_proportions
 from .registration import RegistrationSettings, register_coarsely
-from .sliding import SlideSettings, slide_seams, solve_isometry
+from .sliding import SlideSettings, can_be_meshed, lay_coarsely, slide_seams, solve_isometry
 from .strain import believed_strain, hidden_folds
+from .trunk_curvature import TrunkCurvature
 
 __all__ = [
+    "BustPoints",
     "Candidate",
     "Choice",
     "ContourMeasure",
@@ -36,17 +40,22 @@ __all__ = [
     "RegistrationSettings",
     "SlideSettings",
     "TemplateMissing",
+    "TrunkCurvature",
     "believed_strain",
+    "can_be_meshed",
     "choose_cut",
     "choose_template",
     "compare_contours",
     "complete_target",
+    "find_bust_points",
+    "find_parts",
     "find_proportions",
     "fit_control_points",
     "fit_necklines",
     "flat_contours",
     "grade_pattern",
     "hidden_folds",
+    "lay_coarsely",
     "mean_width",
     "move_pattern",
     "narrow_panels",

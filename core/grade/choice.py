@@ -16,6 +16,7 @@ from ..segment import Target
 from .cut_search import search_cuts
 from .neckline import NecklineFit, NecklineFits, fit_necklines
 from .sleeve_length import fit_sleeve
+from .trunk_curvature import TrunkCurvature
 from .waist_seam import has_curved_waist, sew_waist
 
 STAND_IN = {"long_sleeve_tshirt": "tshirt", "shorts": "trousers"}
@@ -128,7 +129,7 @@ def _rank_cuts(target: Target, body: Body, wanted: Mapping[str, str]) -> list[_R
     dress whose cloth is curved across the waist has a seam there (`has_curved_waist`): girths do not tell it.
     """
     ranked, templates = [], rank_templates(target, list(CUTS))
-    curved = CUTS[templates[0][0]].has_place_for("waist") and has_curved_waist(target, body)
+    curved = CUTS[templates[0][0]].has_place_for("waist") and has_curved_waist(TrunkCurvature.of(target, body))
     for template, missing, misfit in templates:
         fixed = {part: word for part, word in wanted.items() if CUTS[template].has_place_for(part)}
         cut = CUTS[template].choose(fixed)

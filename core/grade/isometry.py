@@ -18,6 +18,7 @@ from .freedom import Freedom
 from .grading import is_sound, move_pattern
 from .proportion import Proportions, find_proportions
 from .registration import match_surface
+from .seen_seams import SeenSeam, find_seen_seams
 
 if TYPE_CHECKING:
     from ..simulate import BlockPattern, Solver
@@ -28,6 +29,9 @@ NEWTON_REACH = 10.0
 NEWTON_PROPORTION = 0.0003
 """Their cost of a rule's standard deviation: as much as a strain of 1.7 %, which is what unlike cloth leaves after
 them. With 3 % panels of 25 drapes were 0.15 % further off and their outlines 0.3 mm."""
+
+NEWTON_SEEN = 0.005
+"""Their distance of a seam from where the cloth's curvature shows it that costs as much as a strain of 1 [m]."""
 
 HALVINGS = 5
 """Times that a step is tried, shorter each time."""
@@ -63,6 +67,8 @@ class IsometrySettings:
         stay_hidden: The same for faces at nodes that a hanging arm hides where a sleeve begins, or next to them; where
             it is not 0 these nodes are not held in place but go where their panels lead them. A drape sags in the
             armpit, and lengths measured from there are wrong by as much.
+        seen: A node of a seam that is this far from where curvature shows it (`find_seen_seams`) [m] costs as
+            much per area as a strain of 1; 0: that is not looked for.
     """
 
     vertices: int = 1000
@@ -82,10 +88,18 @@ class IsometrySettings:
     stay: float = 0.0
     stay_band: float = 0.0
     stay_hidden: float = 0.0
+    seen: float = 0.0
 
     def by_newton(self, curves: bool = False) -> IsometrySettings:
-        """Return the same by Gauss-Newton steps, with the handles of curves free or not."""
-        return replace(self, newton=True, curves=curves, reach=NEWTON_REACH, proportion=NEWTON_PROPORTION)
+        """Return the same by Gauss-Newton steps for a pattern of the library, the handles of curves free or not."""
+        return replace(
+            self,
+            newton=True,
+            curves=curves,
+            reach=NEWTON_REACH,
+            proportion=NEWTON_PROPORTION,
+            seen=NEWTON_SEEN,
+        )
 
 
 @dataclass(frozen=True)
@@ -117,7 +131,7 @@ class Isometry:
 
     Minimises over the nodes x and the parameters c of the pattern (`Freedom`) at once
 
-        sum_f A_f |E_f|^2 + sum_v a_v (n_v . (x_v - q_v))^2 / l^2 + contours + w A sum_k r_k^2
+        sum_f A_f |E_f|^2 + sum_v a_v (n_v . (x_v - q_v))^2 / l^2 + contours + seams + w A sum_k r_k^2
         + sum_f b_f A_f |J_f G_f - I|^2
 
     by linear least squares again and again; the nodes are eliminated from each. With the rotations R_f held for a step,
@@ -136,6 +150,7 @@ class Isometry:
         hidden: Nodes between the trunk and a hanging arm, which stay where they are, shape [node_count].
         loose: Nodes that `stay_hidden` leaves free, shape [node_count]; none of them is `hidden`.
         borders: Nodes of each open contour, and the target's contour or, where it is not trusted, their own place [m].
+        seams: Nodes of seams whose place is seen, and the planes they lie in.
         strain: U, shape [face_count, 2, 2].
         freedom: What may move of the pattern.
         proportions: Rules to keep.
@@ -151,6 +166,7 @@ class Isometry:
     hidden: np.ndarray
     loose: np.ndarray
     borders: tuple[tuple[np.ndarray, ClosedCurve], ...]
+    seams: tuple[SeenSeam, ...]
     strain: np.ndarray
     freedom: Freedom
     proportions: Proportions
@@ -205,6 +221,7 @@ class Isometry:
             hidden=hidden,
             loose=loose,
             borders=tuple(borders),
+            seams=find_seen_seams(garment, target, body) if settings.seen else (),
             strain=strain,
             freedom=freedom,
             proportions=find_proportions(like),
@@ -293,20 +310,25 @@ class Isometry:
         mass = lump(area, garment.faces, count)
         own = TriangleSurface(nodes, garment.faces).vertex_normals
         found, seen = match_surface(self.goal, nodes, own, chosen.facing)
-        for line, _ in self.borders:
-            seen[line] = False
+        for rim, _ in self.borders:
+            seen[rim] = False
         seen &= ~self.loose
         normal = self.goal.face_normals[found.face]
         held = (np.where(seen, mass, 0.0) / chosen.surface**2)[:, None, None] * normal[:, :, None] * normal[:, None]
         held[self.hidden] = (mass[self.hidden] / chosen.surface**2)[:, None, None] * np.eye(3)
         away = np.where(self.hidden[:, None], 0.0, found.foot - nodes)
-        for line, loop in self.borders:
-            near = loop.closest(nodes[line])
+        for rim, loop in self.borders:
+            near = loop.closest(nodes[rim])
             tangent = loop.tangents[near.segment]
             across = np.eye(3) - (1.0 - chosen.along) * tangent[:, :, None] * tangent[:, None]
-            held[line] = (mass[line] / chosen.border**2)[:, None, None] * across
-            away[line] = near.foot - nodes[line]
-        return mass, held, np.einsum("vij,vj->vi", held, away)
+            held[rim] = (mass[rim] / chosen.border**2)[:, None, None] * across
+            away[rim] = near.foot - nodes[rim]
+        pulled = np.einsum("vij,vj->vi", held, away)
+        for seam in self.seams:
+            stiff = mass[seam.nodes] / chosen.seen**2
+            held[seam.nodes] += stiff[:, None, None] * np.outer(seam.normal, seam.normal)
+            pulled[seam.nodes] -= (stiff * seam.miss(nodes))[:, None] * seam.normal
+        return mass, held, pulled
 
     def _solve_pattern(self, pattern: Pattern, matrix: np.ndarray, right: np.ndarray, area: float) -> np.ndarray:
         """Return the change of the parameters under equal seams, pulled by rules and start."""

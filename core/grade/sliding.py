@@ -76,20 +76,33 @@ def slide_seams(
     """
     settings = settings or SlideSettings()
     chosen = settings.isometry
-    coarse = mesh_pattern(garment.pattern, min(chosen.vertices, len(garment.nodes)))
-    found = coarse.at(resample(garment, garment.nodes, coarse))
-    strain = believed_strain(found, found, chosen.believed) @ hidden_folds(found, garment, garment.nodes)
-    strain = 0.5 * (strain + np.swapaxes(strain, 1, 2))
+    found, strain = lay_coarsely(garment, chosen)
     problem = Isometry.of(found, target, body, like, strain, chosen)
 
     def tell(step: int) -> None:
         hooks.progress("grade", step / chosen.steps, "sliding the seams into place")
 
     slid = solve_isometry(problem, found, settings.settled, tell)
-    return slid if _can_be_meshed(slid) else found
+    return slid if can_be_meshed(slid) else found
 
 
-def _can_be_meshed(garment: Garment) -> bool:
+def lay_coarsely(garment: Garment, settings: IsometrySettings) -> tuple[Garment, np.ndarray]:
+    """Return a coarse mesh of a garment on the target, and by how much its faces' cloth is believed to be strained.
+
+    Args:
+        garment: The graded pattern's mesh, nodes registered on the target.
+        settings: Vertices and believed strain.
+
+    Returns:
+        The mesh, its nodes on the target, and U of each face, shape [face_count, 2, 2].
+    """
+    coarse = mesh_pattern(garment.pattern, min(settings.vertices, len(garment.nodes)))
+    found = coarse.at(resample(garment, garment.nodes, coarse))
+    strain = believed_strain(found, found, settings.believed) @ hidden_folds(found, garment, garment.nodes)
+    return found, 0.5 * (strain + np.swapaxes(strain, 1, 2))
+
+
+def can_be_meshed(garment: Garment) -> bool:
     """Return whether a pattern can be cut into triangles as fine as its garment's own."""
     try:
         mesh_pattern(garment.pattern, len(garment.nodes))

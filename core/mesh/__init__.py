@@ -8,6 +8,7 @@ from ..lazy import import_lazily
 from .connectivity import HalfEdges, adjacency_matrix, find_components
 from .curves import ClosedCurve, CurvePoints, polyline_length, resample_polyline
 from .geometry import (
+    angle_defects,
     area_vectors,
     bending_matrix,
     corner_angles,
@@ -81,6 +82,7 @@ __all__ = [
     "TriangleSurface",
     "adjacency_matrix",
     "analyse",
+    "angle_defects",
     "area_vectors",
     "barycentric_coordinates",
     "bending_matrix",

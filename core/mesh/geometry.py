@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .connectivity import HalfEdges
+
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
@@ -104,6 +106,18 @@ def corner_angles(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
         v = corners[:, (k + 2) % 3] - corners[:, k]
         angles[:, k] = np.arctan2(np.linalg.norm(np.cross(u, v), axis=1), np.einsum("ij,ij->i", u, v))
     return angles
+
+
+def angle_defects(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Compute the Gaussian curvature at each vertex [rad], shape [vertex_count]; 0 on open contours and off all faces.
+
+    K_v = 2 pi less the sum of the inner angles around v: 0 at every vertex of a surface that can be laid flat.
+    """
+    angles = np.bincount(faces.ravel(), weights=corner_angles(vertices, faces).ravel(), minlength=len(vertices))
+    edges = HalfEdges.of(faces, len(vertices))
+    defects = np.where(angles > 0.0, 2.0 * np.pi - angles, 0.0)
+    defects[edges.edges[edges.face_counts == 1].ravel()] = 0.0
+    return np.asarray(defects)
 
 
 def rim_turns(corners: np.ndarray, faces: np.ndarray, rim: np.ndarray) -> np.ndarray:

@@ -130,9 +130,12 @@ def boundary_edges(pattern: Pattern, join: SmoothJoin) -> tuple[EdgeRef, EdgeRef
 
 
 def _too_much(corner: float, plain: float, proved: float | None) -> float:
-    """Return by how much a corner has to turn back [rad], given its base pattern's and what is proved of it."""
+    """Return by how much a corner has to turn back [rad], given its base pattern's and what is proved of it.
+
+    A base pattern's corner that is nearly `SMOOTH` is taken back so far that what is left of it stays below.
+    """
     if proved is None:
-        return corner - plain
+        return corner - float(np.clip(plain, LEAST - SMOOTH, SMOOTH - LEAST))
     off = corner - proved
     return float(np.sign(off) * max(0.0, abs(off) - AS_PROVED))
 

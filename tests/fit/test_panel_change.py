@@ -184,9 +184,7 @@ def test_a_skirt_with_darts_gets_them_back(tmp_path: Path) -> None:
         truth = sewn[dart.panel]
         middles = [0.5 * (one.ends(each)[0] + one.ends(each)[2]) for one, each in ((dart, pattern), (truth, true))]
         assert abs(abs(middles[0][0]) - abs(middles[1][0])) < 0.02
-        angles = [
-            2.0 * np.arctan(one.width(each) / 2.0 / one.length(each)) for one, each in ((dart, pattern), (truth, true))
-        ]
+        angles = [one.angle(each) for one, each in ((dart, pattern), (truth, true))]
         assert abs(np.degrees(angles[0] - angles[1])) < 5.0
     assert np.abs(seam_mismatch(pattern)).max() < 1e-6
     assert not [fault for fault in find_faults(pattern) if fault.severity is Severity.ERROR]

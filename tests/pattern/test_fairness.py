@@ -66,6 +66,14 @@ def test_fair_curves_have_no_corner() -> None:
         assert [edge.kind for edge in after.edges] == ["cubic", "cubic", "line", "line", "line"]
 
 
+@pytest.mark.parametrize("bent", [4.9, 5.3, 12.0])
+def test_what_the_base_pattern_nearly_has_stays_smooth(bent: float) -> None:
+    """Fails if a base pattern's corner of 4.8 degrees, with what fairing leaves, came out above 5."""
+    base, found = (make_skirt(dip=WIDTH / 2 * np.tan(np.radians(turn / 2))) for turn in (4.8, bent))
+    assert np.degrees(unplanned_corners(base, base)).max() == pytest.approx(4.8)
+    assert np.degrees(np.abs(unplanned_corners(fair_curves(found, base), base)).max()) <= 5.0
+
+
 def test_smooth_patterns_stay_as_they_are() -> None:
     """Fails if lines became curves, or a hem's planned corner were smoothed, where nothing is wrong."""
     base, dipped = make_skirt(), make_skirt(dip=0.05)

@@ -46,6 +46,10 @@ class Dart:
         first, apex, last = self.ends(pattern)
         return float(np.linalg.norm(apex - 0.5 * (first + last)))
 
+    def angle(self, pattern: Pattern) -> float:
+        """Return its angle at the apex [rad]."""
+        return 2.0 * float(np.arctan2(0.5 * self.width(pattern), self.length(pattern)))
+
 
 def find_darts(pattern: Pattern) -> tuple[Dart, ...]:
     """Find the darts of a pattern that begin at a panel's outline, in the order of its panels."""
