@@ -13,8 +13,7 @@ if TYPE_CHECKING:
 
     from .body import Body
     from .drape import WearerGeometry
-    from .fit.panel_change import PanelChange
-    from .grade import Candidate
+    from .grade import Candidate, PanelChange
     from .pattern import Garment, Pattern
     from .scan import Scan
     from .segment import Target

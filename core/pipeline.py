@@ -23,10 +23,11 @@ from .drape import (
     outgrown_measures,
     redrape,
 )
-from .fit import METHODS, DartedGarment, Fit, PanelChange, add_bust_darts, fair_garment, find_held, uncross
+from .fit import METHODS, DartedGarment, Fit, add_bust_darts, fair_garment, find_held, uncross
 from .grade import (
     Candidate,
     Choice,
+    PanelChange,
     SlideSettings,
     choose_cut,
     complete_target,

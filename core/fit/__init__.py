@@ -13,7 +13,6 @@ from .locks import LockUnknown, find_held, keep_held
 from .losses import ChamferLoss, ContourLoss, PanelLoss, PlaneLoss, RangeLoss, RegisteredLoss, SeamLoss
 from .material import fit_bending, folding, nearest_fabrics, posterior, ratio_prior
 from .methods import METHODS, Graded, Hybrid, Inverse, Method
-from .panel_change import PanelChange
 from .result import Fit
 from .scene import FitScene
 from .settings import MaterialSettings, ShapeSettings
@@ -38,7 +37,6 @@ __all__ = [
     "LockUnknown",
     "MaterialSettings",
     "Method",
-    "PanelChange",
     "PanelLoss",
     "PlaneLoss",
     "RangeLoss",

@@ -9,7 +9,9 @@ import numpy as np
 from ..case import Case
 from ..errors import GarmentqError
 from ..grade import (
+    LEAST_WIDTH,
     BustPoints,
+    PanelChange,
     SlideSettings,
     TrunkCurvature,
     can_be_meshed,
@@ -30,7 +32,7 @@ from .dart_search import (
     mirror_of,
     reflect_point,
 )
-from .panel_change import LEAST_ANGLE, LEAST_WIDTH, PanelChange, describe_dart, fit_cut, strains_of
+from .panel_change import LEAST_ANGLE, describe_dart, fit_cut, strains_of
 from .wedge import Wedge, wanted_strain
 
 BELOW_ARM = 0.04

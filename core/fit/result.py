@@ -13,8 +13,8 @@ from ..simulate import Fabric, FabricEstimate
 
 if TYPE_CHECKING:
     from ..drape import WearerGeometry
+    from ..grade import PanelChange
     from ..simulate import Drape
-    from .panel_change import PanelChange
     from .rim_corners import ProvedCorner
 
 

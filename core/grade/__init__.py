@@ -3,6 +3,7 @@
 from .bust_points import BustPoints, find_bust_points
 from .choice import Candidate, Choice, TemplateMissing, choose_cut, choose_template, flat_contours
 from .completion import complete_target
+from .dart_changes import LEAST_WIDTH, PanelChange
 from .distances import ContourMeasure, compare_contours, position_along
 from .flattening import (
     FlatteningSettings,
@@ -25,6 +26,7 @@ from .strain import believed_strain, hidden_folds
 from .trunk_curvature import TrunkCurvature
 
 __all__ = [
+    "LEAST_WIDTH",
     "BustPoints",
     "Candidate",
     "Choice",
@@ -36,6 +38,7 @@ __all__ = [
     "Isometry",
     "IsometrySettings",
     "NecklineFit",
+    "PanelChange",
     "Proportions",
     "RegistrationSettings",
     "SlideSettings",
