@@ -80,15 +80,12 @@ def add_bust_darts(slid: Garment, graded: Garment, case: Case, settings: SlideSe
     """
     found = DartedGarment(slid, case.base)
     points = find_bust_points(TrunkCurvature.of(case.target, case.body))
-    if points is None:
-        return found
-    _, strain = lay_coarsely(graded, settings.isometry)
-    wanted = wanted_strain(slid, strain)
-    plan = plan_bust_darts(slid, points)
+    plan = None if points is None else plan_bust_darts(slid, points)
     if plan is None or plan.angle < LEAST_ANGLE:
         return found
+    _, strain = lay_coarsely(graded, settings.isometry)
     try:
-        cut = cut_darts(slid, wanted, case.base, (plan,))
+        cut = cut_darts(slid, wanted_strain(slid, strain), case.base, (plan,))
         garment, carried = fit_cut(cut, slid, strain, case, settings)
     except (GarmentqError, np.linalg.LinAlgError):  # a front that cannot be meshed or fitted is no better
         return found
