@@ -25,10 +25,8 @@ class Meshes:
     redraped: np.ndarray | None = None
 
     @property
-    def last_drape(self) -> np.ndarray:
-        """Return the nodes of the pattern's last drape [m]: from flat, on the scan, or as graded."""
-        if self.redraped is not None:
-            return self.redraped
+    def drape_on_scan(self) -> np.ndarray:
+        """Return the nodes of the last drape that begins on the scan [m]: the recovered or the graded pattern's."""
         return self.graded if self.simulation is None else self.simulation
 
     def __iter__(self) -> Iterator[tuple[str, np.ndarray]]:

@@ -335,7 +335,7 @@ def measure(case: Case, drape: GradedDrape, fit: Fit) -> dict[str, float | None]
         fit.garment.pattern, case.base, {corner.join: corner.angle for corner in fit.corners}
     )
     metrics |= measure_plausibility(fit.garment.pattern)
-    metrics |= measure_contour_shapes(fit.garment, fit.meshes.last_drape, case.seen, case.body)
+    metrics |= measure_contour_shapes(fit.garment, fit.meshes.drape_on_scan, case.seen, case.body)
     metrics |= measure_wear(case.target, case.body, fit.meshes.detail, fit.garment.faces, case.settings.seed)
     for name, candidate in zip(("cut.misfit", "cut.next_misfit", "cut.third_misfit"), case.candidates, strict=False):
         metrics[name] = candidate.misfit

@@ -1,13 +1,14 @@
 """The first drape: from a flat pattern to a garment that hangs on a body in any pose."""
 
 from .carry import CarrySettings, Way, carry, take_pose
-from .dress import DressSettings, dress, flat_length, place, waist_loop
+from .dress import DressSettings, dress, place
 from .follow import FollowSettings, PbdState, Threads, follow, lay_threads
 from .layer_contact import LayerContact
 from .motion import MotionSettings, describe_motion, drape_as_scanned
 from .sizing import measure_wearer, outgrown_measures, size_template
 from .stage import DrapeSettings, drape_graded, drape_template, hangs_in_sleeves, redrape, remesh, waist_height
 from .tie import pin_waist, tie_contour
+from .waist import flat_length, waist_loop
 from .wearer import WearerGeometry
 
 __all__ = [

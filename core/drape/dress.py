@@ -13,12 +13,12 @@ from ..hooks import SILENT, Hooks
 from ..mesh import HalfEdges, factor_symmetric
 from ..pattern import Garment
 from ..pattern.parts.tops import STRAPLESS_DROP
-from ..segment import find_loops
 from .follow import FollowSettings, PbdState, Threads, follow, lay_threads
 from .ironing import iron_crossings
 from .layer_contact import LayerContact
 from .sleeves import turn_sleeves
 from .stance import spread_legs
+from .waist import flat_length, waist_loop
 
 LIFT = 0.03
 """How far above the body's shoulders a garment is laid [m]: a sleeve that droops then still starts above the middle of
@@ -50,18 +50,6 @@ class DressSettings:
     outline: bool = True
     iron: bool = True
     follow: FollowSettings = field(default_factory=FollowSettings)
-
-
-def waist_loop(garment: Garment) -> np.ndarray | None:
-    """Find the loop of nodes by which a garment hangs from the waist, or None where it hangs from the shoulders.
-
-    A garment with at most three open contours has no neck and no arms: its highest contour is a waist (a tube top and
-    a poncho are the exceptions; both then hang from where their highest contour is placed).
-    """
-    loops = find_loops(garment.faces)
-    if len(loops) > 3 or not loops:
-        return None
-    return max(loops, key=lambda loop: garment.nodes[loop, 1].mean())
 
 
 def place(garment: Garment, body: Body, *, waist_height: float | None = None, flatten: float = 0.012) -> np.ndarray:
@@ -126,15 +114,6 @@ def convex_girth(body: Body, height: float) -> float:
         return float("inf")
     # In two dimensions a hull's `area` is its perimeter.
     return float(ConvexHull(near).area)
-
-
-def flat_length(garment: Garment, loop: np.ndarray) -> float:
-    """Measure the flat length of a loop of nodes [m]: of its uv edges, each once."""
-    count, edges = len(garment.nodes), HalfEdges.of(garment.faces)
-    sides = np.sort(np.column_stack([loop, np.roll(loop, -1)]), axis=1)
-    on_loop = np.isin(edges.edges @ [count, 1], sides @ [count, 1])[edges.edge]
-    lengths = np.linalg.norm(np.roll(garment.rest, -1, axis=1) - garment.rest, axis=2).ravel()
-    return float(lengths[on_loop].sum())
 
 
 def _weld_flat(garment: Garment, body: Body) -> np.ndarray:

@@ -9,8 +9,9 @@ from ..pattern import list_templates, load_template, mesh_pattern
 from ..pattern.templates import DRAPED_VERTICES, LIBRARY, save_draped_template
 from ..segment import name_contours
 from ..simulate import Scene, Topology, equilibrium, get_fabric
-from .dress import dress, waist_loop
+from .dress import dress
 from .tie import pin_waist
+from .waist import waist_loop
 from .wearer import WearerGeometry
 
 WEARER = "builtin:female,height=1.70"

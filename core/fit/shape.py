@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..checkpoints import load, save
-from ..grade import find_proportions, mean_width
+from ..grade import area_growth, find_proportions, mean_width
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, equalise_seams, find_symmetry, seam_constraints
 from ..simulate import Drape, Fabric
@@ -157,14 +157,16 @@ class ShapeProblem:
 
 
 def _precision(pattern: Pattern, like: Pattern, settings: ShapeSettings) -> np.ndarray:
-    """Return the prior's inverse covariance around a pattern [1/m2], shape [p, p]: diag(1 / s^2) + R^T R.
+    """Return the prior's inverse covariance around a pattern [1/m2], shape [p, p]: diag(1 / s^2) + R^T R + g g^T / a^2.
 
     s is `spread`, but no more than `spread_share` of the panel's mean width; R are the rates of the base pattern's
     `Proportions` in standard deviations: what the metric left as it is cut, a front by its back, is not for the
-    simulator to share out anew point by point.
+    simulator to share out anew point by point. g is the rate of ln of the whole area, a `area_spread`: how much cloth
+    there is the metric measures, wrinkles too, which the simulator has not.
     """
     free = find_symmetry(like).matrix.toarray()
-    rates = find_proportions(like).linearise(pattern)[1] @ free
+    whole = area_growth(pattern).reshape(1, -1) / settings.area_spread
+    rates = np.concatenate([find_proportions(like).linearise(pattern)[1], whole]) @ free
     counts = [len(panel.points) for panel in pattern.panels]
     widths = np.array([settings.spread_share * mean_width(panel) for panel in pattern.panels])
     of_point = np.repeat(np.minimum(widths, settings.spread), 2 * np.array(counts))

@@ -19,7 +19,7 @@ from .hem_corners import HemShare, share_by_hems
 from .isometry import Isometry, IsometrySettings
 from .neckline import NecklineFit, fit_necklines
 from .parts import find_parts
-from .proportion import Proportions, find_proportions
+from .proportion import Proportions, area_growth, find_proportions
 from .registration import RegistrationSettings, register_coarsely
 from .sliding import SlideSettings, can_be_meshed, lay_coarsely, slide_seams, solve_isometry
 from .strain import believed_strain, hidden_folds
@@ -44,6 +44,7 @@ __all__ = [
     "SlideSettings",
     "TemplateMissing",
     "TrunkCurvature",
+    "area_growth",
     "believed_strain",
     "can_be_meshed",
     "choose_cut",

@@ -345,6 +345,13 @@ def _length_rate(pattern: Pattern, ref: EdgeRef) -> np.ndarray:
     return _ln_distance(pattern, pattern.ends_of(ref))[1]
 
 
+def area_growth(pattern: Pattern) -> np.ndarray:
+    """Compute d ln A / d points of all panels' area A together [1/m], shape [point_count, 2]."""
+    areas = {panel.name: panel_area(panel) for panel in pattern.panels}
+    rates = sum(area * _area_rate(pattern, name) for name, area in areas.items())
+    return np.asarray(rates) / sum(areas.values())
+
+
 def _area_rate(pattern: Pattern, name: str) -> np.ndarray:
     """Return d ln A / d points of a panel [1/m], shape [point_count, 2]: its polygon's, and the curves' beside it."""
     start, panel = pattern.first_points[name], pattern.panel(name)

@@ -104,6 +104,10 @@ def scene() -> Worn:
     return Worn(template, true, worn, registered, fabric, wearer.body, wearer.grid, pins, target)
 
 
+UNMEASURED = ShapeSettings(area_spread=np.inf)
+"""For a first pattern that no metric has measured: a template's, in another size."""
+
+
 def state(scene: Worn, settings: ShapeSettings | None = None, locked: np.ndarray | None = None) -> ShapeProblem:
     """Pose the problem from the template's own pattern: nothing of the truth but its drape."""
     problem = pose(scene, scene.worn.at(scene.registered), settings)
@@ -210,7 +214,7 @@ def test_the_pattern_of_our_own_drape_is_recovered(scene: Worn) -> None:
 
 def test_the_simulator_corrects_a_wrong_pattern(scene: Worn) -> None:
     """Breaks where Gauss-Newton does not lower the misfit, loses the symmetry or opens a seam."""
-    fit = fit_shape(state(scene, ShapeSettings(iterations=3, spread=0.01)))
+    fit = fit_shape(state(scene, replace(UNMEASURED, iterations=3, spread=0.01)))
     assert len(fit.misfits) > 1
     assert all(after < before for before, after in zip(fit.misfits, fit.misfits[1:], strict=False))
     assert fit.misfits[-1] < 0.5 * fit.misfits[0]
@@ -252,7 +256,7 @@ def test_pattern_and_bending_are_told_apart(scene: Worn) -> None:
     stiff = replace(scene.fabric, k=2.0 * scene.fabric.k)
     target = bring_to_rest(move_pattern(scene.worn, scene.true).at(scene.registered), stiff, scene.grid, scene.pins)
     at = scene.worn.at(target)
-    problem = pose(scene, at, ShapeSettings(spread=0.01))
+    problem = pose(scene, at, replace(UNMEASURED, spread=0.01))
     alone, both = fit_shape(problem), fit_shape(problem.fitting_bending(1.0))
     assert both.misfits[-1] < 0.7 * alone.misfits[-1]
     assert abs(np.log(both.fabric.k / stiff.k)) < np.log(1.15)
@@ -261,7 +265,7 @@ def test_pattern_and_bending_are_told_apart(scene: Worn) -> None:
 
 def test_the_prior_keeps_front_and_back_in_proportion(scene: Worn) -> None:
     """Breaks where a front may be widened without its back at the price of a few points that move."""
-    problem = state(scene)
+    problem = state(scene, UNMEASURED)
 
     def extra(wider: np.ndarray) -> float:
         points = scene.template.points * np.stack([wider, np.ones(len(wider))], axis=1)
@@ -274,6 +278,22 @@ def test_the_prior_keeps_front_and_back_in_proportion(scene: Worn) -> None:
     # 3 % in area is one standard deviation of the ratio of two sisters; edges in the same place add theirs.
     assert extra(front) > 0.5
     assert abs(extra(whole)) < 0.1 * extra(front)
+
+
+def test_the_prior_holds_the_whole_area(scene: Worn) -> None:
+    """Breaks where cloth can be lost at the price of the points' spread alone, or what only moves costs, too.
+
+    Smooth cloth lies nearer to a wrinkled scan the less of it there is.
+    """
+    free, measured = state(scene, UNMEASURED), state(scene)
+    ours = scene.template.points
+
+    def extra(points: np.ndarray) -> float:
+        away = free.scene.effective(scene.template.with_points(points)) - free.scene.effective(scene.template)
+        return measured.objective(1.0, 100.0, away) - free.objective(1.0, 100.0, away)
+
+    assert extra(1.001 * ours) == pytest.approx(0.5 * (0.002 / measured.settings.area_spread) ** 2, rel=1e-6)
+    assert extra(ours + [0.0, 1e-3]) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_steps_keep_seams_equal(scene: Worn) -> None:
@@ -295,7 +315,7 @@ def test_a_fit_can_be_cancelled(scene: Worn) -> None:
 
 def test_a_fit_killed_after_any_step_ends_at_the_same_pattern(scene: Worn) -> None:
     """Breaks where a checkpoint loses what goes on from it: pattern, k, drape, friction, damping, the end."""
-    problem, kept = state(scene, ShapeSettings(plateau=0.1, spread=0.02)).fitting_bending(0.3), []
+    problem, kept = state(scene, replace(UNMEASURED, plateau=0.1, spread=0.02)).fitting_bending(0.3), []
 
     def keep(name: str, arrays: Arrays) -> None:
         kept.append({name: {key: np.array(value) for key, value in arrays.items()}})

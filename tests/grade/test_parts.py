@@ -4,11 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.grade import find_proportions
+from garmentq.core.grade import area_growth, find_proportions
 from garmentq.core.grade.flattening import fit_control_points
 from garmentq.core.grade.parts import across_armholes, find_parts
 from garmentq.core.grade.registration import bending_operators
-from garmentq.core.pattern import Edge, EdgeRef, Garment, Panel, Pattern, Seam, load_template, mesh_pattern
+from garmentq.core.pattern import (
+    Edge,
+    EdgeRef,
+    Garment,
+    Panel,
+    Pattern,
+    Seam,
+    load_template,
+    mesh_pattern,
+    panel_area,
+)
 
 SIDE = 0.3
 """Side of each square panel [m]."""
@@ -119,6 +129,14 @@ def test_shoulders_keep_their_width_by_the_chest():
     step = 1e-6 * np.sin(np.arange(points.size))
     ends = [rules.linearise(wider.with_points(points + s * step.reshape(-1, 2)))[0][at] for s in (1, -1)]
     assert rates[at] @ step == pytest.approx(-(ends[0] - ends[1]) / 2, rel=1e-6)
+
+
+def test_area_growth_is_the_derivative_of_ln_of_all_panels_area():
+    """Broken where a curve beside its chord, a panel or the division by the whole is left out."""
+    shirt = load_template("tshirt")
+    step = 1e-6 * np.sin(np.arange(shirt.points.size)).reshape(-1, 2)
+    ends = [sum(panel_area(panel) for panel in shirt.with_points(shirt.points + s * step).panels) for s in (1, -1)]
+    assert float((area_growth(shirt) * step).sum()) == pytest.approx(np.log(ends[0] / ends[1]) / 2, rel=1e-6)
 
 
 def test_a_point_within_a_seam_keeps_its_share_of_it():
