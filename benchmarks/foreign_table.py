@@ -1,12 +1,11 @@
 """Compare what was recovered from the packs of `foreign_drapes.py` with what was drafted, and print the table.
 
-    garmentq bench PACKS --library --method deform --json --out RESULTS > LINES.jsonl
+    garmentq bench PACKS --library --json --out RESULTS > LINES.jsonl
     python benchmarks/foreign_table.py DRAFTS... --packs PACKS --results RESULTS --lines LINES.jsonl
 
 Judged are the category, the parts that a design names (a draft of our own names all of them; darts are left out), the
-seam at the waist of a dress, and the verdict of the metrics that the bench measures, without the re-drape. Panels at
-least 12 cm wide are compared one by one where both patterns have as many of them at each place around the wearer, and
-as many bands.
+seam at the waist of a dress, and the verdict of all that the bench measures. Panels at least 12 cm wide are compared
+one by one where both patterns have as many of them at each place around the wearer, and as many bands.
 
 GarmentCode cuts tops in halves with a straight seam in the middle in front and behind, our parts have none there. It
 shapes nothing, so halves are joined there before panels are compared. Darts are cut out of a panel's area, its outline

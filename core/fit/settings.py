@@ -30,8 +30,9 @@ class ShapeSettings:
         spread_share: The same by the panel's mean width, where that is less: 2 mm on a waistband of 4 cm, of which no
             scan shows where its long seams lie.
         area_spread: Standard deviation of ln of the area of all panels together around the metric's. Wrinkles that the
-            simulated cloth has not are cloth that it has no place for: with the points' spread alone, drapes of another
-            simulator lost 2 to 3 % of their area, their misfit 4.3 to 2.7 mm; so they lose 0.3 to 0.5 %, to 3.1 mm.
+            simulated cloth has not are cloth that it has no place for: with the points' spread alone drapes of another
+            simulator lost 2 to 3 % of their area while the misfit fell from 4.3 to 2.7 mm; with this 0.3 to 0.5 %, and
+            the misfit falls to 3.1 mm.
         solve: The equilibria of the fit. They start next to each other, so 60 iterations suffice.
     """
 
