@@ -27,7 +27,7 @@ from .carry import take_pose
 from .dress import DressSettings, dress, place
 from .follow import FollowSettings, PbdState, Threads, follow, lay_threads
 from .tie import pin_waist, place_waist
-from .waist import waist_loop
+from .waist import flat_lengths, waist_loop
 from .wearer import WearerGeometry
 
 PLACED = 0.1
@@ -160,7 +160,7 @@ def _take_pose(
     else:  # skinned, it starts the grading as the T-pose left it, pinched between legs or under arms here and there
         nodes = skin(nodes, weights_at(body, nodes, rest=True), body.transforms)
     if waist is not None and target is not None:
-        nodes[waist] = place_waist(garment.at(nodes), waist, target)
+        nodes[waist] = place_waist(nodes[waist], target, flat_lengths(garment, waist))
         start, steps = PbdState.at_rest(nodes), settings.pose_steps
         nodes = follow(threads, start, wearer.grid, steps, settings=settings.follow, gravity=9.81, held=waist).nodes
     return garment.at(nodes, name_contours(nodes, garment.faces, body)[0])

@@ -8,47 +8,48 @@ from ..mesh import ClosedCurve
 from ..pattern import Garment
 from ..segment import Target
 from ..simulate import Pins
-from .waist import flat_lengths, waist_loop
+from .waist import waist_loop
 
 STARTS = 360
 """Places along the curve at which the loop may start: 3 mm apart on a waist."""
 
 
-def tie_contour(loop: np.ndarray, curve: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+def tie_contour(loop: np.ndarray, curve: np.ndarray, lengths: np.ndarray | None = None) -> np.ndarray:
     """Return each point of a closed loop its place on a closed curve [m], shape [loop_count, 3].
 
-    The loop is spread evenly over the curve, as it is cut, and both run in the same sense of rotation; of `STARTS`
-    starts on the curve the one counts that moves the loop least (sum of squares).
+    The loop is spread over the curve in proportion to the lengths, and both run in the same sense of rotation; of
+    `STARTS` starts on the curve the one counts that moves the loop least (sum of squares).
 
     Args:
         loop: Points of the garment's contour in order [m], shape [loop_count, 3].
         curve: Points of the scan's contour in order [m], shape [curve_count, 3].
-        lengths: Flat length from each point of the loop to the next [m], shape [loop_count].
+        lengths: Length from each point of the loop to the next [m], shape [loop_count]; without it their distances.
     """
+    lengths = ClosedCurve(loop).lengths if lengths is None else lengths
     starts = np.linspace(0.0, 1.0, STARTS, endpoint=False)
     shares = (np.cumsum(lengths) - lengths) / lengths.sum() + starts[:, None]
     places = np.concatenate([ClosedCurve(line).at_shares(shares) for line in (curve, curve[::-1])])
     return np.asarray(places[((places - loop) ** 2).sum(axis=(1, 2)).argmin()])
 
 
-def place_waist(garment: Garment, loop: np.ndarray, target: Target | None) -> np.ndarray:
+def place_waist(points: np.ndarray, target: Target | None, lengths: np.ndarray | None = None) -> np.ndarray:
     """Find where a waist contour sits: on the target's waist, or where it is if none is known of the target.
 
     Args:
-        garment: The garment where it hangs.
-        loop: Nodes of its waist in order, shape [n].
+        points: The garment's waist in order [m], shape [n, 3].
         target: The scan with its contours, or None.
+        lengths: How the waist is spread (`tie_contour`).
 
     Returns:
-        Places of the nodes [m], shape [n, 3].
+        Places of the points [m], shape [n, 3].
     """
-    points, waist = garment.nodes[loop], None if target is None else target.waist
+    waist = None if target is None else target.waist
     if target is None or waist is None:
         return points
-    return tie_contour(points, target.vertices[waist.vertices], flat_lengths(garment, loop))
+    return tie_contour(points, target.vertices[waist.vertices], lengths)
 
 
 def pin_waist(garment: Garment, target: Target | None = None) -> Pins | None:
-    """Pin what hangs from the waist where it sits (`place_waist`); None for what hangs from the shoulders."""
+    """Pin what hangs from the waist where it sits (`place_waist`), spread as it is; None for what does not."""
     waist = waist_loop(garment)
-    return None if waist is None else Pins(waist, place_waist(garment, waist, target))
+    return None if waist is None else Pins(waist, place_waist(garment.nodes[waist], target))

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from garmentq.core.drape import FollowSettings, PbdState, follow, lay_threads, tie_contour
-from garmentq.core.drape.waist import flat_lengths
-from garmentq.core.mesh import ClosedCurve
+from garmentq.core.drape import FollowSettings, PbdState, follow, lay_threads
 from garmentq.core.pattern import Edge, Garment, Panel, Pattern, mesh_pattern
-from garmentq.core.segment import find_loops
 
 
 def sheet(width: float = 0.3, height: float = 0.3, edge: float = 0.03) -> Garment:
@@ -83,36 +80,3 @@ def test_same_input_gives_the_same_bits() -> None:
     start = PbdState.at_rest(garment.nodes * 1.1)
     runs = [follow(lay_threads(garment), start, Sphere(), 15, gravity=9.81).nodes for _ in range(2)]
     assert np.array_equal(runs[0], runs[1])
-
-
-@pytest.mark.parametrize("turned", [False, True])
-def test_loop_is_tied_to_its_own_place_on_the_curve(turned: bool) -> None:
-    """Breaks if the start or the sense of rotation of the two curves is not matched."""
-    angle = np.linspace(0.0, 2 * np.pi, 90, endpoint=False)
-    curve = np.column_stack([0.15 * np.cos(angle), np.zeros(90), 0.1 * np.sin(angle)])
-    angle = np.linspace(0.0, 2 * np.pi, 40, endpoint=False) + 1.0
-    loop = np.column_stack([0.165 * np.cos(angle), np.full(40, 0.02), 0.11 * np.sin(angle)])
-    tied = tie_contour(loop, curve[::-1] if turned else curve, ClosedCurve(loop).lengths)
-    assert np.linalg.norm(tied - loop, axis=1).max() < 0.03
-    assert np.abs(tied[:, 1]).max() < 1e-12
-
-
-def test_a_loop_that_hangs_unevenly_is_spread_as_it_is_cut() -> None:
-    """Breaks if the shares are those of the stretched loop: cloth that was bunched at one side is then pinned so."""
-    angle = np.linspace(0.0, 2 * np.pi, 400, endpoint=False)
-    curve = np.column_stack([0.15 * np.cos(angle), np.zeros(400), 0.15 * np.sin(angle)])
-    even = np.linspace(0.0, 2 * np.pi, 40, endpoint=False)
-    angle = even + 0.3 * np.sin(even)
-    loop = np.column_stack([0.15 * np.cos(angle), np.zeros(40), 0.15 * np.sin(angle)])
-    sides = ClosedCurve(tie_contour(loop, curve, np.full(40, 0.02))).lengths
-    assert sides.max() < 1.001 * sides.min()
-
-
-def test_flat_lengths_follow_a_loop_in_its_order() -> None:
-    """Breaks if lengths come in the order of the mesh's edges, or are those of the cloth where it hangs."""
-    garment = sheet(0.3, 0.2, 0.05)
-    stretched = garment.at(garment.nodes * (2.0, 1.0, 1.0))
-    (loop,) = find_loops(garment.faces)
-    assert flat_lengths(stretched, np.roll(loop, 3)) == pytest.approx(
-        np.roll(ClosedCurve(garment.nodes[loop]).lengths, 3)
-    )

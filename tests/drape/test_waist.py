@@ -1,0 +1,64 @@
+"""Waists: tied to the scan's, spread as they are cut or as they lie."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from garmentq.core.drape import DrapeSettings, drape_template, pin_waist, tie_contour, waist_loop
+from garmentq.core.drape.waist import flat_lengths
+from garmentq.core.mesh import ClosedCurve, vertex_normals
+from garmentq.core.pattern import Edge, Panel, Pattern, load_template, mesh_pattern
+from garmentq.core.segment import Target, find_loops
+from wearers import find_wearer
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_loop_is_tied_to_its_own_place_on_the_curve(turned: bool) -> None:
+    """Breaks if the start or the sense of rotation of the two curves is not matched."""
+    angle = np.linspace(0.0, 2 * np.pi, 90, endpoint=False)
+    curve = np.column_stack([0.15 * np.cos(angle), np.zeros(90), 0.1 * np.sin(angle)])
+    angle = np.linspace(0.0, 2 * np.pi, 40, endpoint=False) + 1.0
+    loop = np.column_stack([0.165 * np.cos(angle), np.full(40, 0.02), 0.11 * np.sin(angle)])
+    tied = tie_contour(loop, curve[::-1] if turned else curve)
+    assert np.linalg.norm(tied - loop, axis=1).max() < 0.03
+    assert np.abs(tied[:, 1]).max() < 1e-12
+
+
+def test_a_loop_that_hangs_unevenly_is_spread_as_it_is_cut() -> None:
+    """Breaks if the shares are those of the stretched loop: cloth that was bunched at one side is then pinned so."""
+    angle = np.linspace(0.0, 2 * np.pi, 400, endpoint=False)
+    curve = np.column_stack([0.15 * np.cos(angle), np.zeros(400), 0.15 * np.sin(angle)])
+    even = np.linspace(0.0, 2 * np.pi, 40, endpoint=False)
+    angle = even + 0.3 * np.sin(even)
+    loop = np.column_stack([0.15 * np.cos(angle), np.zeros(40), 0.15 * np.sin(angle)])
+    sides = ClosedCurve(tie_contour(loop, curve, np.full(40, 0.02))).lengths
+    assert sides.max() < 1.001 * sides.min()
+
+
+def test_flat_lengths_follow_a_loop_in_its_order() -> None:
+    """Breaks if lengths come in the order of the mesh's edges, or are those of the cloth where it hangs."""
+    outline = np.array([[0.0, 0.0], [0.3, 0.0], [0.3, 0.2], [0.0, 0.2]])
+    panel = Panel("sheet", outline, (Edge(),) * 4)
+    garment = mesh_pattern(Pattern("sheet", (panel,), ()), edge_length=0.05)
+    stretched = garment.at(garment.nodes * (2.0, 1.0, 1.0))
+    (loop,) = find_loops(garment.faces)
+    assert flat_lengths(stretched, np.roll(loop, 3)) == pytest.approx(
+        np.roll(ClosedCurve(garment.nodes[loop]).lengths, 3)
+    )
+
+
+def test_a_skirt_from_flat_pieces_is_spread_as_it_is_cut_and_keeps_a_spacing_that_a_scan_shows() -> None:
+    """Breaks if the pose leaves the waist bunched as it was dressed, or pins spread anew what was registered."""
+    settings = DrapeSettings(template_vertices=250)
+    wearer, skirt = find_wearer(), load_template("skirt")
+    dressed = drape_template(skirt, wearer, settings=settings)
+    normals = vertex_normals(dressed.nodes, dressed.faces)
+    scan = Target(dressed.nodes, dressed.faces, normals, dressed.contours, (), "skirt")
+    worn = drape_template(skirt, wearer, scan, settings=settings)
+    waist = waist_loop(worn)
+    assert waist is not None
+    stretches = [ClosedCurve(one.nodes[waist]).lengths / flat_lengths(one, waist) for one in (dressed, worn)]
+    assert np.ptp(stretches[1]) < 0.1 < 0.2 < np.ptp(stretches[0])
+    pins = pin_waist(dressed, scan)
+    assert pins is not None
+    assert np.abs(pins.points - dressed.nodes[pins.nodes]).max() < 0.002
