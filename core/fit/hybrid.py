@@ -8,7 +8,6 @@ import numpy as np
 
 from ..body import project_outside, untangle_outside
 from ..case import Case, GradedDrape
-from ..deform import DeformSettings, deform
 from ..drape import pin_waist
 from ..grade import move_pattern
 from ..hooks import SILENT, Hooks
@@ -25,6 +24,7 @@ from .panel_change import change_panels
 from .result import Fit
 from .rim_corners import prove_corners
 from .scene import FitScene
+from .second_registration import find_nearer, register_again
 from .settings import MaterialSettings, ShapeSettings
 from .shape import ShapeProblem, fit_shape
 from .transfer import remesh_and_transfer
@@ -49,7 +49,8 @@ def fit_pattern(
         hooks: Progress, cancellation and checkpoints.
 
     Returns:
-        The fit; its detail mesh is the second registration, with the pattern and the place that isometry found.
+        The fit; its detail mesh is the second registration, with the pattern and the place that isometry found; where
+        that ended further from the scan than the first, one that begins at the first, if it is nearer.
 
     Raises:
         LockUnknown: where a lock names no panel of the pattern.
@@ -70,9 +71,9 @@ def fit_pattern(
     refitted = remesh_and_transfer(pattern, case.settings.vertex_count, isometric, isometric.nodes, wearer.body)
     graded = resample(garment, garment.nodes, refitted)
     hooks.progress("fit", 0.2, "registering again")
-    again = DeformSettings.of_preset(case.settings.preset).going_on()
-    registered = deform(refitted, target, wearer.exposed, settings=again, hooks=hooks.quiet()).nodes
-    refitted = refitted.at(registered)
+    first = None if changed.changes else garment.at(registered)
+    refitted = register_again(refitted, case, wearer, hooks)
+    registered = refitted.nodes
     hooks.progress("fit", 0.3, "preparing the fit through the simulator")
 
     def problem_on(vertices: int, cloth: Fabric) -> ShapeProblem:
@@ -132,10 +133,12 @@ def fit_pattern(
         rest = drapes[0]
     simulation = project_outside(rest.nodes, wearer.exposed, recovered.faces)
     simulation = untangle_outside(simulation, wearer.exposed, recovered.faces)
+    hooks.progress("fit", 0.98, "comparing both registrations")
+    detail = refitted if first is None else find_nearer(first, refitted, case, wearer, hooks)
     return Fit(
-        garment=recovered,
+        garment=recovered.at(detail.nodes),
         fabric=fabric,
-        meshes=Meshes(graded, registered, simulation),
+        meshes=Meshes(graded, detail.nodes, simulation),
         estimates=estimates,
         nearest=nearest_fabrics(fabric),
         point_std=point_std,

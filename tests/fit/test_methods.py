@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from garmentq.core.case import GradedDrape
 from garmentq.core.clock import Clock
-from garmentq.core.fit import METHODS, methods
+from garmentq.core.fit import METHODS, methods, second_registration
+from garmentq.core.hooks import SILENT
 from garmentq.core.pattern import load_draped_template
 from garmentq.core.segment import Target
 from garmentq.core.settings import RecoverySettings
@@ -39,3 +40,25 @@ def test_a_deformation_begins_on_the_scan_too(monkeypatch, preset: str, is_laid:
     assert len(began) == count
     assert np.array_equal(began[-1], worn.nodes)
     assert fit.warnings == (str(1 + nearer) if count == 2 else "1",)
+
+
+@pytest.mark.parametrize(
+    ("first_off", "other_off", "kept"), [(0.002, 0.003, "other"), (0.002, 0.02, "second"), (0.0095, 0.0, "second")]
+)
+def test_the_nearer_of_two_second_registrations_is_kept(
+    monkeypatch, first_off: float, other_off: float, kept: str
+) -> None:
+    """Broken where it begins anew without need or elsewhere than at the first, or the further one is kept."""
+    worn = load_draped_template("skirt")
+    assert worn is not None
+    target = Target(worn.nodes, worn.faces, np.zeros_like(worn.nodes), worn.contours, (), "skirt")
+    case = SimpleNamespace(settings=RecoverySettings(), target=target)
+    first, second, other = (worn.at(worn.nodes + [0.0, off, 0.0]) for off in (first_off, 0.01, other_off))
+
+    def begin(garment, *rest, **settings):
+        np.testing.assert_allclose(garment.nodes, first.nodes, atol=1e-9)
+        return SimpleNamespace(nodes=other.nodes)
+
+    monkeypatch.setattr(second_registration, "deform", begin)
+    found = second_registration.find_nearer(first, second, case, SimpleNamespace(exposed=None), SILENT)
+    assert np.array_equal(found.nodes, {"second": second, "other": other}[kept].nodes)
