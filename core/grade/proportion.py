@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..pattern import EdgeRef, Pattern, edge_length, panel_area
+from ..pattern import EdgeRef, Pattern, edge_length, panel_area, polygon_area
 from ..pattern.curves import edge_area
-from ..pattern.handles import area_rates, handles_of, length_rates
+from ..pattern.handles import handles_of, length_rates
 from .flattening import SHORT, kept_vectors
 from .parts import across_armholes, are_mirrored, count_seams
 
@@ -57,7 +57,7 @@ class Proportions:
 
     Attributes:
         sisters: Names of panels that are sewn together along two seams or more and are alike in area.
-        areas: ln of the area of the first by that of the second, shape [sister_count].
+        areas: ln of the area between the corners of the first by that of the second, shape [sister_count].
         edges: Edges in the same place of two sisters, neither sewn to the other.
         lengths: ln of the length of the first by that of the second, shape [edge_pair_count].
         notched: Edges that follow each other on one seam between two panels.
@@ -96,9 +96,9 @@ class Proportions:
         """
         missing, rates, points = [], [], pattern.points
         for (a, b), ratio in zip(self.sisters, self.areas, strict=True):
-            now = np.log(panel_area(pattern.panel(a)) / panel_area(pattern.panel(b)))
-            missing.append((ratio - now) / AREA_SPREAD)
-            rates.append((_area_rate(pattern, a) - _area_rate(pattern, b)) / AREA_SPREAD)
+            now, by = _cornered_area(pattern, a), _cornered_area(pattern, b)
+            missing.append((ratio - np.log(now / by)) / AREA_SPREAD)
+            rates.append((_cornered_rate(pattern, a) / now - _cornered_rate(pattern, b) / by) / AREA_SPREAD)
         for (edge, sister), ratio in zip(self.edges, self.lengths, strict=True):
             now = np.log(_length(pattern, edge) / _length(pattern, sister))
             missing.append((ratio - now) / LENGTH_SPREAD)
@@ -129,14 +129,9 @@ class Proportions:
     def curve_rates(self, pattern: Pattern) -> np.ndarray:
         """Return the rates of the rules by the handles of all curves, shape [rule_count, 2 handle_count].
 
-        In the order and the units of `linearise`; only areas and lengths have any.
+        In the order and the units of `linearise`; only lengths have any.
         """
         size = 2 * len(handles_of(pattern))
-
-        def share(name: str) -> np.ndarray:
-            return np.asarray(area_rates(pattern, name) / panel_area(pattern.panel(name)))
-
-        areas = [share(a) - share(b) for a, b in self.sisters]
 
         def ratios(pairs: tuple[tuple[EdgeRef, EdgeRef], ...], spread: float) -> np.ndarray:
             found = [length_rates(pattern, {a: 1 / _length(pattern, a), b: -1 / _length(pattern, b)}) for a, b in pairs]
@@ -144,7 +139,7 @@ class Proportions:
 
         return np.concatenate(
             [
-                np.array(areas).reshape(-1, size) / AREA_SPREAD,
+                np.zeros((len(self.sisters), size)),
                 ratios(self.edges, LENGTH_SPREAD),
                 np.zeros((len(self.widths), size)),
                 ratios(self.notched, NOTCH_SPREAD),
@@ -164,7 +159,7 @@ def find_proportions(like: Pattern) -> Proportions:
     seams = count_seams(like)
     sisters, areas, edges = [], [], []
     for (first, second), count in sorted(seams.items()):
-        ratio = panel_area(like.panel(first)) / panel_area(like.panel(second))
+        ratio = _cornered_area(like, first) / _cornered_area(like, second)
         if count >= 2 and ALIKE < ratio < 1.0 / ALIKE:
             sisters.append((first, second))
             areas.append(float(np.log(ratio)))
@@ -346,18 +341,26 @@ def _length_rate(pattern: Pattern, ref: EdgeRef) -> np.ndarray:
 
 
 def area_growth(pattern: Pattern) -> np.ndarray:
-    """Compute d ln A / d points of all panels' area A together [1/m], shape [point_count, 2]."""
-    areas = {panel.name: panel_area(panel) for panel in pattern.panels}
-    rates = sum(area * _area_rate(pattern, name) for name, area in areas.items())
-    return np.asarray(rates) / sum(areas.values())
-
-
-def _area_rate(pattern: Pattern, name: str) -> np.ndarray:
-    """Return d ln A / d points of a panel [1/m], shape [point_count, 2]: its polygon's, and the curves' beside it."""
-    start, panel = pattern.first_points[name], pattern.panel(name)
-    after, before = np.roll(panel.points, -1, axis=0), np.roll(panel.points, 1, axis=0)
-    turned = np.stack([after[:, 1] - before[:, 1], before[:, 0] - after[:, 0]], axis=1)
-    beside = 2.0 * np.array([edge_area(edge) for edge in panel.edges])[:, None] * (after - panel.points)
+    """Compute d ln A / d points of all panels' area A together, curves with it [1/m], shape [point_count, 2]."""
     rates = np.zeros((len(pattern.points), 2))
-    rates[start : start + len(panel.points)] = 0.5 * turned - beside + np.roll(beside, 1, axis=0)
-    return rates / panel_area(panel)
+    for panel in pattern.panels:
+        chords = np.roll(panel.points, -1, axis=0) - panel.points
+        beside = 2.0 * np.array([edge_area(edge) for edge in panel.edges])[:, None] * chords
+        start = pattern.first_points[panel.name]
+        rates[start : start + len(chords)] = np.roll(beside, 1, axis=0) - beside
+        rates += _cornered_rate(pattern, panel.name)
+    return rates / sum(panel_area(panel) for panel in pattern.panels)
+
+
+def _cornered_area(pattern: Pattern, name: str) -> float:
+    """Return the area of a panel between its corners [m2], what curves add or take left out."""
+    return polygon_area(pattern.panel(name).points)
+
+
+def _cornered_rate(pattern: Pattern, name: str) -> np.ndarray:
+    """Return the derivative of the area between a panel's corners by all points [m], shape [point_count, 2]."""
+    start, points = pattern.first_points[name], pattern.panel(name).points
+    apart = 0.5 * (np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0))
+    rates = np.zeros((len(pattern.points), 2))
+    rates[start : start + len(points)] = np.column_stack([apart[:, 1], -apart[:, 0]])
+    return rates

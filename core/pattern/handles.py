@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from .control import spread_inside
-from .curves import chord, edge_area, place_on_chord, unit_length, unit_points
+from .curves import chord, place_on_chord, unit_length, unit_points
 from .fairness import SmoothJoin
 from .garment import Garment
 from .pattern import Edge, EdgeRef, Pattern
@@ -114,16 +114,6 @@ def length_rates(pattern: Pattern, by: dict[EdgeRef, float]) -> np.ndarray:
             start, end = chord(pattern.panel(ref.panel), ref.edge)
             found = by[ref] * float(np.linalg.norm(end - start)) * differentiate(edge, unit_length)
             rates[own] = found.reshape(-1, 2)
-    return rates.ravel()
-
-
-def area_rates(pattern: Pattern, panel: str) -> np.ndarray:
-    """Return the derivative of a panel's area by the handles [m2], shape [2 handle_count]."""
-    rates = np.zeros((len(handles_of(pattern)), 2))
-    for ref, edge, own in list_curves(pattern):
-        if ref.panel == panel:
-            start, end = chord(pattern.panel(panel), ref.edge)
-            rates[own] = float((end - start) @ (end - start)) * differentiate(edge, edge_area).reshape(-1, 2)
     return rates.ravel()
 
 
