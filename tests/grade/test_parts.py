@@ -19,6 +19,7 @@ from garmentq.core.pattern import (
     mesh_pattern,
     panel_area,
 )
+from garmentq.core.pattern.handles import handles_of, list_curves, with_handles
 
 SIDE = 0.3
 """Side of each square panel [m]."""
@@ -171,3 +172,29 @@ def test_a_side_seam_does_not_wander_to_the_front_and_back():
         assert missing[first + n] == pytest.approx(-np.log(0.8) / 0.04)
         assert dress.points[a, 1] == pytest.approx(dress.points[b, 1])
         assert dress.points[back_a, 1] == pytest.approx(dress.points[back_b, 1])
+
+
+def test_halves_of_a_circle_are_not_compared_by_their_corners():
+    """Broken where areas are compared of panels whose corners lie on one line: ln 0, and nothing can be graded."""
+    corners = np.array([[0.9, 0.0], [-0.9, 0.0], [-0.1, 0.0], [0.1, 0.0]])
+    rim, waist = (Edge("arc", np.array([[0.5, height]])) for height in (-0.5, 0.5))
+    halves = tuple(Panel(name, corners, (rim, Edge(), waist, Edge())) for name in ("front", "back"))
+    seams = tuple(Seam(EdgeRef("front", n), EdgeRef("back", m)) for n, m in ((1, 3), (3, 1)))
+    circle = Pattern("circle", halves, seams)
+    rules = find_proportions(circle)
+    assert not rules.sisters and rules.edges
+    missing, rates = rules.linearise(circle)
+    assert np.isfinite(missing).all() and np.isfinite(rates).all()
+
+
+def test_a_deeper_neckline_is_not_made_up_for():
+    """Broken where areas are compared with what curves take: the sides then move when the neckline sinks."""
+    shirt = load_template("tshirt")
+    rules = find_proportions(shirt)
+    curves = [ref for ref, _, _ in list_curves(shirt) if ref.panel == "front"]
+    assert curves and rules.sisters
+    handles = handles_of(shirt)
+    for ref, _, own in list_curves(shirt):
+        handles[own, 1] *= 1.5 if ref in curves else 1.0
+    before, after = (rules.linearise(one)[0][: len(rules.sisters)] for one in (shirt, with_handles(shirt, handles)))
+    np.testing.assert_array_equal(before, after)
