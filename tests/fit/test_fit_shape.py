@@ -2,129 +2,58 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from garmentq.core.body import Body, DistanceGrid
 from garmentq.core.case import Case, GradedDrape
-from garmentq.core.drape import DrapeSettings, WearerGeometry, drape_template, waist_loop
+from garmentq.core.drape import WearerGeometry
 from garmentq.core.errors import Cancelled
 from garmentq.core.fit import (
     FitScene,
     IsometrySettings,
     LockUnknown,
-    MaterialSettings,
     RegisteredLoss,
     ShapeProblem,
     ShapeSettings,
     find_held,
-    fit_bending,
     fit_isometry,
     fit_pattern,
     fit_shape,
     keep_held,
     keep_seams,
     move_pattern,
-    nearest_fabrics,
-    posterior,
 )
 from garmentq.core.grade import find_proportions, mean_width
 from garmentq.core.hooks import Arrays, Hooks
-from garmentq.core.mesh import TriangleSurface, vertex_normals
+from garmentq.core.mesh import TriangleSurface
 from garmentq.core.pattern import (
-    Garment,
     Pattern,
     equalise_seams,
     find_symmetry,
     load_template,
     mesh_pattern,
-    panel_area,
-    resample,
     seam_mismatch,
 )
 from garmentq.core.recovery import Request
 from garmentq.core.scan import Scan
-from garmentq.core.segment import Target, name_contours
 from garmentq.core.settings import RecoverySettings
 from garmentq.core.simulate import (
-    Fabric,
     Implicit,
-    Pins,
     Scene,
-    SolveSettings,
     SteadyRotation,
     Topology,
     equilibrium,
     get_fabric,
     lag_friction,
 )
-from wearers import find_wearer
-
-FINE = SolveSettings(max_iterations=150)
-
-
-@dataclass(frozen=True)
-class Worn:
-    """A worn skirt: the template's drape, and the drape of a true pattern 3 % wider and 5 % longer."""
-
-    template: Pattern
-    true: Pattern
-    worn: Garment
-    registered: np.ndarray
-    fabric: Fabric
-    body: Body
-    grid: DistanceGrid
-    pins: Pins
-    target: Target
-
-
-def bring_to_rest(garment: Garment, fabric: Fabric, grid: DistanceGrid, pins: Pins) -> np.ndarray:
-    drape = equilibrium(Scene(Topology.from_garment(garment), fabric, grid, pins), garment.nodes, settings=FINE)
-    assert drape.converged
-    return drape.nodes
+from worn_skirt import FINE, UNMEASURED, Worn, area_errors, bring_to_rest, drape_skirt, pose, state
 
 
 @pytest.fixture(scope="module")
 def scene() -> Worn:
-    template = load_template("skirt")
-    wearer = find_wearer()
-    fabric = get_fabric("cotton_poplin")
-    worn = drape_template(template, wearer, settings=DrapeSettings(template_vertices=600))
-    waist = waist_loop(worn)
-    assert waist is not None
-    pins = Pins(waist, worn.nodes[waist])
-    worn = worn.at(bring_to_rest(worn, fabric, wearer.grid, pins))
-    true = equalise_seams(template.with_points(template.points * [1.03, 1.05]), like=template)
-    registered = bring_to_rest(move_pattern(worn, true), fabric, wearer.grid, pins)
-    normals = vertex_normals(registered, worn.faces)
-    contours = name_contours(registered, worn.faces, wearer.body)[0]
-    target = Target(registered, worn.faces, normals, contours, (), "skirt")
-    return Worn(template, true, worn, registered, fabric, wearer.body, wearer.grid, pins, target)
-
-
-UNMEASURED = ShapeSettings(area_spread=np.inf)
-"""For a first pattern that no metric has measured: a template's, in another size."""
-
-
-def state(scene: Worn, settings: ShapeSettings | None = None, locked: np.ndarray | None = None) -> ShapeProblem:
-    """Pose the problem from the template's own pattern: nothing of the truth but its drape."""
-    problem = pose(scene, scene.worn.at(scene.registered), settings)
-    return problem if locked is None else replace(problem, scene=replace(problem.scene, locked=locked))
-
-
-def pose(
-    scene: Worn, at: Garment, settings: ShapeSettings | None = None, rotation: SteadyRotation | None = None
-) -> ShapeProblem:
-    """Pose the problem from any mesh of the template's pattern."""
-    cloth = Scene(Topology.from_garment(at), scene.fabric, scene.grid, scene.pins, rotation)
-    return ShapeProblem.of(FitScene.of(at, scene.template, cloth), settings or ShapeSettings())
-
-
-def area_errors(pattern: Pattern, true: Pattern) -> np.ndarray:
-    pairs = zip(pattern.panels, true.panels, strict=True)
-    return np.array([abs(panel_area(ours) / panel_area(theirs) - 1.0) for ours, theirs in pairs])
+    return drape_skirt()
 
 
 def test_gradient_of_the_registered_loss(scene: Worn) -> None:
@@ -331,41 +260,6 @@ def test_a_fit_killed_after_any_step_ends_at_the_same_pattern(scene: Worn) -> No
         assert resumed.outcome == whole.outcome
 
 
-def test_bending_is_found_on_another_mesh(scene: Worn) -> None:
-    """A measure of folding that depends on the mesh, or a prior that outweighs it, breaks this: k within 1.5."""
-    stiff = replace(scene.fabric, k=8.0 * scene.fabric.k)
-    target = bring_to_rest(scene.worn.at(scene.registered), stiff, scene.grid, scene.pins)
-    coarse = mesh_pattern(scene.template, 450)
-    nodes = resample(scene.worn, target, coarse)
-    waist = waist_loop(coarse.at(nodes))
-    assert waist is not None
-    problem = pose(replace(scene, pins=Pins(waist, nodes[waist])), coarse.at(nodes))
-    fabric, estimate = fit_bending(problem)
-    assert abs(np.log(fabric.k / stiff.k)) < np.log(1.5)
-    assert estimate.identifiable
-    assert estimate.std < 0.5 * estimate.prior_std
-
-
-def test_bending_that_a_drape_does_not_tell_stays_as_given(scene: Worn) -> None:
-    """Breaks where a guess that the drape does not support goes into the simulation: a T-shirt as stiff as a tube."""
-    unsure = MaterialSettings(values=3, least_std=10.0)
-    fabric, estimate = fit_bending(state(scene), unsure)
-    assert fabric == scene.fabric
-    assert not estimate.identifiable and estimate.value == scene.fabric.k and estimate.std >= 10.0
-
-
-def test_bending_that_folds_and_misfit_contradict_is_not_known(scene: Worn) -> None:
-    """Breaks where a stiff tube counts as the cloth of a scan full of wrinkles, for it is the nearest drape."""
-    stiff = replace(scene.fabric, k=30.0 * scene.fabric.k)
-    target = bring_to_rest(scene.worn, stiff, scene.grid, scene.pins)
-    wrinkles = np.random.default_rng(4).normal(0.0, 2.5e-3, len(target))
-    target += wrinkles[:, None] * vertex_normals(target, scene.worn.faces)
-    problem = pose(scene, scene.worn.at(target))
-    fabric, estimate = fit_bending(problem)
-    assert estimate.value == fabric.k > 3.0 * scene.fabric.k
-    assert not estimate.identifiable and "folds less than the scan" in estimate.note
-
-
 def test_bands_stay_nearly_as_they_are() -> None:
     """Breaks where a waistband may answer for its skirt: no scan shows where the long seams of a band lie."""
     like, settings = load_template("pencil_skirt"), ShapeSettings()
@@ -385,24 +279,6 @@ def test_bands_stay_nearly_as_they_are() -> None:
     share = settings.spread_share * mean_width(like.panel("band_front"))
     assert cost(bands) == pytest.approx((1e-3 / share) ** 2, rel=1e-3)
     assert cost(~bands) == pytest.approx((1e-3 / settings.spread) ** 2, rel=1e-6)
-
-
-def test_what_a_drape_does_not_tell_is_said(scene: Worn) -> None:
-    """Breaks where weight or membrane stiffness is claimed from one drape, or the posterior exceeds the prior."""
-    problem = state(scene)
-    drape = problem.drape(scene.template, scene.registered)
-    spread, estimates, bending_std = posterior(
-        problem, problem.fabric, scene.template, drape, problem.loss.value(drape.nodes)
-    )
-    assert spread.shape == scene.template.points.shape
-    assert 0.0 < spread.max() <= problem.settings.spread * 1.0001
-    assert [each.name for each in estimates] == ["H00", "H01", "H11", "H22"]
-    assert all(0.0 < each.std <= each.prior_std * 1.0001 and not each.identifiable for each in estimates)
-    surer = posterior(
-        problem.fitting_bending(0.2), problem.fabric, scene.template, drape, problem.loss.value(drape.nodes)
-    )[2]
-    assert 0.0 < surer < min(0.2, bending_std * 1.0001)
-    assert nearest_fabrics(scene.fabric)[0] == scene.fabric.name
 
 
 def test_locked_panels_stay(scene: Worn) -> None:

@@ -1,0 +1,82 @@
+"""Bending fitted to drapes of our own simulator, whose cloth is known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from garmentq.core.drape import waist_loop
+from garmentq.core.fit import (
+    MaterialSettings,
+    fit_bending,
+    nearest_fabrics,
+    posterior,
+)
+from garmentq.core.mesh import vertex_normals
+from garmentq.core.pattern import (
+    mesh_pattern,
+    resample,
+)
+from garmentq.core.simulate import (
+    Pins,
+)
+from worn_skirt import Worn, bring_to_rest, drape_skirt, pose, state
+
+
+@pytest.fixture(scope="module")
+def scene() -> Worn:
+    return drape_skirt()
+
+
+def test_bending_is_found_on_another_mesh(scene: Worn) -> None:
+    """A measure of folding that depends on the mesh, or a prior that outweighs it, breaks this: k within 1.5."""
+    stiff = replace(scene.fabric, k=8.0 * scene.fabric.k)
+    target = bring_to_rest(scene.worn.at(scene.registered), stiff, scene.grid, scene.pins)
+    coarse = mesh_pattern(scene.template, 450)
+    nodes = resample(scene.worn, target, coarse)
+    waist = waist_loop(coarse.at(nodes))
+    assert waist is not None
+    problem = pose(replace(scene, pins=Pins(waist, nodes[waist])), coarse.at(nodes))
+    fabric, estimate = fit_bending(problem)
+    assert abs(np.log(fabric.k / stiff.k)) < np.log(1.5)
+    assert estimate.identifiable
+    assert estimate.std < 0.5 * estimate.prior_std
+
+
+def test_bending_that_a_drape_does_not_tell_stays_as_given(scene: Worn) -> None:
+    """Breaks where a guess that the drape does not support goes into the simulation: a T-shirt as stiff as a tube."""
+    unsure = MaterialSettings(values=3, least_std=10.0)
+    fabric, estimate = fit_bending(state(scene), unsure)
+    assert fabric == scene.fabric
+    assert not estimate.identifiable and estimate.value == scene.fabric.k and estimate.std >= 10.0
+
+
+def test_bending_that_folds_and_misfit_contradict_is_not_known(scene: Worn) -> None:
+    """Breaks where a stiff tube counts as the cloth of a scan full of wrinkles, for it is the nearest drape."""
+    stiff = replace(scene.fabric, k=30.0 * scene.fabric.k)
+    target = bring_to_rest(scene.worn, stiff, scene.grid, scene.pins)
+    wrinkles = np.random.default_rng(4).normal(0.0, 2.5e-3, len(target))
+    target += wrinkles[:, None] * vertex_normals(target, scene.worn.faces)
+    problem = pose(scene, scene.worn.at(target))
+    fabric, estimate = fit_bending(problem)
+    assert estimate.value == fabric.k > 3.0 * scene.fabric.k
+    assert not estimate.identifiable and "folds less than the scan" in estimate.note
+
+
+def test_what_a_drape_does_not_tell_is_said(scene: Worn) -> None:
+    """Breaks where weight or membrane stiffness is claimed from one drape, or the posterior exceeds the prior."""
+    problem = state(scene)
+    drape = problem.drape(scene.template, scene.registered)
+    spread, estimates, bending_std = posterior(
+        problem, problem.fabric, scene.template, drape, problem.loss.value(drape.nodes)
+    )
+    assert spread.shape == scene.template.points.shape
+    assert 0.0 < spread.max() <= problem.settings.spread * 1.0001
+    assert [each.name for each in estimates] == ["H00", "H01", "H11", "H22"]
+    assert all(0.0 < each.std <= each.prior_std * 1.0001 and not each.identifiable for each in estimates)
+    surer = posterior(
+        problem.fitting_bending(0.2), problem.fabric, scene.template, drape, problem.loss.value(drape.nodes)
+    )[2]
+    assert 0.0 < surer < min(0.2, bending_std * 1.0001)
+    assert nearest_fabrics(scene.fabric)[0] == scene.fabric.name

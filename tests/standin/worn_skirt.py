@@ -1,0 +1,101 @@
+"""A skirt of a known pattern at rest on a wearer, for fits that begin at its template."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+from garmentq.core.body import Body, DistanceGrid
+from garmentq.core.drape import DrapeSettings, drape_template, waist_loop
+from garmentq.core.fit import (
+    FitScene,
+    ShapeProblem,
+    ShapeSettings,
+    move_pattern,
+)
+from garmentq.core.mesh import vertex_normals
+from garmentq.core.pattern import (
+    Garment,
+    Pattern,
+    equalise_seams,
+    load_template,
+    panel_area,
+)
+from garmentq.core.segment import Target, name_contours
+from garmentq.core.simulate import (
+    Fabric,
+    Pins,
+    Scene,
+    SolveSettings,
+    SteadyRotation,
+    Topology,
+    equilibrium,
+    get_fabric,
+)
+from wearers import find_wearer
+
+FINE = SolveSettings(max_iterations=150)
+
+
+@dataclass(frozen=True)
+class Worn:
+    """A worn skirt: the template's drape, and the drape of a true pattern 3 % wider and 5 % longer."""
+
+    template: Pattern
+    true: Pattern
+    worn: Garment
+    registered: np.ndarray
+    fabric: Fabric
+    body: Body
+    grid: DistanceGrid
+    pins: Pins
+    target: Target
+
+
+def bring_to_rest(garment: Garment, fabric: Fabric, grid: DistanceGrid, pins: Pins) -> np.ndarray:
+    drape = equilibrium(Scene(Topology.from_garment(garment), fabric, grid, pins), garment.nodes, settings=FINE)
+    assert drape.converged
+    return drape.nodes
+
+
+@cache
+def drape_skirt() -> Worn:
+    """Drape template and true pattern, once in a process."""
+    template = load_template("skirt")
+    wearer = find_wearer()
+    fabric = get_fabric("cotton_poplin")
+    worn = drape_template(template, wearer, settings=DrapeSettings(template_vertices=600))
+    waist = waist_loop(worn)
+    assert waist is not None
+    pins = Pins(waist, worn.nodes[waist])
+    worn = worn.at(bring_to_rest(worn, fabric, wearer.grid, pins))
+    true = equalise_seams(template.with_points(template.points * [1.03, 1.05]), like=template)
+    registered = bring_to_rest(move_pattern(worn, true), fabric, wearer.grid, pins)
+    normals = vertex_normals(registered, worn.faces)
+    contours = name_contours(registered, worn.faces, wearer.body)[0]
+    target = Target(registered, worn.faces, normals, contours, (), "skirt")
+    return Worn(template, true, worn, registered, fabric, wearer.body, wearer.grid, pins, target)
+
+
+UNMEASURED = ShapeSettings(area_spread=np.inf)
+"""For a first pattern that no metric has measured: a template's, in another size."""
+
+
+def state(scene: Worn, settings: ShapeSettings | None = None, locked: np.ndarray | None = None) -> ShapeProblem:
+    """Pose the problem from the template's own pattern: nothing of the truth but its drape."""
+    problem = pose(scene, scene.worn.at(scene.registered), settings)
+    return problem if locked is None else replace(problem, scene=replace(problem.scene, locked=locked))
+
+
+def pose(
+    scene: Worn, at: Garment, settings: ShapeSettings | None = None, rotation: SteadyRotation | None = None
+) -> ShapeProblem:
+    """Pose the problem from any mesh of the template's pattern."""
+    cloth = Scene(Topology.from_garment(at), scene.fabric, scene.grid, scene.pins, rotation)
+    return ShapeProblem.of(FitScene.of(at, scene.template, cloth), settings or ShapeSettings())
+
+
+def area_errors(pattern: Pattern, true: Pattern) -> np.ndarray:
+    pairs = zip(pattern.panels, true.panels, strict=True)
+    return np.array([abs(panel_area(ours) / panel_area(theirs) - 1.0) for ours, theirs in pairs])
