@@ -160,9 +160,18 @@ def complete_case(case: Case, clock: Clock) -> Case:
     if case.target.hidden is None:
         return case
     with clock.stage("template", "completing what another garment hides") as hooks:
-        worn = drape_template(case.base, case.wearer, case.target, hooks=hooks)
+        worn = dress_template(case, hooks)
         completed = complete_target(worn, case.target, case.wearer.exposed, hooks)
     return case if completed is case.target else replace(case, target=completed, scanned=case.target)
+
+
+def dress_template(case: Case, hooks: Hooks) -> Garment:
+    """Dress the wearer in the case's base pattern, to be graded.
+
+    A maker's own is eased: its seams creep from where they lie, so they have to lie right; those of the library slide.
+    """
+    settings = DrapeSettings() if case.has_free_curves else DrapeSettings().eased()
+    return drape_template(case.base, case.wearer, case.target, settings=settings, hooks=hooks)
 
 
 @dataclass(frozen=True)
@@ -202,7 +211,7 @@ def drape_to_scan(case: Case, clock: Clock) -> GradedDrape:
             darted = replace(base, panels=kept.drawn, seams=kept.seams)
             return GradedDrape(worn, kept.drape, kept.warnings, kept.laid, darted, kept.changes)
     with clock.stage("template", "dressing the body in the template") as hooks:
-        worn = drape_template(base, case.wearer, case.target, hooks=hooks)
+        worn = dress_template(case, hooks)
     with clock.stage("grade", "grading the pattern to the scan") as hooks:
         slid, notes = grade(case, worn, hooks)
     with clock.stage("drape", "draping the graded pattern") as hooks:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -309,15 +310,26 @@ def _sewn_edges(like: Pattern, first: str, second: str) -> dict[int, int]:
 
 
 def _on_one_seam(like: Pattern) -> tuple[tuple[EdgeRef, EdgeRef], ...]:
-    """Pair the edges that follow each other on one seam between two panels, on the first of both by name."""
+    """Pair the edges that follow each other on one seam between two panels, on the first of both by name.
+
+    Closed darts between them are left out: where along a smooth waist a dart lies, the cloth does not tell either.
+    """
     sewn = {ref: other for seam in like.seams for ref, other in ((seam.a, seam.b), (seam.b, seam.a))}
     found = []
     for ref, other in sewn.items():
-        following = EdgeRef(ref.panel, (ref.edge + 1) % len(like.panel(ref.panel).edges))
-        before = EdgeRef(other.panel, (other.edge - 1) % len(like.panel(other.panel).edges))
+        following, before = _past_darts(like, ref, 1, sewn), _past_darts(like, other, -1, sewn)
         if ref.panel < other.panel and sewn.get(following) == before:
             found.append((ref, following))
     return tuple(pair for pair in found if min(_length(like, each) for each in pair) >= SHORT)
+
+
+def _past_darts(like: Pattern, ref: EdgeRef, turn: int, sewn: Mapping[EdgeRef, EdgeRef]) -> EdgeRef:
+    """Return the edge next to one in a panel, forwards or backwards, past darts, whose two edges are sewn together."""
+    count = len(like.panel(ref.panel).edges)
+    at = (ref.edge + turn) % count
+    while sewn.get(EdgeRef(ref.panel, at)) == EdgeRef(ref.panel, (at + turn) % count):
+        at = (at + 2 * turn) % count
+    return EdgeRef(ref.panel, at)
 
 
 def _until(start: int, count: int, turn: int, stops: set[int]) -> list[int]:

@@ -17,9 +17,11 @@ GOAL = 1e-6
 STEPS = 30
 """Most Gauss-Newton steps; it converges quadratically, in 3 to 5, from mismatches of centimetres."""
 
-LEAST_SINGULAR = 1e-3
+LEAST_SINGULAR = 0.05
 """Singular values below this fraction of the largest are dropped: seams that follow from others (a chain that closes),
-and such as could be made equal only by moving points a thousand times as far as they differ."""
+or repeat those of the wearer's other side up to what a file rounds, and could be made equal only by moving points 20
+times as far as they differ. 40 patterns of four makers have none between 1e-9 and 0.15, with 1 mm of noise up to
+0.02; at 0.001 noise of 0.1 mm moved points by decimetres."""
 
 SYMMETRIC = 1e-6
 """A pattern is symmetric where no point is further from its image than this [m]."""
@@ -58,7 +60,7 @@ def equalise_seams(
 
     f: an edge's length over its chord, which stays as handles are relative. q is 1, or for a gathered seam its ratio in
     `like`. A step is halved until it reduces the mismatch, and is the last one where it does not. A pattern that has
-    the symmetry of `like` keeps it.
+    the symmetry of `like` keeps it, but for what cannot be closed so: sides that a file draws unlike by a rounding.
 
     Args:
         pattern: What to change.
@@ -74,9 +76,15 @@ def equalise_seams(
     like = like or pattern
     symmetry = symmetry or find_symmetry(like)
     ratio = seam_ratios(like)
-    free = _free_coordinates(pattern, symmetry, fixed)
     sides = seam_sides(pattern)
-    points = pattern.points
+    points = _close(pattern.points, _free_coordinates(pattern, symmetry, fixed), sides, ratio)
+    if np.abs(_mismatch(points, sides, ratio)[0]).max() > GOAL:
+        points = _close(points, _free_coordinates(pattern, None, fixed), sides, ratio)
+    return pattern.with_points(points)
+
+
+def _close(points: np.ndarray, free: np.ndarray, sides: Sides, ratio: np.ndarray) -> np.ndarray:
+    """Return points [m] moved along free coordinates, shape [2 point_count, n], until both sides of seams match."""
     residual, jacobian = _mismatch(points, sides, ratio)
     for _ in range(STEPS):
         if np.abs(residual).max() < GOAL:
@@ -91,7 +99,7 @@ def equalise_seams(
         else:
             break
         points, residual, jacobian = moved, new_residual, new_jacobian
-    return pattern.with_points(points)
+    return points
 
 
 def seam_constraints(
@@ -134,11 +142,12 @@ def _mismatch(points: np.ndarray, sides: Sides, ratio: np.ndarray) -> tuple[np.n
     return residual, jacobian.reshape(len(ratio), -1)
 
 
-def _free_coordinates(pattern: Pattern, symmetry: Symmetry, fixed: Iterable[tuple[str, int]]) -> np.ndarray:
+def _free_coordinates(pattern: Pattern, symmetry: Symmetry | None, fixed: Iterable[tuple[str, int]]) -> np.ndarray:
     """Return an orthonormal basis of the movements allowed, so that the least norm is that of all points' movement."""
     points = pattern.points
-    symmetric = np.abs(symmetry.expand(symmetry.reduce(points)) - points).max() < SYMMETRIC
-    allowed = symmetry.matrix.toarray() if symmetric else np.eye(2 * len(points))
+    allowed = np.eye(2 * len(points))
+    if symmetry is not None and np.abs(symmetry.expand(symmetry.reduce(points)) - points).max() < SYMMETRIC:
+        allowed = symmetry.matrix.toarray()
     still = [2 * (pattern.first_points[name] + index) + axis for name, index in fixed for axis in (0, 1)]
     if still:
         _, values, right = np.linalg.svd(allowed[still])

@@ -15,9 +15,11 @@ from garmentq.core.pattern import (
     Panel,
     Pattern,
     Seam,
+    equalise_seams,
     load_template,
     mesh_pattern,
     panel_area,
+    seam_mismatch,
 )
 from garmentq.core.pattern.handles import handles_of, list_curves, with_handles
 
@@ -172,6 +174,29 @@ def test_a_side_seam_does_not_wander_to_the_front_and_back():
         assert missing[first + n] == pytest.approx(-np.log(0.8) / 0.04)
         assert dress.points[a, 1] == pytest.approx(dress.points[b, 1])
         assert dress.points[back_a, 1] == pytest.approx(dress.points[back_b, 1])
+
+
+def test_a_dart_on_a_seam_keeps_its_place_along_it():
+    """Broken where edges on both sides of a closed dart are not known to follow each other: the dart then slides."""
+    dress = load_template("dress+waist=seam,shaping=darts")
+    pairs = {pair for pair in find_proportions(dress).notched if pair[0].edge + 3 == pair[1].edge}
+    assert {pair[0].panel for pair in pairs} == {"front", "back"}
+    for before, after in pairs:
+        ends = dress.ends_of(before)[1], dress.ends_of(after)[0]
+        assert 0.0 < np.linalg.norm(dress.points[ends[0]] - dress.points[ends[1]]) < 0.06  # the mouth
+
+
+@pytest.mark.parametrize("name", ["trousers", "tank", "dress+waist=seam,shaping=darts"])
+def test_a_file_that_rounds_is_graded_as_it_is_drawn(name):
+    """Broken where what rounding leaves between left and right has to hold by itself: points moved by decimetres."""
+    drawn = load_template(name)
+    rounded = drawn.with_points(drawn.points + 3e-4 * np.random.default_rng(0).uniform(-1, 1, drawn.points.shape))
+    garment = mesh_pattern(rounded, 500)
+    points = fit_control_points(garment, np.tile(np.eye(2), (len(garment.faces), 1, 1)))
+    assert np.abs(points - rounded.points).max() < 1e-3
+    equal = equalise_seams(rounded)
+    assert np.abs(equal.points - rounded.points).max() < 1e-3
+    assert seam_mismatch(equal) < 1e-5
 
 
 def test_halves_of_a_circle_are_not_compared_by_their_corners():
