@@ -11,6 +11,7 @@ from ..checkpoints import load, save
 from ..grade import area_growth, find_proportions, mean_width
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, Pattern, equalise_seams, find_symmetry, seam_constraints
+from ..pattern.seams import LEAST_SINGULAR
 from ..simulate import Drape, Fabric
 from .independence import count_independent
 from .losses import RegisteredLoss
@@ -19,9 +20,6 @@ from .settings import ShapeSettings
 
 if TYPE_CHECKING:
     from ..simulate import Scene
-
-_DEPENDENT = 1e-6
-"""Singular value, relative to the largest, below which a seam's row follows from others (a chain that closes)."""
 
 
 @dataclass(frozen=True)
@@ -182,14 +180,17 @@ def _joined(matrix: np.ndarray, last: float) -> np.ndarray:
 
 
 def keep_seams(pattern: Pattern, like: Pattern, locked: np.ndarray | None = None) -> np.ndarray:
-    """Compute an orthonormal basis of the effective motions that keep seams equal and locks, shape [p, free_count]."""
+    """Compute an orthonormal basis of the effective motions that keep seams equal and locks, shape [p, free_count].
+
+    Seams that repeat others up to what a file rounds (`LEAST_SINGULAR`) take no motion away.
+    """
     rows = seam_constraints(pattern, like=like)[1] @ find_symmetry(like).matrix.toarray()
     if locked is not None:
         rows = np.concatenate([rows, np.eye(len(locked))[locked]])
     if not len(rows):
         return np.eye(rows.shape[1])
     _, values, right = np.linalg.svd(rows)
-    return np.asarray(right[int((values > _DEPENDENT * values[0]).sum()) :].T)
+    return np.asarray(right[int((values > LEAST_SINGULAR * values[0]).sum()) :].T)
 
 
 @dataclass(frozen=True)
