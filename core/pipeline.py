@@ -174,7 +174,7 @@ def dress_template(case: Case, hooks: Hooks) -> Garment:
     A maker's own that goes on below the waist is eased: its seams creep from where they lie, so they have to lie right;
     those of the library slide. Tops have no seam round the trunk that could hang too low.
     """
-    is_long = case.category not in TOPS and not case.has_free_curves
+    is_long = case.target.category not in TOPS and not case.has_free_curves
     settings = DrapeSettings().eased() if is_long else DrapeSettings()
     return drape_template(case.base, case.wearer, case.target, settings=settings, hooks=hooks)
 
