@@ -171,9 +171,9 @@ def complete_case(case: Case, clock: Clock) -> Case:
 def dress_template(case: Case, hooks: Hooks) -> Garment:
     """Dress the wearer in the case's base pattern, to be graded.
 
-    A maker's own that hangs from the shoulders past the waist is eased: its seams creep from where they lie, so they have
-    to lie right; those of the library slide. Tops have no seam round the trunk that could hang too low, and what hangs
-    from the waist is tied there.
+    A maker's own that hangs from the shoulders past the waist is eased: its seams creep from where they lie, so they
+    have to lie right; those of the library slide. Tops have no seam round the trunk that could hang too low, and what
+    hangs from the waist is tied there.
     """
     is_long = case.target.category in FROM_SHOULDERS and not case.has_free_curves
     settings = DrapeSettings().eased() if is_long else DrapeSettings()
