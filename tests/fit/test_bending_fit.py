@@ -5,28 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from garmentq.core.drape import waist_loop
-from garmentq.core.fit import (
-    MaterialSettings,
-    fit_bending,
-    nearest_fabrics,
-    posterior,
-)
+from garmentq.core.fit import MaterialSettings, fit_bending, nearest_fabrics, posterior
 from garmentq.core.mesh import vertex_normals
-from garmentq.core.pattern import (
-    mesh_pattern,
-    resample,
-)
-from garmentq.core.simulate import (
-    Pins,
-)
-from worn_skirt import Worn, bring_to_rest, drape_skirt, pose, state
-
-
-@pytest.fixture(scope="module")
-def scene() -> Worn:
-    return drape_skirt()
+from garmentq.core.pattern import mesh_pattern, resample
+from garmentq.core.simulate import Pins
+from worn_skirt import Worn, bring_to_rest, pose, state
 
 
 def test_bending_is_found_on_another_mesh(scene: Worn) -> None:

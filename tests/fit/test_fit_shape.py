@@ -48,12 +48,7 @@ from garmentq.core.simulate import (
     get_fabric,
     lag_friction,
 )
-from worn_skirt import FINE, UNMEASURED, Worn, area_errors, bring_to_rest, drape_skirt, pose, state
-
-
-@pytest.fixture(scope="module")
-def scene() -> Worn:
-    return drape_skirt()
+from worn_skirt import FINE, UNMEASURED, Worn, area_errors, bring_to_rest, pose, state
 
 
 def test_gradient_of_the_registered_loss(scene: Worn) -> None:
