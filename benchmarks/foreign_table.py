@@ -41,7 +41,7 @@ class Row:
         name: Of the draft.
         crossing: Faces of the drape that cross others.
         true: The parts that are judged.
-        found: The cut that was chosen.
+        found: The cut that was recovered, by its name.
         is_category: Whether the category is right.
         wrong: The wrong parts, `part: true as found`.
         area: Mean error of the areas of panels; None where they do not correspond.
@@ -110,9 +110,9 @@ def read_row(line: dict[str, Any], folders: Folders) -> Row:
         name=name,
         crossing=told["self_intersecting_faces"],
         true=f"`{design['cut']}`" if "cut" in design else ", ".join(list_true_parts(design).values()),
-        found=line["template"],
+        found=line["cut"],
         is_category=line["category"] == design["category"],
-        wrong=list_wrong_parts(design, find_cut(line["template"])),
+        wrong=list_wrong_parts(design, find_cut(line["cut"])),
         area=float(np.mean([abs(pair.area) for pair in pairs])) if pairs else None,
         outline=1e3 * float(np.mean([pair.outline for pair in pairs])) if pairs else None,
         total=_sum_areas(ours) / _sum_areas(truth) - 1.0,

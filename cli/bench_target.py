@@ -51,6 +51,7 @@ def empty_line(target: str, method: str) -> Line:
         "target": target,
         "category": None,
         "template": None,
+        "cut": None,
         "method": method,
         "ok": False,
         "error": None,
@@ -93,6 +94,7 @@ def _recover(order: TargetOrder) -> Line:
         {
             "category": recovery.target.category,
             "template": recovery.template,
+            "cut": recovery.manifest["cut"],
             "ok": True,
             "metrics": metrics,
             "cpu_seconds": recovery.cpu_seconds - compiling.seconds,

@@ -32,8 +32,10 @@ from .grade import (
     choose_cut,
     complete_target,
     grade_pattern,
+    name_recovered,
     share_by_hems,
     slide_seams,
+    tell_cut,
 )
 from .hooks import SILENT, Hooks
 from .inputs import read_body, read_files, read_template
@@ -96,8 +98,11 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     if fit.meshes.simulation is not None:
         fit = redrape_pattern(case, drape, fit, clock)
     with clock.stage("measure", "measuring the result"):
-        cut = measure_pieces(fit.garment.pattern)
-        metrics = {**measure(case, drape, fit), **cut.metrics}
+        pieces = measure_pieces(fit.garment.pattern)
+        metrics = {**measure(case, drape, fit), **pieces.metrics}
+        cut = case.template
+        if request.template is None:
+            cut = name_recovered(fit.garment.pattern, cut, case.body, request.settings.chosen_parts)
     return Recovery(
         scan=case.scan,
         body=case.body,
@@ -118,6 +123,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
                     *fit.warnings,
                     *(change.tell() for change in changes),
                     *(corner.tell() for corner in fit.corners),
+                    *tell_cut(cut, case.template),
                 )
             )
         ),
@@ -126,6 +132,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         peak_mb=peak_mb(),
         manifest=describe(case)
         | {
+            "cut": cut,
             "panel_changes": [asdict(change) for change in changes],
             "proved_corners": [corner.record() for corner in fit.corners],
         },
@@ -133,7 +140,7 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
         nearest_fabrics=fit.nearest,
         point_std=fit.point_std,
         rotation=drape.drape.rotation,
-        pieces=cut.pieces,
+        pieces=pieces.pieces,
     )
 
 

@@ -3,6 +3,7 @@
 from .bust_points import BustPoints, find_bust_points
 from .choice import Candidate, Choice, TemplateMissing, choose_cut, choose_template, flat_contours
 from .completion import complete_target
+from .cut_name import name_recovered, tell_cut
 from .dart_changes import LEAST_WIDTH, PanelChange
 from .distances import ContourMeasure, compare_contours, position_along
 from .flattening import (
@@ -62,6 +63,7 @@ __all__ = [
     "lay_coarsely",
     "mean_width",
     "move_pattern",
+    "name_recovered",
     "narrow_panels",
     "position_along",
     "register_coarsely",
@@ -72,4 +74,5 @@ __all__ = [
     "solve_sewn",
     "step_without_folds",
     "stretch_between",
+    "tell_cut",
 ]

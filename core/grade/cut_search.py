@@ -11,7 +11,7 @@ import numpy as np
 from ..body import Body
 from ..drape import measure_wearer
 from ..errors import BadInput
-from ..pattern import BodyMeasures, mesh_pattern
+from ..pattern import BodyMeasures, Pattern, mesh_pattern
 from ..pattern.parts import PARTS, Bodice, Cut, Legs, Shaping, Skirt, differing_parts, draft_cut
 from ..segment import Target
 from .girth_profile import GirthProfile, profile_pattern, profile_target
@@ -98,7 +98,7 @@ def search_cuts(
     fits: list[CutFit] = []
 
     def fit(template: str, cut: Cut) -> None:
-        drawn = _profile_cut(cut, measures)
+        drawn = profile_cut(cut, measures)
         if drawn is not None:
             fits.append(CutFit(template, cut, compare_girths(seen, drawn)))
 
@@ -143,7 +143,7 @@ def rank_fits(fits: Sequence[CutFit], usual: Cut, clear_shape: float = CLEAR_SHA
     if chosen is None:
         return ()
     most = chosen.total
-    shares = (CLEAR_SEAMS if _is_sewn_otherwise(fit.cut, usual) else clear_shape for fit in ranked)
+    shares = (CLEAR_SEAMS if is_sewn_otherwise(fit.cut, usual) else clear_shape for fit in ranked)
     clear = [fit for fit, share in zip(ranked, shares, strict=True) if fit.total < share * most]
     if clear:
         rivals = [fit for fit in clear if NEAR * fit.total <= clear[0].total]
@@ -151,7 +151,7 @@ def rank_fits(fits: Sequence[CutFit], usual: Cut, clear_shape: float = CLEAR_SHA
     return (chosen, *(fit for fit in ranked if fit is not chosen))
 
 
-def _is_sewn_otherwise(cut: Cut, usual: Cut) -> bool:
+def is_sewn_otherwise(cut: Cut, usual: Cut) -> bool:
     """Check whether a cut has seams that another has not: grading can make none."""
     changed = cut.skirt is not usual.skirt and (cut.skirt in SEWN_OTHERWISE or usual.skirt in SEWN_OTHERWISE)
     return changed or (cut.waist, cut.waistband, cut.panels) != (usual.waist, usual.waistband, usual.panels)
@@ -166,7 +166,7 @@ def _variants(templates: Sequence[tuple[str, Cut]], fixed: set[str], curved: boo
     """Yield what templates become with other parts that girths show, each cut once."""
     met = {_plain(cut) for _, cut in templates}
     for template, own in templates:
-        for other in _others(own, fixed) if own.panels == 2 else ():
+        for other in other_cuts(own, fixed) if own.panels == 2 else ():
             cut = _at_waist(other, fixed) if curved else other
             if _plain(cut) not in met:
                 met.add(_plain(cut))
@@ -183,7 +183,7 @@ def _plain(cut: Cut) -> Cut:
     return replace(cut, neck_depth=None, back_depth=None)
 
 
-def _others(cut: Cut, fixed: set[str]) -> Iterator[Cut]:
+def other_cuts(cut: Cut, fixed: set[str]) -> Iterator[Cut]:
     """Yield a cut with every other choice of the parts that show in girths and keep its kind."""
     open_parts = {part: words for part, words in _open_parts(cut).items() if part not in fixed}
     for words in product(*open_parts.values()):
@@ -205,9 +205,19 @@ def _open_parts(cut: Cut) -> Mapping[str, list[str]]:
     return found
 
 
-def _profile_cut(cut: Cut, measures: BodyMeasures) -> GirthProfile | None:
+def profile_cut(cut: Cut, measures: BodyMeasures) -> GirthProfile | None:
     """Return the girths of a cut drafted to measures; None where it cannot be sewn or meshed."""
     try:
-        return profile_pattern(mesh_pattern(draft_cut(cut, measures), VERTICES, sweeps=0))
+        pattern = draft_cut(cut, measures)
     except BadInput:
         return None
+    return profile_flat(pattern)
+
+
+def profile_flat(pattern: Pattern) -> GirthProfile | None:
+    """Return the girths of a pattern; None where it has no two ends or no mesh as coarse as that."""
+    try:
+        garment = mesh_pattern(pattern, VERTICES, sweeps=0)
+    except BadInput:
+        return None
+    return profile_pattern(garment)

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..pattern import EdgeRef, Pattern, edge_length, panel_area, polygon_area
+from ..pattern import EdgeRef, Pattern, edge_length, panel_area
 from ..pattern.curves import edge_area
-from ..pattern.handles import handles_of, length_rates
+from ..pattern.handles import area_rates, handles_of, length_rates
+from .closed_area import ClosedArea, polygon_rates
 from .flattening import SHORT, kept_vectors
 from .parts import across_armholes, are_mirrored, count_seams
 
@@ -19,10 +20,6 @@ ALIKE = 0.6
 AREA_SPREAD = 0.03
 """Standard deviation that is believed of ln of a ratio of areas; five published patterns, graded by their authors' own
 program by up to a factor of two, keep it within 2.5 %."""
-
-CORNERED = 0.5
-"""Least share of a panel's area that lies between its corners where areas are compared: a full circle's two halves have
-none there, a half circle's 0.56, all other panels of 60 patterns of three makers 0.81 and more."""
 
 LENGTH_SPREAD = 0.05
 """The same of a ratio of lengths of two edges in the same place of sister panels; there it is within 5 %."""
@@ -61,9 +58,8 @@ class Proportions:
     """Describe what grading a garment keeps.
 
     Attributes:
-        sisters: Names of panels that are sewn together along two seams or more and are alike in area, those left out
-            whose corners lie round less than `CORNERED` of it.
-        areas: ln of the area between the corners of the first by that of the second, shape [sister_count].
+        sisters: Two panels that are sewn together along two seams or more and are alike in area, by what of it counts.
+        areas: ln of the closed area of the first by that of the second, shape [sister_count].
         edges: Edges in the same place of two sisters, neither sewn to the other.
         lengths: ln of the length of the first by that of the second, shape [edge_pair_count].
         notched: Edges that follow each other on one seam between two panels.
@@ -79,7 +75,7 @@ class Proportions:
         spread: Standard deviation of its direction [rad], shape [directed_count].
     """
 
-    sisters: tuple[tuple[str, str], ...]
+    sisters: tuple[tuple[ClosedArea, ClosedArea], ...]
     areas: np.ndarray
     edges: tuple[tuple[EdgeRef, EdgeRef], ...]
     lengths: np.ndarray
@@ -102,9 +98,9 @@ class Proportions:
         """
         missing, rates, points = [], [], pattern.points
         for (a, b), ratio in zip(self.sisters, self.areas, strict=True):
-            now, by = _cornered_area(pattern, a), _cornered_area(pattern, b)
+            now, by = a.measure(pattern), b.measure(pattern)
             missing.append((ratio - np.log(now / by)) / AREA_SPREAD)
-            rates.append((_cornered_rate(pattern, a) / now - _cornered_rate(pattern, b) / by) / AREA_SPREAD)
+            rates.append((a.rates(pattern) / now - b.rates(pattern) / by) / AREA_SPREAD)
         for (edge, sister), ratio in zip(self.edges, self.lengths, strict=True):
             now = np.log(_length(pattern, edge) / _length(pattern, sister))
             missing.append((ratio - now) / LENGTH_SPREAD)
@@ -135,7 +131,7 @@ class Proportions:
     def curve_rates(self, pattern: Pattern) -> np.ndarray:
         """Return the rates of the rules by the handles of all curves, shape [rule_count, 2 handle_count].
 
-        In the order and the units of `linearise`; only lengths have any.
+        In the order and the units of `linearise`; only areas and lengths have any.
         """
         size = 2 * len(handles_of(pattern))
 
@@ -143,9 +139,13 @@ class Proportions:
             found = [length_rates(pattern, {a: 1 / _length(pattern, a), b: -1 / _length(pattern, b)}) for a, b in pairs]
             return np.array(found).reshape(-1, size) / spread
 
+        areas = []
+        for a, b in self.sisters:
+            now, by = 1 / a.measure(pattern), -1 / b.measure(pattern)
+            areas.append(area_rates(pattern, {**dict.fromkeys(a.curves(), now), **dict.fromkeys(b.curves(), by)}))
         return np.concatenate(
             [
-                np.zeros((len(self.sisters), size)),
+                np.array(areas).reshape(-1, size) / AREA_SPREAD,
                 ratios(self.edges, LENGTH_SPREAD),
                 np.zeros((len(self.widths), size)),
                 ratios(self.notched, NOTCH_SPREAD),
@@ -164,15 +164,13 @@ def find_proportions(like: Pattern) -> Proportions:
     """
     seams = count_seams(like)
     sisters, edges = [], []
-    areas: dict[tuple[str, str], float] = {}
     for (first, second), count in sorted(seams.items()):
-        whole = [panel_area(like.panel(name)) for name in (first, second)]
-        if count >= 2 and ALIKE < whole[0] / whole[1] < 1.0 / ALIKE:
+        ratio = panel_area(like.panel(first)) / panel_area(like.panel(second))
+        if count >= 2 and ALIKE < ratio < 1.0 / ALIKE:
             sisters.append((first, second))
             edges += _same_place(like, first, second)
-            cornered = [_cornered_area(like, name) for name in (first, second)]
-            if min(np.divide(cornered, whole)) >= CORNERED:
-                areas[first, second] = float(np.log(cornered[0] / cornered[1]))
+    compared = tuple((ClosedArea.of(like, first), ClosedArea.of(like, second)) for first, second in sisters)
+    areas = [float(np.log(a.measure(like) / b.measure(like))) for a, b in compared]
     lengths = [float(np.log(_length(like, a) / _length(like, b))) for a, b in edges]
     directed, across, spread = _directions(like, {frozenset(pair) for pair in sisters})
     vectors = kept_vectors(like)
@@ -186,8 +184,8 @@ def find_proportions(like: Pattern) -> Proportions:
     notches = [float(np.log(_length(like, a) / _length(like, b))) for a, b in notched]
     ratios = [_ln_distance(like, one)[0] - _ln_distance(like, other)[0] for one, other in widths]
     return Proportions(
-        tuple(areas), np.array(list(areas.values())), tuple(edges), np.array(lengths), notched, np.array(notches),
-        widths, np.array(ratios), vectors, drawn, directed, across, spread,
+        compared, np.array(areas), tuple(edges), np.array(lengths), notched, np.array(notches), widths,
+        np.array(ratios), vectors, drawn, directed, across, spread,
     )  # fmt: skip
 
 
@@ -368,19 +366,5 @@ def area_growth(pattern: Pattern) -> np.ndarray:
         beside = 2.0 * np.array([edge_area(edge) for edge in panel.edges])[:, None] * chords
         start = pattern.first_points[panel.name]
         rates[start : start + len(chords)] = np.roll(beside, 1, axis=0) - beside
-        rates += _cornered_rate(pattern, panel.name)
+        rates[start : start + len(chords)] += polygon_rates(panel.points)
     return rates / sum(panel_area(panel) for panel in pattern.panels)
-
-
-def _cornered_area(pattern: Pattern, name: str) -> float:
-    """Return the area of a panel between its corners [m2], what curves add or take left out."""
-    return polygon_area(pattern.panel(name).points)
-
-
-def _cornered_rate(pattern: Pattern, name: str) -> np.ndarray:
-    """Return the derivative of the area between a panel's corners by all points [m], shape [point_count, 2]."""
-    start, points = pattern.first_points[name], pattern.panel(name).points
-    apart = 0.5 * (np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0))
-    rates = np.zeros((len(pattern.points), 2))
-    rates[start : start + len(points)] = np.column_stack([apart[:, 1], -apart[:, 0]])
-    return rates

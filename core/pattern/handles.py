@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from .control import spread_inside
-from .curves import chord, place_on_chord, unit_length, unit_points
+from .curves import chord, edge_area, place_on_chord, unit_length, unit_points
 from .fairness import SmoothJoin
 from .garment import Garment
 from .pattern import Edge, EdgeRef, Pattern
@@ -101,18 +101,33 @@ def differentiate(edge: Edge, measure: Measure) -> np.ndarray:
     return np.stack(rates, axis=-1)
 
 
-def length_rates(pattern: Pattern, by: dict[EdgeRef, float]) -> np.ndarray:
+def length_rates(pattern: Pattern, by: Mapping[EdgeRef, float]) -> np.ndarray:
     """Return the derivative of a weighted sum of lengths by the handles [m], shape [2 handle_count].
 
     Args:
         pattern: The pattern.
         by: Weight of each edge.
     """
+    return _edge_rates(pattern, by, unit_length, 1)
+
+
+def area_rates(pattern: Pattern, by: Mapping[EdgeRef, float]) -> np.ndarray:
+    """Return the derivative of a weighted sum of areas beside edges by the handles [m2], shape [2 handle_count].
+
+    Args:
+        pattern: The pattern.
+        by: Weight of each edge.
+    """
+    return _edge_rates(pattern, by, edge_area, 2)
+
+
+def _edge_rates(pattern: Pattern, by: Mapping[EdgeRef, float], measure: Measure, power: int) -> np.ndarray:
+    """Return the derivative of a weighted sum of what grows with a power of each edge's chord."""
     rates = np.zeros((len(handles_of(pattern)), 2))
     for ref, edge, own in list_curves(pattern):
         if ref in by:
             start, end = chord(pattern.panel(ref.panel), ref.edge)
-            found = by[ref] * float(np.linalg.norm(end - start)) * differentiate(edge, unit_length)
+            found = by[ref] * float(np.linalg.norm(end - start)) ** power * differentiate(edge, measure)
             rates[own] = found.reshape(-1, 2)
     return rates.ravel()
 

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
-from garmentq.core.grade import choose_cut
+from garmentq.core.grade import choose_cut, name_recovered, tell_cut
 from garmentq.core.grade.cut_search import CutFit, compare_girths, rank_fits
 from garmentq.core.grade.distances import limb_chain
 from garmentq.core.grade.girth_profile import GirthProfile, measure_girths, profile_pattern
@@ -187,3 +187,29 @@ def test_a_sleeve_far_from_the_scans_length_is_left(share: float, name: str) -> 
     target = Target(np.concatenate(loops), np.zeros((0, 3), int), np.concatenate(loops), contours, (), "dress")
     assert str(fit_sleeve(target, BODY, CUTS["sleeved_dress"]).sleeve) == name
     assert fit_sleeve(target, BODY, CUTS["dress"]) is CUTS["dress"]
+
+
+@pytest.mark.parametrize(
+    ("drawn", "template", "name"),
+    [
+        ("skirt+waistband=band", "pencil_skirt", "skirt+waistband=band"),
+        ("trousers+legs=wide", "trousers", "trousers+legs=wide"),
+        ("sleeved_jumpsuit+legs=wide", "sleeved_jumpsuit", "sleeved_jumpsuit+legs=wide"),
+        ("skirt+skirt=straight", "pencil_skirt", "pencil_skirt"),  # 6 cm at the hem tell nothing
+        ("trousers", "trousers", "trousers"),
+        ("tshirt", "tshirt", "tshirt"),
+    ],
+)
+def test_a_recovered_pattern_is_named_by_what_came_out(drawn: str, template: str, name: str) -> None:
+    """Breaks where a pattern keeps the name of what it was graded from, or leaves it for one that is as near.
+
+    What was recovered is drafted for another body than the wearer's.
+    """
+    pattern = draft_cut(find_cut(drawn), LARGER)
+    assert name_recovered(pattern, template, BODY) == name
+    assert bool(tell_cut(name, template)) == (name != template)
+
+
+def test_what_the_user_chose_is_not_renamed() -> None:
+    """Breaks where `--part skirt=pencil` is told as something else."""
+    assert name_recovered(draft_cut(find_cut("skirt"), LARGER), "pencil_skirt", BODY, {"skirt"}) == "pencil_skirt"

@@ -13,10 +13,12 @@ from garmentq.core.pattern import (
     find_symmetry,
     load_template,
     mesh_pattern,
+    panel_area,
     redraw,
 )
 from garmentq.core.pattern.fairness import find_smooth_joins, measure_corner
 from garmentq.core.pattern.handles import (
+    area_rates,
     corner_rates,
     find_free_handles,
     follow_handles,
@@ -67,12 +69,17 @@ def test_a_mesh_follows_its_handles(pattern, motion):
     assert np.abs(rates).max() > 0.01
 
 
-def test_lengths_follow_handles(pattern, motion):
-    """Broken where a chord's length is forgotten."""
+def test_lengths_and_areas_follow_handles(pattern, motion):
+    """Broken where a chord's length or its square is forgotten, or an area's sign is turned."""
     forwards, backwards = both_ways(pattern, motion)
     for ref, _, _ in list_curves(pattern):
         ends = [edge_length(one.panel(ref.panel), ref.edge) for one in (forwards, backwards)]
         rate = float(length_rates(pattern, {ref: 1.0}) @ motion.ravel())
+        assert rate == pytest.approx((ends[0] - ends[1]) / (2.0 * SMALL), abs=1e-5)
+    for panel in pattern.panels:
+        ends = [panel_area(one.panel(panel.name)) for one in (forwards, backwards)]
+        edges = dict.fromkeys((EdgeRef(panel.name, index) for index in range(len(panel.edges))), 1.0)
+        rate = float(area_rates(pattern, edges) @ motion.ravel())
         assert rate == pytest.approx((ends[0] - ends[1]) / (2.0 * SMALL), abs=1e-5)
 
 
