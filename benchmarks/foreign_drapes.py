@@ -7,13 +7,14 @@ Nothing of `core.simulate` runs.
 PYTHON is one that has the module `bpy` (development only). A body is dressed in the panels by position-based dynamics,
 since Blender's threads lose a shirt's shoulders on the way, and cloth is brought to its lengths (`foreign_start.py`);
 from there on Blender's cloth finds where it hangs, sewn by its threads, from the flat panels as rest shape. OUT is a
-folder of packs without base patterns, in the form that `garmentq bench OUT --library --json` reads.
+folder of packs that `garmentq bench OUT --library --json` reads; without `--library` the draft is the base pattern.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import shutil
 import subprocess
 import tempfile
 from pathlib import Path
@@ -181,6 +182,7 @@ def make_pack(drafts: Path, wearer: WearerGeometry, out: Path, python: str) -> d
     body.export(folder / "body.ply")
     (folder / "pattern.json").write_text(json.dumps(describe(pattern)))
     (folder / "meta.json").write_text(json.dumps(told, indent=1))
+    shutil.copy(drafts / "specification.json", folder / "template.json")
     return told
 
 

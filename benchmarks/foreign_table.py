@@ -4,8 +4,8 @@
     python benchmarks/foreign_table.py DRAFTS... --packs PACKS --results RESULTS --lines LINES.jsonl
 
 Judged are the category, the parts that a design names (a draft of our own names all of them; darts are left out), the
-seam at the waist of a dress, and the verdict of all that the bench measures. Panels at least 12 cm wide are compared
-one by one where both patterns have as many of them at each place around the wearer, and as many bands.
+seam at the waist of a dress or a jumpsuit, and the verdict of all that the bench measures. Panels at least 12 cm wide
+are compared one by one where both patterns have as many of them at each place around the wearer, and as many bands.
 
 GarmentCode cuts tops in halves with a straight seam in the middle in front and behind, our parts have none there. It
 shapes nothing, so halves are joined there before panels are compared. Darts are cut out of a panel's area, its outline
@@ -81,7 +81,7 @@ def list_true_parts(design: dict[str, Any]) -> dict[str, str]:
         cut = find_cut(design["cut"])
         return {part: str(getattr(cut, part)) for part in PARTS if cut.has_place_for(part) and part != "shaping"}
     named = {part: word for part, word in design["parts"].items() if part != "darts"}
-    return named | ({"waist": "seam"} if design["category"] == "dress" else {})
+    return named | ({"waist": "seam"} if design["category"] in ("dress", "jumpsuit") else {})
 
 
 def list_wrong_parts(design: dict[str, Any], found: Cut) -> tuple[str, ...]:

@@ -175,10 +175,10 @@ RULES = (
         "A scan's own contacts leave a few faces; from 3 % on a simulator will not start from this mesh.",
     ),
     Rule(
-        "simulation_fit", _farther("sim.surface_rms_mm"), 10.0, 30.0,
+        "simulation_fit", _farther("sim.surface_rms_mm"), 15.0, 30.0,
         "The simulation mesh lies {value:.1f} mm (RMS) from the scan, or the scan from it",
         "its folds fall elsewhere than the scan's; use the detail mesh where the shape counts.",
-        "Folds of one garment in two drapes differ by up to 10 mm; at 30 mm it hangs or stands out another way.",
+        "Folds of one full circle differ by up to 15 mm in two drapes; at 30 mm it hangs or stands out another way.",
         Product.DRAPE,
     ),
     Rule(

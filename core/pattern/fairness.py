@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .curves import edge_area, is_flat_arc, unit_circle
+from .curves import edge_area, edge_length, is_flat_arc, unit_circle
 from .memo import once
 from .pattern import Edge, EdgeRef, Panel, Pattern
 from .seams import equalise_seams
@@ -24,6 +24,10 @@ WIDEST_ARC = 2.0 * np.pi / 3.0
 BLEND = 0.06
 """Length over which a straight edge begins to bend [m]: a hem is squared and a hip blended over 5 to 8 cm, beyond which
 the edge stays the line that it was."""
+
+SHORTEST = 0.005
+"""Edges below this have no direction that a cutter sees [m]: the steps of 2 mm that programs draw at a corner turn by
+40 degrees where a point moves by 1 mm."""
 
 ROUNDS = 8
 """Most rounds in which curves are turned, moved and sewn equal in turn: what each undoes of the others halves, so that
@@ -60,10 +64,18 @@ NONE_PROVED: Mapping[SmoothJoin, float] = {}
 
 @once
 def find_smooth_joins(pattern: Pattern) -> tuple[SmoothJoin, ...]:
-    """Find every place where a pattern's boundary is smooth: those where its own corner is below `SMOOTH`."""
+    """Find every place where a pattern's boundary is smooth: those where its own corner is below `SMOOTH`.
+
+    Where one of the two edges is below `SHORTEST` it is part of a corner, whatever its direction.
+    """
     single = [SmoothJoin(((panel.name, i),)) for panel in pattern.panels for i in range(len(panel.points))]
     joins = [*single, *_across_seams(pattern)]
-    return tuple(join for join in joins if abs(measure_corner(pattern, join)) < SMOOTH)
+    return tuple(
+        join
+        for join in joins
+        if abs(measure_corner(pattern, join)) < SMOOTH
+        and all(edge_length(pattern.panel(ref.panel), ref.edge) >= SHORTEST for ref in boundary_edges(pattern, join))
+    )
 
 
 def measure_corner(pattern: Pattern, join: SmoothJoin) -> float:

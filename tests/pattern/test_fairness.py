@@ -23,7 +23,7 @@ from garmentq.core.pattern import (
     seam_mismatch,
     unplanned_corners,
 )
-from garmentq.core.pattern.fairness import find_smooth_joins
+from garmentq.core.pattern.fairness import SmoothJoin, find_smooth_joins, measure_corner
 
 WIDTH, HEIGHT = 0.5, 0.6
 
@@ -156,3 +156,18 @@ def test_corners_and_waves_are_metrics() -> None:
     assert count_waves(base.panels[0]) == 0 and count_waves(wavy.panels[0]) == 4  # the S, and the corner after it
     assert measure_fairness(wavy, base)["pattern.waves"] == 8.0
     assert measure_fairness(wavy, wavy)["pattern.waves"] == 0.0
+
+
+def test_a_step_of_two_millimetres_has_no_direction():
+    """Broken where a point 2 mm beside a corner, as GarmentCode draws them, has to stay on its line to a degree.
+
+    Moved by 1 mm it is a corner of 30 degrees; turned back, the edges beside it would be bent for what nobody sees.
+    """
+    points = np.array([[0.0, 0.0], [0.4, 0.0], [0.4, 0.6], [0.002, 0.6], [0.0, 0.6]])
+    base = Pattern("step", (Panel("front", points, (Edge(),) * 5),), ())
+    graded = base.with_points(points + 1e-3 * np.array([[0, 0], [0, 0], [0, 0], [0, 1], [0, 0]]))
+    assert abs(measure_corner(graded, SmoothJoin((("front", 3),)))) > np.radians(20.0)
+    assert len(unplanned_corners(graded, base)) == 0
+    assert fair_curves(graded, base) is graded
+    longer = base.with_points(points + np.array([[0, 0], [0, 0], [0, 0], [0.02, 0], [0, 0]]))
+    assert len(find_smooth_joins(longer)) == 1
