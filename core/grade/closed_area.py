@@ -10,6 +10,10 @@ import numpy as np
 from ..pattern import EdgeRef, Panel, Pattern, polygon_area
 from ..pattern.curves import edge_area
 
+STRAIGHT = 1e-3
+"""Area beside a row of edges, in squares of the distance between its ends, below which it is straight: a hem that is a
+rounding hollow is a hem."""
+
 
 @dataclass(frozen=True)
 class ClosedArea:
@@ -40,8 +44,9 @@ class ClosedArea:
         """Return what counts of a panel."""
         panel, inside, hems = pattern.panel(name), set[int](), list[int]()
         for row in _open_rows(pattern, panel):
-            end = (row[-1] + 1) % len(panel.edges)
-            if polygon_area(panel.points[[*row, end]]) + sum(_beside(panel, i) for i in row) < 0.0:
+            corners = panel.points[[*row, (row[-1] + 1) % len(panel.edges)]]
+            outside = polygon_area(corners) + sum(_beside(panel, i) for i in row)
+            if outside < -STRAIGHT * float(((corners[-1] - corners[0]) ** 2).sum()):
                 inside.update(row[1:])
             else:
                 hems += row

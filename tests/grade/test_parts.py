@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from garmentq.core.fit import keep_seams
 from garmentq.core.grade import area_growth, find_proportions
+from garmentq.core.grade.closed_area import ClosedArea
 from garmentq.core.grade.flattening import fit_control_points
 from garmentq.core.grade.parts import across_armholes, find_parts
 from garmentq.core.grade.registration import bending_operators
@@ -225,6 +226,15 @@ def test_closed_areas_follow_points(name):
     for area in (area for pair in find_proportions(drawn).sisters for area in pair):
         ends = [area.measure(drawn.with_points(drawn.points + way * away)) for way in (1.0, -1.0)]
         assert (ends[0] - ends[1]) / 2.0 == pytest.approx(float((area.rates(drawn) * away).sum()), rel=1e-6)
+
+
+def test_a_hem_with_a_point_in_its_middle_counts_whole():
+    """Broken where a rounding below the line between a hem's ends makes a neckline of it, which counts for nothing."""
+    points = np.array([[0.0, 0.0], [0.3, 1e-9], [0.6, 0.0], [0.6, 0.5], [0.3, 0.4], [0.0, 0.5]])
+    panels = tuple(Panel(name, points, (Edge(),) * 6) for name in ("front", "back"))
+    seams = tuple(Seam(EdgeRef("front", n), EdgeRef("back", m)) for n, m in ((2, 5), (5, 2)))
+    area = ClosedArea.of(Pattern("skirt", panels, seams), "front")
+    assert area.corners.tolist() == [0, 1, 2, 3, 5] and area.hems == (0, 1)
 
 
 def test_a_deeper_neckline_is_not_made_up_for():
