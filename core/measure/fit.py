@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ..body import ExposedSurface, penetration_depth
 from ..mesh import (
@@ -16,6 +17,7 @@ from ..mesh import (
     corner_angles,
     deformation_gradients,
     principal_stretches,
+    self_intersections,
 )
 from ..meshes import Meshes
 from ..pattern import Garment
@@ -68,6 +70,20 @@ class Reference:
         if self.rim is None:
             return np.ones(len(points.face), bool)
         return ~self.rim.lies_ahead(self.surface, points)
+
+    @cached_property
+    def centres(self) -> cKDTree:
+        """The middles of the truth's faces as a search tree."""
+        return cKDTree(self.surface.vertices[self.surface.faces].mean(axis=1))
+
+    def crossing_distance(self, points: np.ndarray, reach: float) -> np.ndarray:
+        """Return how far points are from the truth's nearest face that crosses another [m]; inf out of reach."""
+        around = self.centres.query_ball_point(points, 2.0 * reach) if len(points) else []
+        near = np.unique(np.concatenate([np.zeros(0, int), *around])).astype(int)
+        crossing = near[self_intersections(self.surface.vertices, self.surface.faces[near])]
+        if not len(crossing):
+            return np.full(len(points), np.inf)
+        return np.asarray(cKDTree(self.centres.data[crossing]).query(points)[0])
 
     @cached_property
     def cloud(self) -> VertexCloud:
@@ -174,13 +190,17 @@ def _measure_place(garment: Garment, nodes: np.ndarray, truth: Reference) -> dic
 def count_flipped(vertices: np.ndarray, faces: np.ndarray, truth: Reference) -> int:
     """Count faces whose normal points against the truth's at the point closest to their centre.
 
-    Which way the truth as a whole is wound is settled by vote first.
+    Which way the truth as a whole is wound is settled by vote first. Faces within an edge of where the truth passes
+    through itself, as scans of cloth between the thighs do, are left out: a mesh that does not cross has to lie on the
+    other side of one of its layers there.
     """
-    ours = TriangleSurface(vertices, faces)
-    closest = truth.surface.closest(vertices[faces].mean(axis=1))
+    ours, centres = TriangleSurface(vertices, faces), vertices[faces].mean(axis=1)
+    closest = truth.surface.closest(centres)
     cosines = np.einsum("ij,ij->i", ours.face_normals, truth.surface.face_normals[closest.face])
-    cosines = cosines[truth.has_counterpart(closest)]
-    return int(np.sum(orientation(cosines) * cosines < 0.0))
+    there = truth.has_counterpart(closest)
+    against = centres[there][orientation(cosines[there]) * cosines[there] < 0.0]
+    edge = float(np.linalg.norm(vertices[faces] - vertices[np.roll(faces, 1, axis=1)], axis=2).mean())
+    return int(np.sum(truth.crossing_distance(against, edge) >= edge))
 
 
 def _penetration(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface | None) -> float | None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
 from garmentq.core.grade import choose_cut, find_proportions
-from garmentq.core.grade.neckline import CLEAR, CORNER, fit_necklines
+from garmentq.core.grade.neckline import CLEAR, CORNER, _rank, _Turns, fit_necklines
 from garmentq.core.pattern import edge_points, load_template
 from garmentq.core.pattern.parts import Neckline, Throat, corner_turn, neckline_points
 from garmentq.core.segment import Contour, Target, unroll_neck
@@ -94,16 +94,32 @@ def collared(target: Target, at: np.ndarray, out: np.ndarray) -> Target:
     return replace(target, vertices=np.concatenate([at, at + out]), faces=faces)
 
 
-@pytest.mark.parametrize(("folded", "kind"), [(False, Neckline.V), (True, Neckline.CREW)])
+@pytest.mark.parametrize("kind", [Neckline.V, Neckline.SQUARE])
+@pytest.mark.parametrize("folded", [False, True])
 def test_folds_make_no_corner(folded, kind):
-    """Broken where a round neckline that hangs in a fold is a V: cloth bent about the fold does not turn within."""
-    target = neck_target(Throat.at_front(Neckline.CREW), Throat(Neckline.V, 0.12))
+    """Broken where a round neckline that hangs in folds has corners: cloth bent about a fold does not turn within."""
+    target = neck_target(Throat.at_front(Neckline.CREW), Throat(kind, 0.12))
     loop, slope = target.vertices, np.radians(25.0)
     along = loop - loop.mean(axis=0)
     across = np.array([0.0, -np.sin(slope), np.cos(slope)])
     flat = 0.3 * (along - (along @ across)[:, None] * across)
     fits = fit_necklines(collared(target, loop, 0.03 * across if folded else flat), BODY)
-    assert fits is not None and fits.back[0].throat.kind is kind
+    assert fits is not None and (fits.back[0].throat.kind is kind) == (not folded)
+    assert folded == (fits.back[0].throat.kind in (Neckline.CREW, Neckline.SCOOP))
+
+
+@pytest.mark.parametrize(("turn", "kind"), [(119.0, Neckline.V), (60.0, Neckline.SCOOP)])
+def test_a_v_may_bulge(turn, kind):
+    """Broken where a V whose sides bulge is round though the cloth has its point, or 2 mm of noise make that point."""
+    drawn = [neckline_points(Throat(each, 0.16), 0.10) * (1.0, -1.0) for each in (Neckline.SCOOP, Neckline.V)]
+    at = np.linspace(0.0, 1.0, 100)
+    alike = [
+        np.stack([np.interp(at, np.linspace(0.0, 1.0, len(line)), column) for column in line.T], axis=1)
+        for line in drawn
+    ]
+    line = 0.85 * alike[0] + 0.15 * alike[1]
+    ranked = _rank(line, Neckline.BOAT, _Turns(np.radians(turn), np.radians(14.0)))
+    assert ranked[0].throat.kind is kind
 
 
 @pytest.mark.parametrize(("tilt", "kind"), [(0.0, Neckline.V), (62.0, Neckline.SCOOP)])

@@ -172,6 +172,31 @@ def test_flipped_faces_are_counted_but_not_a_mesh_turned_inside_out() -> None:
     assert count_flipped(vertices, wrong[:, ::-1], Reference(vertices, faces)) == 3
 
 
+def test_where_the_scan_passes_through_itself_no_side_is_wrong() -> None:
+    """Fails if two layers are wrong that lie apart where the scan's lie in each other, or the rest is not judged.
+
+    Two layers, the upper one facing up, 4 mm apart; in a band of 2 cm the scan's have changed places.
+    """
+    x, y = np.meshgrid(np.linspace(-0.1, 0.1, 41), np.linspace(0.0, 0.1, 21))
+    at = np.arange(x.size).reshape(x.shape)
+    a, b, c, d = (at[:-1, :-1].ravel(), at[:-1, 1:].ravel(), at[1:, 1:].ravel(), at[1:, :-1].ravel())
+    up = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+    faces = np.concatenate([up, up[:, ::-1] + x.size])
+
+    def layers(height: np.ndarray) -> np.ndarray:
+        upper, lower = (np.stack([x, y, z], 2).reshape(-1, 3) for z in (height, -height))
+        return np.concatenate([upper, lower + [7e-4, 13e-4, 0.0]])  # else edges meet edges, which is no crossing
+
+    inside = np.abs(x) < 0.009
+    scan, ours = layers(np.where(inside, -2e-3, 2e-3)), layers(np.full(x.shape, 1e-3))
+    cloth = Reference(scan, faces)
+    band = np.abs(ours[faces][:, :, 0]).max(axis=1) < 0.009
+    assert band.sum() > 100 and count_flipped(ours, faces, cloth) < 0.2 * band.sum()
+    aside = faces.copy()
+    aside[:5] = aside[:5, ::-1]  # at the edge, where layers are apart
+    assert count_flipped(ours, aside, cloth) == count_flipped(ours, faces, cloth) + 5
+
+
 def test_penetration_sees_vertices_and_face_centres() -> None:
     """Fails if only vertices were tested, or depth were measured outside: depths 4 mm and centre of a wide face."""
     body = ExposedSurface(*sphere(0.1, 5))
