@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..pattern import EdgeRef, Pattern, edge_length, panel_area
-from ..pattern.curves import edge_area
 from ..pattern.handles import area_rates, handles_of, length_rates
-from .closed_area import ClosedArea, polygon_rates
+from .compared_area import ComparedArea, area_rates_by_points
 from .flattening import SHORT, kept_vectors
 from .parts import across_armholes, are_mirrored, count_seams
 
@@ -59,7 +58,7 @@ class Proportions:
 
     Attributes:
         sisters: Two panels that are sewn together along two seams or more and are alike in area, by what of it counts.
-        areas: ln of the closed area of the first by that of the second, shape [sister_count].
+        areas: ln of the compared area of the first by that of the second, shape [sister_count].
         edges: Edges in the same place of two sisters, neither sewn to the other.
         lengths: ln of the length of the first by that of the second, shape [edge_pair_count].
         notched: Edges that follow each other on one seam between two panels.
@@ -75,7 +74,7 @@ class Proportions:
         spread: Standard deviation of its direction [rad], shape [directed_count].
     """
 
-    sisters: tuple[tuple[ClosedArea, ClosedArea], ...]
+    sisters: tuple[tuple[ComparedArea, ComparedArea], ...]
     areas: np.ndarray
     edges: tuple[tuple[EdgeRef, EdgeRef], ...]
     lengths: np.ndarray
@@ -169,7 +168,7 @@ def find_proportions(like: Pattern) -> Proportions:
         if count >= 2 and ALIKE < ratio < 1.0 / ALIKE:
             sisters.append((first, second))
             edges += _same_place(like, first, second)
-    compared = tuple((ClosedArea.of(like, first), ClosedArea.of(like, second)) for first, second in sisters)
+    compared = tuple((ComparedArea.of(like, first), ComparedArea.of(like, second)) for first, second in sisters)
     areas = [float(np.log(a.measure(like) / b.measure(like))) for a, b in compared]
     lengths = [float(np.log(_length(like, a) / _length(like, b))) for a, b in edges]
     directed, across, spread = _directions(like, {frozenset(pair) for pair in sisters})
@@ -360,11 +359,5 @@ def _length_rate(pattern: Pattern, ref: EdgeRef) -> np.ndarray:
 
 def area_growth(pattern: Pattern) -> np.ndarray:
     """Compute d ln A / d points of all panels' area A together, curves with it [1/m], shape [point_count, 2]."""
-    rates = np.zeros((len(pattern.points), 2))
-    for panel in pattern.panels:
-        chords = np.roll(panel.points, -1, axis=0) - panel.points
-        beside = 2.0 * np.array([edge_area(edge) for edge in panel.edges])[:, None] * chords
-        start = pattern.first_points[panel.name]
-        rates[start : start + len(chords)] = np.roll(beside, 1, axis=0) - beside
-        rates[start : start + len(chords)] += polygon_rates(panel.points)
-    return rates / sum(panel_area(panel) for panel in pattern.panels)
+    rates = [area_rates_by_points(pattern, panel.name, range(len(panel.edges))) for panel in pattern.panels]
+    return np.sum(rates, axis=0) / sum(panel_area(panel) for panel in pattern.panels)

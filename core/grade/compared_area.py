@@ -1,8 +1,8 @@
-"""The area by which sister panels are compared: openings closed, seams straight, hems as they are drawn."""
+"""The area by which sister panels are compared: between their corners, and what hems add to that."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,14 +16,14 @@ rounding hollow is a hem."""
 
 
 @dataclass(frozen=True)
-class ClosedArea:
-    """Compute the area of a panel without what its necklines, armholes and caps add or take.
+class ComparedArea:
+    """Compute the area of a panel without what the curves of necklines, armholes and caps take or add.
 
         A = P(corners) + sum over hems of e |chord|^2
 
-    An opening that cuts into its panel (a neckline, a waist, an armhole without a sleeve) counts as the straight line
-    between its ends, for it may be as deep as it is. Seams count as their chords. A hem counts in full: of a circle's
-    halves nothing else lies beside the line that their corners are on.
+    The curves of seams, and of openings that cut into their panel (a neckline, a waist, an armhole without a sleeve),
+    may be as deep as they are. A hem counts in full: of a circle's halves nothing else lies beside the line that their
+    corners are on.
 
     Notation:
         P: Area of a polygon [m2].
@@ -31,53 +31,56 @@ class ClosedArea:
 
     Attributes:
         panel: The panel's name.
-        corners: Its points, those within such openings left out, shape [corner_count].
-        hems: Its other open edges.
+        hems: Its open edges that do not belong to an opening that cuts in.
     """
 
     panel: str
-    corners: np.ndarray
     hems: tuple[int, ...]
 
     @classmethod
-    def of(cls, pattern: Pattern, name: str) -> ClosedArea:
+    def of(cls, pattern: Pattern, name: str) -> ComparedArea:
         """Return what counts of a panel."""
-        panel, inside, hems = pattern.panel(name), set[int](), list[int]()
+        panel, hems = pattern.panel(name), list[int]()
         for row in _open_rows(pattern, panel):
             corners = panel.points[[*row, (row[-1] + 1) % len(panel.edges)]]
             outside = polygon_area(corners) + sum(_beside(panel, i) for i in row)
-            if outside < -STRAIGHT * float(((corners[-1] - corners[0]) ** 2).sum()):
-                inside.update(row[1:])
-            else:
+            if outside >= -STRAIGHT * float(((corners[-1] - corners[0]) ** 2).sum()):
                 hems += row
-        return cls(name, np.array([i for i in range(len(panel.points)) if i not in inside]), tuple(hems))
+        return cls(name, tuple(hems))
 
     def measure(self, pattern: Pattern) -> float:
         """Return the area [m2]."""
         panel = pattern.panel(self.panel)
-        return polygon_area(panel.points[self.corners]) + sum(_beside(panel, i) for i in self.hems)
+        return polygon_area(panel.points) + sum(_beside(panel, i) for i in self.hems)
 
     def rates(self, pattern: Pattern) -> np.ndarray:
         """Return the derivative of the area by all points [m], shape [point_count, 2]."""
-        start, panel = pattern.first_points[self.panel], pattern.panel(self.panel)
-        rates = np.zeros((len(pattern.points), 2))
-        rates[start + self.corners] = polygon_rates(panel.points[self.corners])
-        for i in self.hems:
-            end = (i + 1) % len(panel.points)
-            change = 2.0 * edge_area(panel.edges[i]) * (panel.points[end] - panel.points[i])
-            rates[start + end] += change
-            rates[start + i] -= change
-        return rates
+        return area_rates_by_points(pattern, self.panel, self.hems)
 
     def curves(self) -> Iterator[EdgeRef]:
         """Yield the edges whose curves count."""
         return (EdgeRef(self.panel, i) for i in self.hems)
 
 
-def polygon_rates(points: np.ndarray) -> np.ndarray:
-    """Return the derivative of a polygon's area by its points [m], shape [point_count, 2]."""
+def area_rates_by_points(pattern: Pattern, name: str, curves: Iterable[int]) -> np.ndarray:
+    """Return the derivative of a panel's area by all points [m], shape [point_count, 2].
+
+    Args:
+        pattern: The pattern.
+        name: The panel's name.
+        curves: Its edges whose curves count and grow with their chords; the others count as their chords.
+    """
+    start, points = pattern.first_points[name], pattern.panel(name).points
+    count = len(points)
     apart = 0.5 * (np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0))
-    return np.column_stack([apart[:, 1], -apart[:, 0]])
+    own = np.column_stack([apart[:, 1], -apart[:, 0]])
+    for i in curves:
+        change = 2.0 * edge_area(pattern.panel(name).edges[i]) * (points[(i + 1) % count] - points[i])
+        own[(i + 1) % count] += change
+        own[i] -= change
+    rates = np.zeros((len(pattern.points), 2))
+    rates[start : start + count] = own
+    return rates
 
 
 def _open_rows(pattern: Pattern, panel: Panel) -> Iterator[list[int]]:
