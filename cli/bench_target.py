@@ -94,7 +94,7 @@ def _recover(order: TargetOrder) -> Line:
         {
             "category": recovery.target.category,
             "template": recovery.template,
-            "cut": recovery.manifest["cut"],
+            "cut": recovery.manifest.get("cut"),
             "ok": True,
             "metrics": metrics,
             "cpu_seconds": recovery.cpu_seconds - compiling.seconds,

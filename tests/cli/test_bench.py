@@ -17,8 +17,8 @@ from garmentq.core.pattern import edge_points, save_pattern
 from garmentq.core.simulate import FabricEstimate
 
 KEYS = {
-    "target", "category", "template", "method", "ok", "error", "metrics", "cpu_seconds", "stage_seconds", "peak_mb",
-    "compile_seconds", "vertices", "fabric", "panels",
+    "target", "category", "template", "cut", "method", "ok", "error", "metrics", "cpu_seconds", "stage_seconds",
+    "peak_mb", "compile_seconds", "vertices", "fabric", "panels",
 }  # fmt: skip
 
 
