@@ -20,6 +20,10 @@ AREA_SPREAD = 0.03
 """Standard deviation that is believed of ln of a ratio of areas; five published patterns, graded by their authors' own
 program by up to a factor of two, keep it within 2.5 %."""
 
+COUNTED = 0.5
+"""Least share of a panel's area that counts where areas are compared: of two discs that are sewn together nothing does,
+of the panels of 60 patterns of three makers 0.56 and more."""
+
 LENGTH_SPREAD = 0.05
 """The same of a ratio of lengths of two edges in the same place of sister panels; there it is within 5 %."""
 
@@ -57,7 +61,8 @@ class Proportions:
     """Describe what grading a garment keeps.
 
     Attributes:
-        sisters: Two panels that are sewn together along two seams or more and are alike in area, by what of it counts.
+        sisters: Two panels that are sewn together along two seams or more and are alike in area, by what of it counts,
+            where that is at least `COUNTED`.
         areas: ln of the compared area of the first by that of the second, shape [sister_count].
         edges: Edges in the same place of two sisters, neither sewn to the other.
         lengths: ln of the length of the first by that of the second, shape [edge_pair_count].
@@ -168,7 +173,10 @@ def find_proportions(like: Pattern) -> Proportions:
         if count >= 2 and ALIKE < ratio < 1.0 / ALIKE:
             sisters.append((first, second))
             edges += _same_place(like, first, second)
-    compared = tuple((ComparedArea.of(like, first), ComparedArea.of(like, second)) for first, second in sisters)
+    pairs = [(ComparedArea.of(like, first), ComparedArea.of(like, second)) for first, second in sisters]
+    compared = tuple(
+        pair for pair in pairs if all(one.measure(like) >= COUNTED * panel_area(like.panel(one.panel)) for one in pair)
+    )
     areas = [float(np.log(a.measure(like) / b.measure(like))) for a, b in compared]
     lengths = [float(np.log(_length(like, a) / _length(like, b))) for a, b in edges]
     directed, across, spread = _directions(like, {frozenset(pair) for pair in sisters})

@@ -218,6 +218,15 @@ def test_halves_of_a_circle_are_compared_by_what_their_hems_round():
     assert np.isfinite(missing).all() and np.isfinite(rates).all()
 
 
+def test_two_discs_are_not_compared():
+    """Broken where the ratio of two areas is taken that are none, of panels whose every edge is a curved seam."""
+    ends = np.array([[-0.2, 0.0], [0.2, 0.0]])
+    discs = tuple(Panel(name, ends, (Edge("arc", np.array([[0.5, -0.5]])),) * 2) for name in ("top", "under"))
+    seams = tuple(Seam(EdgeRef("top", n), EdgeRef("under", m)) for n, m in ((0, 1), (1, 0)))
+    rules = find_proportions(Pattern("bag", discs, seams))
+    assert rules.sisters == ()
+
+
 @pytest.mark.parametrize("name", ["tshirt+neckline=v", "skirt+skirt=full-circle", "dress", "trousers"])
 def test_compared_areas_follow_points(name):
     """Broken where the curve of a hem is not carried along with its chord, or another edge's is."""
