@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..pattern import EdgeRef, Panel, Pattern, polygon_area
-from ..pattern.curves import edge_area
+from ..pattern.curves import chord, edge_area
+from .parts import edges_until
 
 STRAIGHT = 1e-3
 """Area beside a row of edges, in squares of the distance between its ends, below which it is straight: a hem that is a
@@ -87,15 +88,13 @@ def _open_rows(pattern: Pattern, panel: Panel) -> Iterator[list[int]]:
     """Yield the edges of a panel that are sewn to nothing, row by row."""
     sewn = {ref.edge for seam in pattern.seams for ref in (seam.a, seam.b) if ref.panel == panel.name}
     count = len(panel.edges)
-    for start in range(count):
-        if start not in sewn and (start - 1) % count in sewn:
-            row = [start]
-            while (row[-1] + 1) % count not in sewn:
-                row.append((row[-1] + 1) % count)
+    for before in sorted(sewn, key=lambda edge: (edge + 1) % count):
+        row = edges_until(before, count, 1, sewn)
+        if row:
             yield row
 
 
 def _beside(panel: Panel, index: int) -> float:
     """Return the area between an edge and its chord [m2]."""
-    chord = panel.points[(index + 1) % len(panel.points)] - panel.points[index]
-    return edge_area(panel.edges[index]) * float(chord @ chord)
+    start, end = chord(panel, index)
+    return edge_area(panel.edges[index]) * float((end - start) @ (end - start))

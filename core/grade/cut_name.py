@@ -8,16 +8,7 @@ from ..body import Body
 from ..drape import measure_wearer
 from ..pattern import Pattern, find_cut, name_cut
 from ..pattern.parts import CUTS, PARTS, Cut, differing_parts
-from .cut_search import (
-    NEAR,
-    CutFit,
-    compare_girths,
-    is_sewn_otherwise,
-    other_cuts,
-    profile_cut,
-    profile_flat,
-    rank_fits,
-)
+from .cut_search import NEAR, fit_cut, is_sewn_otherwise, other_cuts, profile_flat, rank_fits
 
 PROPORTIONED = ("skirt", "legs")
 """Parts whose choices differ in nothing but widths, as far as they are sewn alike."""
@@ -36,16 +27,16 @@ def name_recovered(pattern: Pattern, template: str, body: Body, fixed: Collectio
         body: The wearer, to whose measures the cuts are drafted.
         fixed: Parts that the user chose, which stay.
     """
-    own, measures = find_cut(template), measure_wearer(body)
+    own = find_cut(template)
     kept = (set(PARTS) - set(PROPORTIONED)) | set(fixed)
     alike = [cut for cut in other_cuts(own, kept) if not is_sewn_otherwise(cut, own)]
     seen = profile_flat(pattern) if len(alike) > 1 else None
     if seen is None:
         return template
-    drawn = [(cut, profile_cut(cut, measures)) for cut in alike]
-    fits = [CutFit(template, cut, compare_girths(seen, girths)) for cut, girths in drawn if girths is not None]
+    measures = measure_wearer(body)
+    fits = [fit for cut in alike if (fit := fit_cut(template, cut, seen, measures)) is not None]
     ranked = rank_fits(fits, own, NEAR)
-    return _name(ranked[0].cut, template) if ranked else template
+    return template if not ranked or ranked[0].cut == own else _name(ranked[0].cut)
 
 
 def tell_cut(cut: str, template: str) -> tuple[str, ...]:
@@ -53,9 +44,7 @@ def tell_cut(cut: str, template: str) -> tuple[str, ...]:
     return () if cut == template else (f"Graded from '{template}' the pattern has the girths of '{cut}'.",)
 
 
-def _name(cut: Cut, template: str) -> str:
+def _name(cut: Cut) -> str:
     """Return the shortest name of a cut, behind the template whose parts it shares most of."""
-    if cut == find_cut(template):
-        return template
     stems = (stem for stem, one in CUTS.items() if one.category == cut.category)
     return name_cut(min(stems, key=lambda stem: len(differing_parts(CUTS[stem], cut))), cut)

@@ -98,9 +98,9 @@ def search_cuts(
     fits: list[CutFit] = []
 
     def fit(template: str, cut: Cut) -> None:
-        drawn = profile_cut(cut, measures)
-        if drawn is not None:
-            fits.append(CutFit(template, cut, compare_girths(seen, drawn)))
+        found = fit_cut(template, cut, seen, measures)
+        if found is not None:
+            fits.append(found)
 
     for template, cut in templates:
         fit(template, cut)
@@ -205,13 +205,14 @@ def _open_parts(cut: Cut) -> Mapping[str, list[str]]:
     return found
 
 
-def profile_cut(cut: Cut, measures: BodyMeasures) -> GirthProfile | None:
-    """Return the girths of a cut drafted to measures; None where it cannot be sewn or meshed."""
+def fit_cut(template: str, cut: Cut, seen: GirthProfile, measures: BodyMeasures) -> CutFit | None:
+    """Return how well the girths of a cut drafted to measures fit; None where it cannot be sewn or meshed."""
     try:
         pattern = draft_cut(cut, measures)
     except BadInput:
         return None
-    return profile_flat(pattern)
+    drawn = profile_flat(pattern)
+    return None if drawn is None else CutFit(template, cut, compare_girths(seen, drawn))
 
 
 def profile_flat(pattern: Pattern) -> GirthProfile | None:

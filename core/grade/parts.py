@@ -108,3 +108,12 @@ def _count_around(panel: Panel, partner: dict[tuple[str, int], str]) -> Counter[
         if name is not None:
             count[name] += 0 if bridged else 1
     return Counter({name: max(number, 1) for name, number in count.items()})
+
+
+def edges_until(start: int, count: int, turn: int, stops: set[int]) -> list[int]:
+    """Return the edges after one up to the next stop, running forwards or backwards."""
+    found, at = [], (start + turn) % count
+    while at not in stops:
+        found.append(at)
+        at = (at + turn) % count
+    return found

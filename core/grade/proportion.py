@@ -11,7 +11,7 @@ from ..pattern import EdgeRef, Pattern, edge_length, panel_area
 from ..pattern.handles import area_rates, handles_of, length_rates
 from .compared_area import ComparedArea, area_rates_by_points
 from .flattening import SHORT, kept_vectors
-from .parts import across_armholes, are_mirrored, count_seams
+from .parts import across_armholes, are_mirrored, count_seams, edges_until
 
 ALIKE = 0.6
 """Least ratio of areas of panels that belong together; backs are up to 1.5 times their fronts (trousers)."""
@@ -227,9 +227,9 @@ def _same_place(like: Pattern, first: str, second: str) -> list[tuple[EdgeRef, E
     count, other = len(like.panel(first).edges), len(like.panel(second).edges)
     pairs = []
     for start in sorted(partner):
-        mine = _until(start, count, 1, set(partner))
+        mine = edges_until(start, count, 1, set(partner))
         end = (mine[-1] + 1 if mine else start + 1) % count
-        theirs = _until(partner[start], other, -1, set(partner.values()))
+        theirs = edges_until(partner[start], other, -1, set(partner.values()))
         meets = (theirs[-1] - 1 if theirs else partner[start] - 1) % other
         if not mine or partner[end] != meets or len(mine) != len(theirs):
             continue
@@ -274,8 +274,8 @@ def _across_openings(like: Pattern, first: str, second: str) -> list[tuple[tuple
     runs = sorted(_common_seams(like, first, second))
     for run, following in zip(runs, [*runs[1:], *runs[:1]], strict=True):
         (start, there), (end, back) = run[-1], following[0]
-        between = _until((start - 1) % len(panel.edges), len(panel.edges), 1, {end})
-        opposite = _until((back - 1) % len(sister.edges), len(sister.edges), 1, {there})
+        between = edges_until((start - 1) % len(panel.edges), len(panel.edges), 1, {end})
+        opposite = edges_until((back - 1) % len(sister.edges), len(sister.edges), 1, {there})
         if not between or not opposite or not all(panel.edges[i].contour for i in between):
             continue
         lengths = [sum(edge_length(one, i) for i in each) for one, each in ((panel, between), (sister, opposite))]
@@ -335,15 +335,6 @@ def _past_darts(like: Pattern, ref: EdgeRef, turn: int, sewn: Mapping[EdgeRef, E
     while sewn.get(EdgeRef(ref.panel, at)) == EdgeRef(ref.panel, (at + turn) % count):
         at = (at + 2 * turn) % count
     return EdgeRef(ref.panel, at)
-
-
-def _until(start: int, count: int, turn: int, stops: set[int]) -> list[int]:
-    """Return the edges after one up to the next stop, running forwards or backwards."""
-    found, at = [], (start + turn) % count
-    while at not in stops:
-        found.append(at)
-        at = (at + turn) % count
-    return found
 
 
 def _ln_distance(pattern: Pattern, pair: tuple[int, int]) -> tuple[float, np.ndarray]:
