@@ -135,6 +135,13 @@ RULES = (
         Product.PATTERN,
     ),
     Rule(
+        "pointed", _read("pattern.pointed_corner_deg"), 60.0, 80.0,
+        "A panel's corner comes to a point, {value:.0f} degrees below a right angle, as the base pattern's does not",
+        "crumpled cloth says little of its shape there; choose another part with --part, or hold lengths with --lock.",
+        "The narrowest corner of right patterns is 39 degrees, 51 below; in a sleeve torn to a point 15, and 75 below.",
+        Product.PATTERN,
+    ),
+    Rule(
         "neckline", _read("shape.neck_corner_deg"), 30.0, 60.0,
         "The corners of the pattern's neckline and of the scan's differ by {value:.0f} degrees",
         "it is of another kind: choose it with --part neckline=v, or crew, scoop, square, boat; or back_neckline.",

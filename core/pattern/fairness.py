@@ -98,6 +98,16 @@ def unplanned_corners(pattern: Pattern, base: Pattern, proved: Mapping[SmoothJoi
     return np.array([measure_corner(pattern, join) - proved.get(join, 0.0) for join in find_smooth_joins(base)])
 
 
+def interior_angles(panel: Panel) -> np.ndarray:
+    """Return the angle of cloth at each control point of a panel [rad]: pi where its outline is smooth.
+
+    Beside an edge below `SHORTEST` none is told (NaN).
+    """
+    short = np.array([edge_length(panel, i) < SHORTEST for i in range(len(panel.points))])
+    turns = np.array([_turn(panel, i) for i in range(len(panel.points))])
+    return np.where(short | np.roll(short, 1), np.nan, np.pi - turns)
+
+
 def fair_curves(
     pattern: Pattern,
     base: Pattern,

@@ -158,6 +158,26 @@ def test_corners_and_waves_are_metrics() -> None:
     assert measure_fairness(wavy, wavy)["pattern.waves"] == 0.0
 
 
+def test_a_corner_that_comes_to_a_point_is_a_metric() -> None:
+    """Fails if a corner was charged that the base pattern is cut to, or one that is still a corner of cloth."""
+    base = make_skirt()
+    length = float(np.ptp(base.panels[0].points[:, 1]))
+
+    def pointed(reach: float) -> Pattern:
+        """Return the skirt with one corner of a panel pulled out along its hem."""
+        first = base.panels[0]
+        points = first.points.copy()
+        points[int(np.argmin(points @ [1.0, 1.0]))] -= [reach, 0.0]
+        return replace(base, panels=(replace(first, points=points), *base.panels[1:]))
+
+    assert measure_fairness(base, base)["pattern.pointed_corner_deg"] == 0.0
+    assert measure_fairness(pointed(0.2 * length), base)["pattern.pointed_corner_deg"] == 0.0
+    out = pointed(3.0 * length)
+    expected = 90.0 - np.degrees(np.arctan(1.0 / 3.0))
+    assert measure_fairness(out, base)["pattern.pointed_corner_deg"] == pytest.approx(expected, abs=1e-6)
+    assert measure_fairness(out, out)["pattern.pointed_corner_deg"] == 0.0
+
+
 def test_a_step_of_two_millimetres_has_no_direction():
     """Broken where a point 2 mm beside a corner, as GarmentCode draws them, has to stay on its line to a degree.
 
