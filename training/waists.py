@@ -19,7 +19,7 @@ from ..core.person import Part
 from ..core.person.evidence import find_rings
 from ..core.person.features import describe_points
 from ..core.person.points import sample_person
-from ..core.person.rules import WaistModel, waist_evidence
+from ..core.person.rules import WaistModel, WaistShown, waist_evidence
 from .colours import paint
 from .describe import load_described, unpack_fit
 from .shards import load_shard
@@ -42,6 +42,7 @@ class WaistRow:
         shape: Score of the best ring between upper and lower without colours.
         coloured: The same with colours.
         tube: Share of the height below the crotch in which cloth spans from leg to leg.
+        roughness: Noise of ridges around the trunk.
     """
 
     scan: str
@@ -50,6 +51,7 @@ class WaistRow:
     shape: float
     coloured: float
     tube: float
+    roughness: float = 0.0
 
 
 def find_rows(persons: Path, samples: Path) -> list[WaistRow]:
@@ -64,8 +66,8 @@ def find_rows(persons: Path, samples: Path) -> list[WaistRow]:
         points = sample_person(replace(shard.raw_scan(), colours=paint(shard, always=True)), fit)
         features = describe_points(points, fit)
         rings = find_rings(points, features, fit)
-        scores = rings.waists_by_shape[0].score, rings.waists[0].score
-        rows.append(WaistRow(path.stem, bool(worn[Part.ONE_PIECE]), bool(worn[Part.OUTER]), *scores, rings.tube))
+        shown = rings.waists_by_shape[0].score, rings.waists[0].score, rings.tube, rings.roughness
+        rows.append(WaistRow(path.stem, bool(worn[Part.ONE_PIECE]), bool(worn[Part.OUTER]), *shown))
     return rows
 
 
@@ -85,7 +87,7 @@ def fit_model(rows: Iterable[WaistRow]) -> WaistModel:
         loss = 0.0
         for row, is_one, w in zip(own, one, weight, strict=True):
             for coloured in (None, row.coloured):
-                odds = waist_evidence(row.shape, coloured, model)
+                odds = waist_evidence(WaistShown(row.shape, coloured, roughness=row.roughness), model)
                 loss += w * float(np.logaddexp(0.0, odds if is_one else -odds))
         drift = 0.0
         for now, before in ((model.by_shape, start.by_shape), (model.with_colours, start.with_colours)):

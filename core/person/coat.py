@@ -16,7 +16,7 @@ from .front import FrontEdges, find_front_edges
 from .limbs import BodyPlace, Limb
 from .part import GARMENTS, PARTS
 from .points import PersonPoints
-from .rules import ALIKE, BELTED, OVERLAP, two_piece_prior
+from .rules import ALIKE, BLOCKED, OVERLAP, two_piece_prior
 
 OUTER = -3.0
 """Log-odds of an outer layer before anything is seen: people are scanned indoors."""
@@ -184,5 +184,5 @@ def several_below(overlap: float | None, tube: float) -> float:
     """
     odds = two_piece_prior(tube)
     if overlap is not None:
-        odds += np.log(ALIKE / (1.0 - BELTED)) if overlap > OVERLAP[0] else np.log((1.0 - ALIKE) / BELTED)
+        odds += np.log(ALIKE / (1.0 - BLOCKED)) if overlap > OVERLAP[0] else np.log((1.0 - ALIKE) / BLOCKED)
     return float(1.0 / (1.0 + np.exp(-odds)))

@@ -8,10 +8,10 @@ from ..errors import BadInput
 from .part import Part
 from .separation import FoundGarment, Outfit
 
-TEMPERATURE = 0.7
-"""Divisor of a point's log-probabilities within a reading of the outfit. Smoothing blurs what the networks tell: of
-simulated persons without a coat whom they were not trained on, 0.969 of the samples are right (networks without their
-bound), and are said with 0.913 at 1, 0.941 at 0.7 and 0.955 at 0.5. Half of the way is gone, as these are ten persons.
+TEMPERATURE = 0.5
+"""Divisor of a point's log-probabilities within a reading of the outfit. Smoothing blurs what the networks tell: on 94
+scans of simulated persons of held-out designs 0.967 of the samples are right where the outfit is read rightly, and are
+said with 0.875 at 1, 0.904 at 0.7 and 0.919 at 0.5. Less would promise 0.9 where less than 0.97 are right.
 """
 
 STEP = 2e-3

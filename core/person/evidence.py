@@ -15,7 +15,7 @@ from .features import LENGTH, Features
 from .limbs import Limb
 from .points import FittedPerson, PersonPoints
 from .prior import below_hair
-from .rings import Ring, contrasts, edge_evidence, find_ring, ridges, step_heights
+from .rings import Ring, contrasts, edge_evidence, find_ring, measure_noise, ridges, step_heights
 from .unrolled import UnrolledGrid, unroll
 
 COUPLING = 0.5
@@ -82,6 +82,7 @@ class PersonRings:
         waists_by_shape: The same without colours: of one cloth above and below, they alone show where it ends.
         tube: Share of the height below the crotch where cloth spans from leg to leg: near 1 for skirts.
         is_coloured: Whether colours counted for the waists.
+        roughness: Noise of the ridges around the trunk, differences of curvature times 2 cm: what is lower is lost.
     """
 
     grids: dict[Limb, UnrolledGrid]
@@ -93,6 +94,7 @@ class PersonRings:
     waists_by_shape: tuple[Waist, ...]
     tube: float
     is_coloured: bool
+    roughness: float
 
 
 @dataclass(frozen=True)
@@ -163,6 +165,7 @@ def find_rings(
         waists_by_shape=waists[1],
         tube=measure_tube(spans),
         is_coloured=colours is not None,
+        roughness=measure_noise(cells[Limb.TRUNK].ridge, 0.0),
     )
 
 

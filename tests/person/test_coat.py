@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from garmentq.core.person.features import describe_points
 from garmentq.core.person.front import find_path
 from garmentq.core.person.outfit import above_waist, rank_outfits, read_as
 from garmentq.core.person.points import sample_person
-from garmentq.core.person.rules import waist_evidence
+from garmentq.core.person.rules import WaistShown, waist_evidence
 from garmentq.core.scan.raw import RawScan
 from scipy.spatial import cKDTree
 
@@ -137,7 +138,8 @@ def test_the_overlap_tells_one_cloth_from_two(legs, low, high):
 
 def test_two_cloths_speak_for_two_pieces():
     """Broken where the overlap counts the wrong way, outweighs all that shape shows, or is used without colours."""
-    assert waist_evidence(0.0, 10.0, overlap=0.9) < -1.5 < 1.5 < waist_evidence(0.0, 10.0, overlap=0.0)
-    assert waist_evidence(30.0, 10.0, overlap=0.9) > -0.5  # of one cloth, and a hem shows
-    assert waist_evidence(30.0, 60.0, overlap=0.0) > waist_evidence(-5.0, 60.0, overlap=0.0) + 1.0
-    assert waist_evidence(5.0, None, overlap=0.9) == waist_evidence(5.0, None)
+    alike, unlike = (partial(WaistShown, coloured=10.0, overlap=overlap) for overlap in (0.9, 0.0))
+    assert waist_evidence(alike(0.0)) < -1.5 < 0.5 < waist_evidence(unlike(0.0))
+    assert waist_evidence(unlike(-20.0)) > 1.5  # a smooth waist between two cloths
+    assert waist_evidence(alike(30.0)) > 0.5  # of one cloth, and a hem shows
+    assert waist_evidence(unlike(30.0)) > waist_evidence(unlike(-5.0)) + 1.0

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from garmentq.core.body.template import load_template
 from garmentq.core.person import Part
-from garmentq.core.person.rules import BELTED, HIDDEN, WaistModel, waist_evidence
+from garmentq.core.person.rules import BELTED, HIDDEN, WaistModel, WaistShown, waist_evidence
 from garmentq.training.colours import WITHOUT, paint
 from garmentq.training.shards import Shard
 from garmentq.training.waists import WaistRow, fit_model
@@ -58,19 +58,27 @@ def test_some_scanners_give_no_colours(shard: Shard):
 def test_what_a_waist_shows_is_bounded():
     """Broken where a ring that is missing proves one piece, or a belt two: waists may be hidden."""
     model = WaistModel()
-    none, even, clear = (waist_evidence(score, None, model) for score in (-200.0, model.by_shape[0], 200.0))
+    none, even, clear = (waist_evidence(WaistShown(score)) for score in (-200.0, model.by_shape[0], 200.0))
     assert none == pytest.approx(np.log(HIDDEN / (1.0 - BELTED)), abs=1e-6)
     assert even == pytest.approx(0.0, abs=1e-12)
     assert clear == pytest.approx(np.log((1.0 - HIDDEN) / BELTED), abs=1e-6)
-    scores = [waist_evidence(score, 0.0, model) for score in np.linspace(-40, 60, 50)]
+    scores = [waist_evidence(WaistShown(score, 0.0)) for score in np.linspace(-40, 60, 50)]
     assert (np.diff(scores) > 0).all()
+
+
+def test_noise_hides_waists_and_makes_none():
+    """Broken where a rough scan without a ring speaks for one piece as a smooth one does, or less for a clear ring."""
+    odds = [waist_evidence(WaistShown(-10.0, roughness=roughness)) for roughness in (0.05, 0.3, 0.6)]
+    assert odds[0] < odds[1] - 0.5 < odds[2] - 1.0 < 0.0
+    assert waist_evidence(WaistShown(40.0, roughness=0.3)) == pytest.approx(waist_evidence(WaistShown(40.0)), abs=0.2)
 
 
 def test_one_cloth_above_and_below_is_told_by_its_shape():
     """Broken where a tracksuit is one piece because no colour changes, or a change of colours alone is not believed."""
-    assert waist_evidence(40.0, -10.0) > 0.5
-    assert waist_evidence(-5.0, 60.0) > 2.0
-    assert waist_evidence(-5.0, -15.0) < waist_evidence(-5.0, None) < 0.0
+    assert waist_evidence(WaistShown(40.0, -10.0)) > 0.5
+    assert waist_evidence(WaistShown(-5.0, 60.0)) > waist_evidence(WaistShown(-5.0)) + 2.0
+    assert waist_evidence(WaistShown(-5.0, -15.0)) < waist_evidence(WaistShown(-5.0)) < 0.0
+    assert waist_evidence(WaistShown(-5.0, 10.0, overlap=0.9)) < -2.0
 
 
 def test_the_constants_of_waists_are_found_again():
