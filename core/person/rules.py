@@ -38,8 +38,8 @@ DROWNED = 0.8
 """Noise of ridges around the trunk at which the shape of all but 1 / e of the other waists is lost in it: of 56 scans
 of simulated persons in two pieces, none of those below 0.2 had a score below -2, and 5 of 14 of those above."""
 BELTED = 0.03
-"""Share of one-piece garments whose shape shows a ring between upper and lower all the same: a belt, a fold. Of 82 scans
-of simulated persons, who wear no belt that stands out, three had a score above 7."""
+"""Share of one-piece garments whose shape shows a ring between upper and lower all the same: a belt, a fold. Of 82
+scans of simulated persons, who wear no belt that stands out, three had a score above 7."""
 BLOCKED = 0.07
 """Share of one-piece garments that look like two cloths, above and below the waist: 5 in 100 of the simulated ones are,
 and as many have a belt in another colour."""
