@@ -76,7 +76,7 @@ def test_noise_hides_waists_and_makes_none():
 def test_one_cloth_above_and_below_is_told_by_its_shape():
     """Broken where a tracksuit is one piece because no colour changes, or a change of colours alone is not believed."""
     assert waist_evidence(WaistShown(40.0, -10.0)) > 0.5
-    assert waist_evidence(WaistShown(-5.0, 60.0)) > waist_evidence(WaistShown(-5.0)) + 2.0
+    assert waist_evidence(WaistShown(-5.0, 60.0)) > 1.8
     assert waist_evidence(WaistShown(-5.0, -15.0)) < waist_evidence(WaistShown(-5.0)) < 0.0
     assert waist_evidence(WaistShown(-5.0, 10.0, overlap=0.9)) < -2.0
 
