@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
 
 from ..hooks import SILENT, Hooks
 from ..mesh import (
@@ -54,12 +55,9 @@ class HiddenCloth:
             garment: The garment on the wearer; integrals run over its flat rest shape.
             chosen: True at the nodes that are hidden, shape [node_count]; faces count by their share of these corners.
         """
-        count = len(garment.nodes)
-        gradient, area = gradient_operator(garment.rest, garment.faces, count)
-        area = area * chosen[garment.faces].mean(1)
-        even = gradient.T @ sp.diags(np.repeat(area, 2)) @ gradient
+        uneven, area = change_operator(garment, chosen)
         rests = np.abs(vertex_normals(garment.nodes, garment.faces)[:, 1]) > self.level
-        return sp.csr_matrix((even + sp.diags(lump(area, garment.faces, count) * rests) / self.rest**2) / self.even**2)
+        return sp.csr_matrix((uneven + sp.diags(area * rests) / self.rest**2) / self.even**2)
 
 
 @dataclass(frozen=True)
@@ -79,8 +77,12 @@ class RegistrationSettings:
             long must not take the shoulder along. A thousandth halves the error of the panels' areas on five garments,
             from 7 to 3.5 %, and takes their outlines from 21 to 15 mm; a hundredth goes half of that way.
         samples: Target vertices that look for the source, at most; as many as a garment mesh has.
+        even: Length [m] above which a displacement is even rather than smooth beyond where the target ends at an open
+            curve of the garment that no contour holds, as `HiddenCloth.even`. Left to extrapolate, the end of a sleeve
+            was thrown out to a point. With 15 cm a skirt whose hem is cut off takes a little more of the scan's flare,
+            and crumpled cuffs stray twice as far.
         hidden: What lies beyond a hidden border follows the cloth at it as `HiddenCloth` says; None: it stays where it
-            is, as beyond every other border.
+            is.
     """
 
     steps: int = 40
@@ -90,6 +92,7 @@ class RegistrationSettings:
     facing: float = 0.3
     across_seams: float = 0.001
     samples: int = 3000
+    even: float = 0.05
     hidden: HiddenCloth | None = None
 
 
@@ -110,8 +113,9 @@ def register_coarsely(
     target point t pulls the point of the garment that was closest to it; q_c leads each contour node to the point at
     the same share of the target contour's length. Integrals over the garment run over its flat rest shape, so that the
     result does not depend on the mesh. What `HiddenCloth` adds beyond a hidden border makes d even there, so that
-    the cloth keeps its lengths. Cloth that `armpits` hide takes and gives no closest points; what is held of it is
-    pulled to where it is worn as others are to their closest points.
+    the cloth keeps its lengths; so does int |grad d|^2 dA / `even`^2 beyond the target's end at an open curve that is
+    not pinned. Cloth that `armpits` hide takes and gives no closest points; what is held of it is pulled to where it is
+    worn as others are to their closest points.
     """
     settings = settings or RegistrationSettings()
     start = garment.nodes
@@ -129,19 +133,26 @@ def register_coarsely(
     solver = analyse(HalfEdges.of(garment.faces, len(start)), rings=2)
     moved = start.copy()
     rim = None if settings.hidden is None or target.hidden is None else Rim.between(goal.faces, target.hidden)
+    rims = [line.vertices for line in garment.contours if not pins[line.vertices].any()]
+    free = np.concatenate([np.zeros(0, dtype=np.int64), *rims])
+    links = HalfEdges.of(garment.faces, len(start)).adjacency
     for step, reach in enumerate(np.geomspace(settings.reach_first, settings.reach_last, settings.steps)):
         hooks.progress("grade", 0.8 * step / settings.steps, "registering")
         here = TriangleSurface(moved, garment.faces)
         found, seen = match_surface(goal, moved, here.vertex_normals, settings.facing)
         out = goal.face_normals[found.face]
         weight = np.where(seen & (pins == 0) & ~hidden, mass, 0.0) / reach**4
-        # What sees nothing beyond a border that nothing holds stays about where it is, or it would be thrown far out.
+        # What sees nothing stays about where it is, or it would be thrown far out.
         still = np.where(seen | (pins > 0) | hidden, 0.0, mass) / reach**4
         held = fixed
         if rim is not None and settings.hidden is not None:
             beyond = rim.lies_ahead(goal, found)
             weight, still = np.where(beyond, 0.0, weight), np.where(beyond, 0.0, still)
             held = fixed + settings.hidden.hold(garment, beyond)
+        beyond = _reach(free, still > 0.0, links)
+        if beyond.any():
+            still = np.where(beyond, 0.0, still)
+            held = held + change_operator(garment, beyond)[0] / settings.even**2
         lead = moved - start + out * (out * (found.foot - moved)).sum(1)[:, None]
         found, seen = match_surface(here, goal.vertices[picked], goal.vertex_normals[picked], settings.facing)
         on_faces = found.interpolation(here.faces, len(moved))
@@ -165,6 +176,17 @@ def _pin_contours(garment: Garment, target: Target, settings: RegistrationSettin
             np.add.at(pins, contour.vertices, share / settings.contour_reach**3)
             pinned[contour.vertices] = place - garment.nodes[contour.vertices]
     return pins, pinned
+
+
+def _reach(ends: np.ndarray, passable: np.ndarray, links: sp.csr_matrix) -> np.ndarray:
+    """Return which passable nodes some end nodes are joined to by passable ones, bool, shape [node_count]."""
+    found = np.zeros(len(passable), dtype=bool)
+    if not passable[ends].any():
+        return found
+    nodes = np.flatnonzero(passable)
+    _, piece = connected_components(links[nodes][:, nodes], directed=False)
+    found[nodes] = np.isin(piece, piece[np.isin(nodes, ends)])
+    return found
 
 
 def match_surface(
@@ -196,6 +218,19 @@ def match_loop(source: np.ndarray, target: np.ndarray, samples: int = 128) -> tu
     start = int(np.argmin(costs)) / samples
     place = other.at_shares(own.arc[:-1] / own.arc[-1] + start)
     return place, (own.lengths + np.roll(own.lengths, 1)) / 2
+
+
+def change_operator(garment: Garment, chosen: np.ndarray) -> tuple[sp.csr_matrix, np.ndarray]:
+    """Return the matrix of int |grad d|^2 dA, [node_count, node_count], and node areas [m2], of a part of a garment.
+
+    Args:
+        garment: The garment; integrals run over its flat rest shape.
+        chosen: True at the nodes of the part, shape [node_count]; faces count by their share of these corners.
+    """
+    count = len(garment.nodes)
+    gradient, area = gradient_operator(garment.rest, garment.faces, count)
+    area = area * chosen[garment.faces].mean(1)
+    return sp.csr_matrix(gradient.T @ sp.diags(np.repeat(area, 2)) @ gradient), lump(area, garment.faces, count)
 
 
 def bending_operators(garment: Garment, across: float = 1.0) -> tuple[sp.csr_matrix, np.ndarray]:

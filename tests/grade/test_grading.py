@@ -171,6 +171,27 @@ def test_untrusted_and_missing_contours_do_not_pull(source, body):
     assert len(grading.warnings) == 1 and "no contour" in grading.warnings[0]
 
 
+@pytest.mark.parametrize("seed", [0, 1])
+def test_cloth_beyond_a_crumpled_end_keeps_its_length(source, seed):
+    """Fails where the end of a sleeve whose cuff is too crumpled to be trusted is thrown out to a point."""
+    short = 0.7 * HEIGHT
+    goal = roll(0.8 * WIDTH, short, 800)
+    depth = np.clip((TOP - goal.nodes[:, 1] - 0.5 * short) / short, 0.0, 0.5)
+    crumple = np.random.default_rng(seed).normal(size=goal.nodes.shape) * 0.02 * depth[:, None]
+    torn = aim(goal, goal.nodes + crumple)
+    contours = tuple(replace(line, trusted=line.name != "hem") for line in torn.contours)
+    moved = register_coarsely(source, replace(torn, contours=contours))
+    ends = source.nodes[:, 1] < TOP - short
+    faces = source.faces[ends[source.faces].all(axis=1)]
+
+    def lengths(nodes: np.ndarray) -> np.ndarray:
+        return np.linalg.norm(nodes[faces] - np.roll(nodes[faces], 1, axis=1), axis=2)
+
+    grown = lengths(moved) / lengths(source.nodes)
+    assert 0.7 < np.median(grown) < 1.1
+    assert np.quantile(grown, 0.95) < 1.7
+
+
 def test_cancelling_stops_the_registration(source, body):
     """Breaks where a running grading cannot be stopped."""
     with pytest.raises(Cancelled):
