@@ -14,6 +14,7 @@ from ..mesh import HalfEdges, factor_symmetric
 from ..pattern import Garment
 from ..pattern.parts.tops import STRAPLESS_DROP
 from .follow import FollowSettings, PbdState, Threads, follow, lay_threads
+from .gores import fan_out, find_sides
 from .ironing import iron_crossings
 from .layer_contact import LayerContact
 from .sleeves import turn_sleeves
@@ -119,14 +120,15 @@ def convex_girth(body: Body, height: float) -> float:
 def _weld_flat(garment: Garment, body: Body) -> np.ndarray:
     """Weld the placed panels in the x, y plane without folding them over and give the nodes [m], [node_count, 3].
 
-    Sleeves are first turned to lie along the arms (`turn_sleeves`). The panels are then shifted so that the two sides
-    of their seams lie as near as they can (least squares over one translation per panel, drawn to where they stand a
-    thousandth as much); what gap is left is closed half and half, and spread into each panel as a harmonic
-    displacement.
+    Sleeves are first turned to lie along the arms (`turn_sleeves`), gores to lie beside each other (`fan_out`). The
+    panels are then shifted so that the two sides of their seams lie as near as they can (least squares over one
+    translation per panel, drawn to where they stand a thousandth as much); what gap is left is closed half and half,
+    and spread into each panel as a harmonic displacement.
     """
     panels = garment.pattern.panels
     rotation, origin = turn_sleeves(garment, body, LIFT)
     flat = np.einsum("nij,nj->ni", rotation[garment.panel_of_uv], garment.uv) + origin[garment.panel_of_uv]
+    flat = fan_out(garment, flat)
     count = np.bincount(garment.uv_node)
     shared = np.nonzero(count[garment.uv_node] > 1)[0]
     mean = sparse.csr_matrix(
@@ -166,12 +168,9 @@ def _middle_plane(body: Body) -> float:
 
 def _side(garment: Garment) -> np.ndarray:
     """Find the front (+1) and the back (-1) for every node; 0 on seams between the two."""
-    outward = np.array([panel.rotation[2, 2] for panel in garment.pattern.panels])
-    depth = np.array([panel.translation[2] for panel in garment.pattern.panels])
-    sign = np.where(np.abs(outward) > 0.3, np.sign(outward), np.sign(depth - depth.mean()))
     total = np.zeros(len(garment.nodes))
     count = np.zeros(len(garment.nodes))
-    np.add.at(total, garment.uv_node, sign[garment.panel_of_uv])
+    np.add.at(total, garment.uv_node, find_sides(garment))
     np.add.at(count, garment.uv_node, 1.0)
     return total / np.maximum(count, 1.0)
 

@@ -4,7 +4,7 @@ from .category import choose_category
 from .contours import name_contours
 from .garment import NoContour, PartMissing, SeveralGarments, segment_garment
 from .inspect import Inspection, find_remarks, inspect_file
-from .loop import find_loops, smooth_loop, smoothed_length
+from .loop import find_loops, smooth_loop, smooth_ragged, smoothed_length
 from .neck import NeckLines, unroll_neck
 from .noise import smooth_noise
 from .spikes import flatten_spikes
@@ -30,6 +30,7 @@ __all__ = [
     "segment_garment",
     "smooth_loop",
     "smooth_noise",
+    "smooth_ragged",
     "smoothed_length",
     "unroll_neck",
 ]

@@ -90,15 +90,20 @@ def smooth_loop(points: np.ndarray, width: float = SMOOTHING) -> np.ndarray:
     return np.fft.irfft(series * np.sinc(0.5 * width * frequency)[:, None] ** 2, count, axis=0)
 
 
-def smoothed_length(points: np.ndarray, width: float = SMOOTHING) -> float:
-    """Return the length [m] of a closed polygon, shape [n, 3], smoothed over `width` [m].
+def smooth_ragged(points: np.ndarray, width: float = SMOOTHING) -> np.ndarray:
+    """Smooth a closed polygon, shape [n, 3], over `width` [m] as `smooth_loop`, shape [sample_count, 3].
 
     Smoothed once more where that took a fifth of the length: a ragged curve's arc is long, so the width along it was
     too small.
     """
     curve = smooth_loop(np.asarray(points, dtype=np.float64), width)
     ragged = ClosedCurve(curve).length < RAGGED * ClosedCurve(points).length
-    return ClosedCurve(smooth_loop(curve, width) if ragged else curve).length
+    return smooth_loop(curve, width) if ragged else curve
+
+
+def smoothed_length(points: np.ndarray, width: float = SMOOTHING) -> float:
+    """Return the length [m] of a closed polygon, shape [n, 3], smoothed over `width` [m] (`smooth_ragged`)."""
+    return ClosedCurve(smooth_ragged(points, width)).length
 
 
 def span_disk(points: np.ndarray, *, around: int = 64, rings: int = 16) -> tuple[np.ndarray, np.ndarray]:

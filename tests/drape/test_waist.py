@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.drape import DrapeSettings, drape_template, pin_waist, tie_contour, waist_loop
+from garmentq.core.drape.tie import place_waist
 from garmentq.core.drape.waist import flat_lengths
 from garmentq.core.mesh import ClosedCurve, vertex_normals
 from garmentq.core.pattern import Edge, Panel, Pattern, load_template, mesh_pattern
-from garmentq.core.segment import Target, find_loops
+from garmentq.core.segment import Contour, Target, find_loops
 from wearers import find_wearer
 
 
@@ -33,6 +34,18 @@ def test_a_loop_that_hangs_unevenly_is_spread_as_it_is_cut() -> None:
     loop = np.column_stack([0.15 * np.cos(angle), np.zeros(40), 0.15 * np.sin(angle)])
     sides = ClosedCurve(tie_contour(loop, curve, np.full(40, 0.02))).lengths
     assert sides.max() < 1.001 * sides.min()
+
+
+def test_teeth_of_a_border_that_was_cut_along_triangles_draw_no_cloth() -> None:
+    """Fails if the length of such teeth is counted: cloth lies crumpled where they are, and is stretched elsewhere."""
+    angle = np.linspace(0.0, 2 * np.pi, 240, endpoint=False)
+    teeth = np.where(np.sin(angle) < 0.0, 0.006, 0.0) * (-1.0) ** np.arange(240)
+    curve = np.column_stack([0.15 * np.cos(angle), teeth, 0.15 * np.sin(angle)])
+    scan = Target(curve, np.zeros((0, 3), int), curve, (Contour("waist", np.arange(240), 1.0),), (), "skirt")
+    even = np.linspace(0.0, 2 * np.pi, 60, endpoint=False)
+    loop = np.column_stack([0.15 * np.cos(even), np.zeros(60), 0.15 * np.sin(even)])
+    sides = ClosedCurve(place_waist(loop, scan, np.full(60, 0.016))).lengths
+    assert sides.max() < 1.05 * sides.min()
 
 
 def test_flat_lengths_follow_a_loop_in_its_order() -> None:
