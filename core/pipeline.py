@@ -59,8 +59,8 @@ from .segment import CATEGORIES, Target, find_remarks, mark_hidden_border, name_
 from .settings import SettingsBad
 from .simulate import Drape, get_fabric
 
-FROM_SHOULDERS = ("dress", "jumpsuit")
-"""Categories that hang from the shoulders and go on below the waist."""
+TOPS = ("tshirt", "long_sleeve_tshirt", "tank")
+"""Categories that hang from the shoulders and end above the legs."""
 
 PACKAGES = ("garmentq", "torch", "numpy", "scipy", "numba", "trimesh", "libigl")
 """The packages whose versions decide the digits of a result; the manifest names them."""
@@ -178,12 +178,11 @@ def complete_case(case: Case, clock: Clock) -> Case:
 def dress_template(case: Case, hooks: Hooks) -> Garment:
     """Dress the wearer in the case's base pattern, to be graded.
 
-    A maker's own that hangs from the shoulders past the waist is eased: its seams creep from where they lie, so they
-    have to lie right; those of the library slide. Tops have no seam round the trunk that could hang too low, and what
-    hangs from the waist is tied there.
+    A maker's own is eased: its seams creep from where they lie, so they have to lie right; those of the library slide.
+    Tops have no seam round the trunk, nor a crotch, that could hang too low.
     """
-    is_long = case.target.category in FROM_SHOULDERS and not case.has_free_curves
-    settings = DrapeSettings().eased() if is_long else DrapeSettings()
+    is_eased = case.target.category not in TOPS and not case.has_free_curves
+    settings = DrapeSettings().eased() if is_eased else DrapeSettings()
     return drape_template(case.base, case.wearer, case.target, settings=settings, hooks=hooks)
 
 
