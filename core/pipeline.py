@@ -20,6 +20,7 @@ from .drape import (
     drape_as_scanned,
     drape_template,
     hangs_in_sleeves,
+    needs_easing,
     outgrown_measures,
     redrape,
 )
@@ -58,9 +59,6 @@ from .scan import Pieces
 from .segment import CATEGORIES, Target, find_remarks, mark_hidden_border, name_contours, segment_garment
 from .settings import SettingsBad
 from .simulate import Drape, get_fabric
-
-TOPS = ("tshirt", "long_sleeve_tshirt", "tank")
-"""Categories that hang from the shoulders and end above the legs."""
 
 PACKAGES = ("garmentq", "torch", "numpy", "scipy", "numba", "trimesh", "libigl")
 """The packages whose versions decide the digits of a result; the manifest names them."""
@@ -178,10 +176,10 @@ def complete_case(case: Case, clock: Clock) -> Case:
 def dress_template(case: Case, hooks: Hooks) -> Garment:
     """Dress the wearer in the case's base pattern, to be graded.
 
-    A maker's own is eased: its seams creep from where they lie, so they have to lie right; those of the library slide.
-    Tops have no seam round the trunk, nor a crotch, that could hang too low.
+    A maker's own is eased where it would hang too low: its seams creep from where they lie, so they have to lie right;
+    those of the library slide.
     """
-    is_eased = case.target.category not in TOPS and not case.has_free_curves
+    is_eased = not case.has_free_curves and needs_easing(case.base, case.target.category)
     settings = DrapeSettings().eased() if is_eased else DrapeSettings()
     return drape_template(case.base, case.wearer, case.target, settings=settings, hooks=hooks)
 

@@ -2,6 +2,7 @@
 
 from .carry import CarrySettings, Way, carry, take_pose
 from .dress import DressSettings, dress, place
+from .easing import needs_easing
 from .follow import FollowSettings, PbdState, Threads, follow, lay_threads
 from .layer_contact import LayerContact
 from .motion import MotionSettings, describe_motion, drape_as_scanned
@@ -33,6 +34,7 @@ __all__ = [
     "hangs_in_sleeves",
     "lay_threads",
     "measure_wearer",
+    "needs_easing",
     "outgrown_measures",
     "pin_waist",
     "place",

@@ -1,0 +1,42 @@
+"""Which makers' base patterns the stretch is taken out of before they are graded."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..pattern import Pattern, mesh_pattern, panel_area
+from ..segment import find_loops
+from .waist import flat_length, waist_loop
+
+TOPS = ("tshirt", "long_sleeve_tshirt", "tank")
+"""Categories that hang from the shoulders and end above the legs: no seam round the trunk, nor a crotch, can hang too
+low."""
+
+FLARED = 0.7
+"""Share of a full circle from which a skirt that flares so is not eased: where cloth weighs little, it floats. Halves of
+a circle are 0.5."""
+
+
+def needs_easing(pattern: Pattern, category: str) -> bool:
+    """Check whether a maker's base pattern is worn too long, its seams too low, unless it is eased (ADR 0056).
+
+    Args:
+        pattern: The base pattern.
+        category: What the scan is.
+    """
+    if category != "skirt":
+        return category not in TOPS
+    garment = mesh_pattern(pattern, 350)
+    waist = waist_loop(garment)
+    if waist is None:
+        return True
+    hem = sum(flat_length(garment, loop) for loop in find_loops(garment.faces)) - flat_length(garment, waist)
+    return find_flare(hem, flat_length(garment, waist), sum(map(panel_area, pattern.panels))) < FLARED
+
+
+def find_flare(hem: float, waist: float, area: float) -> float:
+    """Return what share of a full circle a skirt of some lengths [m] and area [m2] is cut as: 1 for one with a hole.
+
+    Of a ring's sector f with radii r and R, hem - waist = 2 pi f (R - r) and area = (hem + waist) (R - r) / 2.
+    """
+    return (hem - waist) * (hem + waist) / (4.0 * np.pi * area)
