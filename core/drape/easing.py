@@ -13,8 +13,8 @@ TOPS = ("tshirt", "long_sleeve_tshirt", "tank")
 low."""
 
 FLARED = 0.7
-"""Share of a full circle from which a skirt that flares so is not eased: where cloth weighs little, it floats. Halves of
-a circle are 0.5."""
+"""Share of a full circle from which a skirt that flares so is not eased: where cloth weighs little, it floats. Halves
+of a circle are 0.5."""
 
 
 def needs_easing(pattern: Pattern, category: str) -> bool:
