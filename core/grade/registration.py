@@ -130,12 +130,12 @@ def register_coarsely(
     # A hundredth of the first pull to stay in place: the system keeps full rank where nothing is matched at all.
     fixed = stiffness + sp.diags(pins + 0.01 * mass / settings.reach_first**4)
     # The bending reaches two rings around a node, all else one.
-    solver = analyse(HalfEdges.of(garment.faces, len(start)), rings=2)
+    edges = HalfEdges.of(garment.faces, len(start))
+    solver = analyse(edges, rings=2)
     moved = start.copy()
     rim = None if settings.hidden is None or target.hidden is None else Rim.between(goal.faces, target.hidden)
     rims = [line.vertices for line in garment.contours if not pins[line.vertices].any()]
     free = np.concatenate([np.zeros(0, dtype=np.int64), *rims])
-    links = HalfEdges.of(garment.faces, len(start)).adjacency
     for step, reach in enumerate(np.geomspace(settings.reach_first, settings.reach_last, settings.steps)):
         hooks.progress("grade", 0.8 * step / settings.steps, "registering")
         here = TriangleSurface(moved, garment.faces)
@@ -149,7 +149,7 @@ def register_coarsely(
             beyond = rim.lies_ahead(goal, found)
             weight, still = np.where(beyond, 0.0, weight), np.where(beyond, 0.0, still)
             held = fixed + settings.hidden.hold(garment, beyond)
-        beyond = _reach(free, still > 0.0, links)
+        beyond = _reach(free, still > 0.0, edges.adjacency)
         if beyond.any():
             still = np.where(beyond, 0.0, still)
             held = held + change_operator(garment, beyond)[0] / settings.even**2
