@@ -6,6 +6,7 @@ import numpy as np
 
 from ..pattern import Pattern, mesh_pattern, panel_area
 from ..segment import find_loops
+from .stage import DrapeSettings
 from .waist import flat_length, waist_loop
 
 TOPS = ("tshirt", "long_sleeve_tshirt", "tank")
@@ -23,15 +24,20 @@ def needs_easing(pattern: Pattern, category: str) -> bool:
     Args:
         pattern: The base pattern.
         category: What the scan is.
+
+    Raises:
+        MeshTooCoarse: where the pattern cannot be meshed as it is to be dressed.
     """
     if category != "skirt":
         return category not in TOPS
-    garment = mesh_pattern(pattern, 350)
-    waist = waist_loop(garment)
-    if waist is None:
+    # as finely as it is dressed: a mesh of fewer vertices may be refused
+    garment = mesh_pattern(pattern, DrapeSettings().template_vertices, sweeps=0)
+    loop = waist_loop(garment)
+    if loop is None:
         return True
-    hem = sum(flat_length(garment, loop) for loop in find_loops(garment.faces)) - flat_length(garment, waist)
-    return find_flare(hem, flat_length(garment, waist), sum(map(panel_area, pattern.panels))) < FLARED
+    waist = flat_length(garment, loop)
+    hem = sum(flat_length(garment, other) for other in find_loops(garment.faces)) - waist
+    return find_flare(hem, waist, sum(map(panel_area, pattern.panels))) < FLARED
 
 
 def find_flare(hem: float, waist: float, area: float) -> float:

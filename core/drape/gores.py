@@ -7,7 +7,7 @@ from itertools import permutations
 
 import numpy as np
 
-from ..pattern import Garment
+from ..pattern import Garment, place_points
 
 TURNED = 0.95
 """Share of a panel's level outward direction along the wearer's depth below which it stands turned around him, by 18
@@ -123,9 +123,11 @@ def _is_turned(garment: Garment) -> np.ndarray:
 
 def _placed(garment: Garment) -> np.ndarray:
     """Return the flat vertices where the pattern's file places them [m], shape [n, 3]."""
-    rotation = np.stack([panel.rotation[:, :2] for panel in garment.pattern.panels])[garment.panel_of_uv]
-    origin = np.stack([panel.translation for panel in garment.pattern.panels])[garment.panel_of_uv]
-    return np.einsum("nij,nj->ni", rotation, garment.uv) + origin
+    placed = np.zeros((len(garment.uv), 3))
+    for index, panel in enumerate(garment.pattern.panels):
+        mine = garment.panel_of_uv == index
+        placed[mine] = place_points(panel, garment.uv[mine])
+    return placed
 
 
 def _find_ring(garment: Garment) -> _Ring | None:

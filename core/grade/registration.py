@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
 
 from ..hooks import SILENT, Hooks
 from ..mesh import (
@@ -19,6 +18,7 @@ from ..mesh import (
     bending_matrix,
     cotangent_laplacian,
     factor_symmetric,
+    find_components,
     gradient_operator,
     lump,
     signed_areas,
@@ -149,7 +149,7 @@ def register_coarsely(
             beyond = rim.lies_ahead(goal, found)
             weight, still = np.where(beyond, 0.0, weight), np.where(beyond, 0.0, still)
             held = fixed + settings.hidden.hold(garment, beyond)
-        beyond = _reach(free, still > 0.0, edges.adjacency)
+        beyond = _reach(free, still > 0.0, edges.edges)
         if beyond.any():
             still = np.where(beyond, 0.0, still)
             held = held + change_operator(garment, beyond)[0] / settings.even**2
@@ -178,15 +178,13 @@ def _pin_contours(garment: Garment, target: Target, settings: RegistrationSettin
     return pins, pinned
 
 
-def _reach(ends: np.ndarray, passable: np.ndarray, links: sp.csr_matrix) -> np.ndarray:
-    """Return which passable nodes some end nodes are joined to by passable ones, bool, shape [node_count]."""
-    found = np.zeros(len(passable), dtype=bool)
-    if not passable[ends].any():
-        return found
-    nodes = np.flatnonzero(passable)
-    _, piece = connected_components(links[nodes][:, nodes], directed=False)
-    found[nodes] = np.isin(piece, piece[np.isin(nodes, ends)])
-    return found
+def _reach(ends: np.ndarray, passable: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """Return which passable nodes the edges join to end nodes by passable ones, bool, shape [node_count]."""
+    ends = ends[passable[ends]]
+    if not len(ends):
+        return np.zeros(len(passable), dtype=bool)
+    _, piece = find_components(len(passable), *edges[passable[edges].all(axis=1)].T)
+    return passable & np.isin(piece, piece[ends])
 
 
 def match_surface(
