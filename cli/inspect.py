@@ -87,7 +87,7 @@ def _understand(asked: _Asked, selection: Selection | None) -> dict[str, Any]:
     """
     from ..core.errors import BadInput
     from ..core.person.inspect import explain_garment, find_what, inspect_person, is_no_person
-    from ..core.segment import inspect_file
+    from ..core.person.inspect_garment import inspect_file
     from .terminal import note
 
     what = asked.given_as or GARMENT

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .body import Body, builtin_body, is_builtin, register_body
+from .body import Body, builtin_body, is_builtin
 from .case import Case, GradedDrape
 from .checkpoints import load, save
 from .clock import Clock, peak_mb
@@ -53,6 +53,7 @@ from .measure import (
 )
 from .pattern import Garment, Panel, Seam, draft_template, find_cut, load_template, mesh_pattern, name_cut, resample
 from .pattern.parts import PartsConflict
+from .person.wearer import find_wearer
 from .pieces import measure_pieces
 from .recovery import Recovery, Request
 from .scan import Pieces
@@ -300,7 +301,7 @@ def find_body(request: Request, pieces: Pieces, hooks: Hooks) -> Body:
         return builtin_body(str(request.body))
     body = load(hooks, "body", Body)
     if body is None:
-        body = register_body(wearer.vertices, wearer.faces, cloth=pieces.cloth, name=wearer.name, hooks=hooks)
+        body = find_wearer(wearer, pieces.cloth, hooks)
         save(hooks, "body", body)
     return body
 

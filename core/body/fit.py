@@ -141,18 +141,41 @@ CALM = 0.02
 is then a fraction of what the next, nearer stage corrects, or in the last one 0.2 mm."""
 
 
+@dataclass(frozen=True)
+class _Placed:
+    """Hold our points in a state.
+
+    Attributes:
+        points: Positions [m], shape [m, 3].
+        normals: Unit normals, shape [m, 3].
+        rest: Points of this shape in the T-pose [m], shape [3, m].
+        blend: Sum of the joints' rotations by skinning weight, shape [3, 3, m].
+        world: Rotations of the joints, shape [24, 3, 3].
+        posed: Joints [m], shape [24, 3].
+        shift: Translations that go with `world` [m], shape [24, 3].
+    """
+
+    points: np.ndarray
+    normals: np.ndarray
+    rest: np.ndarray
+    blend: np.ndarray
+    world: np.ndarray
+    posed: np.ndarray
+    shift: np.ndarray
+
+
 class Fitter:
     """Fit a template, seen at a subset of its vertices, to a surface."""
 
     def __init__(self, template: Template, subset: np.ndarray, surface: OrientedPoints) -> None:
         """Take the template, indices of the vertices used, and the surface's points."""
         self.template = template
-        self.vertices = template.vertices[subset]
-        self.directions = np.ascontiguousarray(template.directions[:, subset].transpose(1, 2, 0))
-        self.weights = template.weights[subset]
-        self.limb = find_forearms(self.weights)
-        normals = vertex_normals(template.vertices, template.faces)
-        self.normals = normals[subset]
+        # Points come last here and in all that is computed per point: numpy's loops are then long ones.
+        self.vertices = np.ascontiguousarray(template.vertices[subset].T)
+        self.directions = np.ascontiguousarray(template.directions[:, subset].transpose(2, 0, 1))
+        self.weights = np.ascontiguousarray(template.weights[subset].T)
+        self.limb = find_forearms(template.weights[subset])
+        self.normals = np.ascontiguousarray(vertex_normals(template.vertices, template.faces)[subset].T)
         self.surface = surface
 
     def fit(self, state: State, stage: Stage) -> State:
@@ -162,16 +185,16 @@ class Fitter:
         last = None
         for _ in range(stage.steps):
             placed = self._place(state)
-            if last is not None and np.sqrt(((placed[0] - last) ** 2).sum(axis=1).mean()) < CALM * stage.scale:
+            if last is not None and np.sqrt(((placed.points - last) ** 2).sum(axis=1).mean()) < CALM * stage.scale:
                 break
-            last = placed[0]
+            last = placed.points
             state = self._step(state, stage, tree, placed)
         return state
 
     def residual(self, state: State, scale: float, normal_length: float) -> float:
         """Return the robust two-way misfit of a state: mean of min(d, scale) over pairs, normals counted in d [m]."""
-        points, normals = self._place(state)[:2]
-        ours = np.hstack([points, normal_length * normals])
+        placed = self._place(state)
+        ours = np.hstack([placed.points, normal_length * placed.normals])
         theirs = self.surface.stack(normal_length)
         there, _ = cKDTree(theirs).query(ours, distance_upper_bound=scale)
         back, _ = cKDTree(ours).query(theirs, distance_upper_bound=scale)
@@ -179,62 +202,64 @@ class Fitter:
             back = back.reshape(2, -1).min(axis=0)
         return float(np.minimum(there, scale).mean() + np.minimum(back, scale).mean()) / 2
 
-    def _place(self, state: State) -> tuple[np.ndarray, ...]:
-        """Return points [m, 3], normals [m, 3], weighted copies per joint [m, 24, 3], world rotations and joints."""
+    def _place(self, state: State) -> _Placed:
         k = len(state.shape)
-        rest = self.vertices + self.directions[:, :, :k] @ state.shape
+        rest = self.vertices + np.tensordot(state.shape, self.directions[:, :k], axes=(0, 1))
         joints = self.template.joints + np.tensordot(state.shape, self.template.joint_directions[:k], axes=1)
         world, posed = articulate(state.rotations, joints, state.translation)
         shift = posed - np.einsum("jab,jb->ja", world, joints)
-        moved = (rest @ world.reshape(72, 3).T + shift.ravel()).reshape(-1, 24, 3) * self.weights[:, :, None]
-        normals = np.einsum("mab,mb->ma", (self.weights @ world.reshape(24, 9)).reshape(-1, 3, 3), self.normals)
-        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-        return moved.sum(axis=1), normals, moved, world, posed
+        blend = (world.reshape(24, 9).T @ self.weights).reshape(3, 3, -1)
+        points = (blend * rest).sum(axis=1) + shift.T @ self.weights
+        normals = (blend * self.normals).sum(axis=1)
+        normals /= np.sqrt((normals**2).sum(axis=0))
+        return _Placed(points.T, normals.T, rest, blend, world, posed, shift)
 
-    def _step(self, state: State, stage: Stage, tree: cKDTree, placed: tuple[np.ndarray, ...]) -> State:
+    def _step(self, state: State, stage: Stage, tree: cKDTree, placed: _Placed) -> State:
         """Take one Gauss-Newton step.
 
         Pairs are gathered at our points: with J_i the derivative of point i, its pairs add J_i^T M_i J_i to the normal
         equations and J_i^T h_i to the gradient, M_i = sum of w n n^T (or of w, in all three axes), h_i = M_i offset.
         """
-        points, normals, moved, world, posed = placed
-        row, chosen = self._pairs(points, normals, stage, tree)
+        points, count = placed.points, len(placed.points)
+        row, chosen = self._pairs(points, placed.normals, stage, tree)
         direction = self.surface.normals[chosen]
         offset = points[row] - self.surface.points[chosen]
         weight = self._trust(offset, direction, (row, chosen), stage) * (EVIDENCE / len(row) / stage.scale**2)
         slopes = np.concatenate(
             [
-                self._turn_slopes(moved, world, posed),
-                np.broadcast_to(np.eye(3)[:, None, :], (3, len(points), 3)),
-                self._shape_slopes(stage.shape_count, world),
+                self._turn_slopes(placed),
+                np.broadcast_to(np.eye(3)[:, :, None], (3, 3, count)),
+                self._shape_slopes(stage.shape_count, placed),
             ],
-            axis=2,
+            axis=1,
         )
         if stage.plane:
             pull = (weight * np.einsum("ra,ra->r", direction, offset))[:, None] * direction
             scaled = self._scale_rows(slopes, row, weight, direction)
         else:
             pull = weight[:, None] * offset
-            scaled = np.sqrt(np.bincount(row, weight, len(points)))[None, :, None] * slopes
-        pulls = np.stack([np.bincount(row, pull[:, a], len(points)) for a in range(3)])
-        gradient = slopes.reshape(-1, slopes.shape[2]).T @ pulls.ravel()
-        scaled = scaled.reshape(-1, slopes.shape[2])
-        normal = scaled.T @ scaled
+            scaled = np.sqrt(np.bincount(row, weight, count)) * slopes
+        gradient = sum(slopes[a] @ np.bincount(row, pull[:, a], count) for a in range(3))
+        normal = sum(part @ part.T for part in scaled)
         self._add_priors(state, stage.shape_count, normal, gradient)
         step = cho_solve(cho_factor(normal + 1e-9 * np.trace(normal) / len(normal) * np.eye(len(normal))), -gradient)
         return _advance(state, step, stage.shape_count)
 
     def _scale_rows(self, slopes: np.ndarray, row: np.ndarray, weight: np.ndarray, direction: np.ndarray) -> np.ndarray:
         """Return L_i^T J_i, where L_i L_i^T is the sum of w n n^T over the pairs of point i; shape as `slopes`."""
-        count = slopes.shape[1]
+        count = slopes.shape[2]
         sums = np.zeros((count, 3, 3))
         for a in range(3):
             for b in range(a + 1):
                 sums[:, a, b] = sums[:, b, a] = np.bincount(row, weight * direction[:, a] * direction[:, b], count)
         # One pair alone has rank 1; a millionth of the weight makes Cholesky's factor exist and moves nothing.
         ease = 1e-6 * np.trace(sums, axis1=1, axis2=2) + 1e-300
-        lower = np.linalg.cholesky(sums + ease[:, None, None] * np.eye(3))
-        return np.asarray(np.einsum("mab,amp->bmp", lower, slopes, optimize=True))
+        lower = np.ascontiguousarray(np.linalg.cholesky(sums + ease[:, None, None] * np.eye(3)).transpose(1, 2, 0))
+        scaled = np.zeros_like(slopes)
+        for a in range(3):
+            for b in range(a + 1):
+                scaled[b] += lower[a, b] * slopes[a]
+        return scaled
 
     def _pairs(
         self, points: np.ndarray, normals: np.ndarray, stage: Stage, tree: cKDTree
@@ -274,21 +299,27 @@ class Fitter:
                 weight = weight * (1.0 - cloth * ((self.limb[row] > 0) & (s.limb[chosen] != self.limb[row])))
         return np.asarray(weight * (scale2 / (scale2 + length2)) ** 2)
 
-    def _turn_slopes(self, moved: np.ndarray, world: np.ndarray, posed: np.ndarray) -> np.ndarray:
-        """Return the derivatives of our points by rotations in the parents' frames, shape [3, m, 72].
+    def _turn_slopes(self, placed: _Placed) -> np.ndarray:
+        """Return the derivatives of our points by rotations in the parents' frames, shape [3, 72, m].
 
         A small turn w about joint j moves the part of a point that hangs below it: dx = w x (S - C p_j), with S the
         sum of its weighted copies below j and C the sum of those weights.
         """
-        arms = np.matmul(_BELOW, moved) - (self.weights @ _BELOW.T)[:, :, None] * posed
-        frames = np.stack([np.eye(3) if p < 0 else world[p] for p in PARENTS])
-        slopes = np.zeros((3, len(moved), 24, 3))
+        world, posed = placed.world, placed.posed
+        copies = (world.reshape(72, 3) @ placed.rest + placed.shift.reshape(72, 1)).reshape(24, 3, -1)
+        copies *= self.weights[:, None]
+        arms = (_BELOW @ copies.reshape(24, -1)).reshape(copies.shape)
+        arms -= (_BELOW @ self.weights)[:, None] * posed[:, :, None]
+        frames = np.stack([np.eye(3) if p < 0 else world[p] for p in PARENTS])[:, :, :, None]
+        slopes = np.zeros((3, 24, 3, self.weights.shape[1]))
         for a, b, c in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-            slopes[a] = frames[:, b] * arms[:, :, c, None] - frames[:, c] * arms[:, :, b, None]
-        return slopes.reshape(3, len(moved), 72)
+            np.multiply(frames[:, b], arms[:, None, c], out=slopes[a])
+            slopes[a] -= frames[:, c] * arms[:, None, b]
+        return slopes.reshape(3, 72, -1)
 
-    def _shape_slopes(self, count: int, world: np.ndarray) -> np.ndarray:
-        """Return the derivatives of our points by the first shape coefficients, shape [3, m, count]."""
+    def _shape_slopes(self, count: int, placed: _Placed) -> np.ndarray:
+        """Return the derivatives of our points by the first shape coefficients, shape [3, count, m]."""
+        world = placed.world
         joint_slopes = self.template.joint_directions[:count].transpose(1, 2, 0)
         posed_slopes = np.zeros_like(joint_slopes)
         for j, p in enumerate(PARENTS):
@@ -296,9 +327,11 @@ class Fitter:
                 joint_slopes[j] if p < 0 else posed_slopes[p] + world[p] @ (joint_slopes[j] - joint_slopes[p])
             )
         shift = posed_slopes - world @ joint_slopes
-        blended = (self.weights @ world.reshape(24, 9)).reshape(-1, 3, 3)
-        carried = (self.weights @ shift.reshape(24, -1)).reshape(-1, 3, count)
-        return np.asarray((blended @ self.directions[:, :, :count] + carried).transpose(1, 0, 2))
+        slopes = (shift.reshape(24, -1).T @ self.weights).reshape(3, count, -1)
+        for a in range(3):
+            for b in range(3):
+                slopes[a] += placed.blend[a, b] * self.directions[b, :count]
+        return slopes
 
     def _add_priors(self, state: State, shape_count: int, normal: np.ndarray, gradient: np.ndarray) -> None:
         """Add the Gaussian priors of pose and shape and the hinges' one-sided limits to the normal equations."""

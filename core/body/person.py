@@ -71,6 +71,7 @@ class PersonSettings:
         fine_count: Our points in the last stages: one every 3 cm.
         pull: Weight of cloth outside the body in the last stages.
         gap: How far out cloth may lie and still pull, over what skin may.
+        refuses: Whether what is not one whole person is refused.
         seed: Seeds the choice of points.
     """
 
@@ -79,6 +80,7 @@ class PersonSettings:
     fine_count: int = 1800
     pull: float = PULL
     gap: float = 2.0
+    refuses: bool = True
     seed: int = 0
 
 
@@ -153,13 +155,13 @@ def fit_person(
     height = 0.0 if surface is None else float(np.ptp(surface.points[:, 1]))
     if surface is None or not 0.7 <= height <= 2.8:
         raise NotHuman(f"The scan is {height:.2f} m high. {NotHuman().message}")
-    if surface.total < SPARSE:
+    if settings.refuses and surface.total < SPARSE:
         raise TooSparse()
     found = find_start(template, surface, settings.search, settings.seed, hooks)
     presence = measure_presence(template, surface, found.state)
-    if presence.stray > CROWD and _is_pair(template, surface, settings, hooks):
+    if settings.refuses and presence.stray > CROWD and _is_pair(template, surface, settings, hooks):
         raise SeveralPersons()
-    problem = refuse(presence, height)
+    problem = refuse(presence, height) if settings.refuses else None
     if problem is not None and not presence.may_be_whole:
         raise problem
     turned = orient_by(template, surface, found.state)

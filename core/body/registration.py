@@ -77,13 +77,8 @@ class RegistrationSettings:
 
 COARSE = (Stage(5, 0.30, 0.15, False, 4), Stage(4, 0.15, 0.15, False, 8))
 MIDDLE = (Stage(10, 0.10, 0.15, False, 10), Stage(10, 0.06, 0.10, True, 15))
-FINE = (
-    Stage(12, 0.05, 0.10, True, 20, 0.1),
-    Stage(12, 0.025, 0.06, True, 40, 0.05),
-    Stage(12, 0.012, 0.04, True, 60, 0.03),
-)
-"""From far and few points to near and many: scale [m] falls, more of the shape is set free, and cloth says less: it
-shows a limb's direction, but not its girth."""
+FINE = (Stage(12, 0.05, 0.10, True, 20), Stage(12, 0.025, 0.06, True, 40), Stage(12, 0.012, 0.04, True, 60))
+"""From far and few points to near and many: scale [m] falls, and more of the shape is set free."""
 
 
 class NotHuman(BadInput):
@@ -96,7 +91,6 @@ def register_body(
     vertices: np.ndarray,
     faces: np.ndarray,
     *,
-    cloth: np.ndarray | None = None,
     name: str = "mesh",
     hooks: Hooks = SILENT,
     settings: RegistrationSettings | None = None,
@@ -109,15 +103,12 @@ def register_body(
     Args:
         vertices: Positions [m], y up, any place and heading, shape [n, 3].
         faces: Triangles, shape [f, 3]; turned outward where they enclose a negative volume.
-        cloth: True at vertices that are cloth and not skin, shape [n]: there the body lies below the mesh. None: the
-            mesh is a body's.
-        name: Goes into `Body.source` as `mesh:NAME`, or with `cloth` as `scan:NAME`.
+        name: Goes into `Body.source` as `mesh:NAME`.
         hooks: For progress and cancelling.
         settings: How to register, or None for the defaults.
 
     Returns:
-        The body. Its vertices are the given ones, or with `cloth` the fitted model's, and `fit_rms` is then the
-        distance of the skin to it.
+        The body. Its vertices are the given ones.
 
     Raises:
         NotHuman: where no start comes near the mesh.
@@ -129,42 +120,46 @@ def register_body(
         raise NotHuman(f"The body mesh has no faces or positions that are no numbers. {NotHuman().message}")
     if signed_volume(vertices, faces) < 0:
         faces = faces[:, ::-1]
-    if cloth is not None:
-        cloth = np.asarray(cloth, dtype=bool)
-        if cloth.shape != vertices.shape[:1] or cloth[faces].all():
-            raise NotHuman(f"Nothing of the mesh is skin. {NotHuman().message}")
     if not 0.8 <= np.ptp(vertices[:, 1]) <= 2.6:
         raise NotHuman(f"The body mesh is {np.ptp(vertices[:, 1]):.2f} m high. {NotHuman().message}")
     template = load_template()
-    state = _find(template, vertices, faces, cloth, settings, hooks)
+    state = _find(template, vertices, faces, settings, hooks)
     rest, joints = template.shaped(state.shape)
     world, posed = articulate(state.rotations, joints, state.translation)
     model = skin(rest, template.weights, transforms_of(world, posed, joints))
-    if cloth is None:
-        rms = _misfit(model, template.faces, vertices, faces)
-    else:
-        rms = _distance(vertices, faces[~cloth[faces].any(axis=1)], model, template.faces)
-    if rms > settings.worst_fit * np.ptp(rest[:, 1]):
-        raise NotHuman(f"The built-in body stays {1e3 * rms:.0f} mm from the body mesh. {NotHuman().message}")
-    if cloth is not None:
-        return _body(template, state, model, template.faces, f"scan:{name}", rms)
-    return _body(template, state, vertices, faces, f"mesh:{name}", rms)
+    rms = _misfit(model, template.faces, vertices, faces)
+    body = _body(template, state, vertices, faces, f"mesh:{name}", rms)
+    require_fit(rms, body, settings.worst_fit)
+    return body
+
+
+def require_fit(rms: float, body: Body, worst: float = RegistrationSettings.worst_fit) -> None:
+    """Check that a body came near what it was fitted to.
+
+    Args:
+        rms: RMS distance of the two [m].
+        body: The body.
+        worst: Largest accepted RMS over the body's height.
+
+    Raises:
+        NotHuman: where it stays away.
+    """
+    if rms > worst * np.ptp(body.rest_vertices[:, 1]):
+        raise NotHuman(f"The built-in body stays {1e3 * rms:.0f} mm from the mesh. {NotHuman().message}")
 
 
 def _find(
     template: Template,
     vertices: np.ndarray,
     faces: np.ndarray,
-    cloth: np.ndarray | None,
     settings: RegistrationSettings,
     hooks: Hooks,
 ) -> State:
     """Let all starts compete and give the best fit."""
     rng = np.random.default_rng(settings.seed)
-    surface = _sample(vertices, faces, settings.surface_count, rng, cloth)
+    surface = _sample(vertices, faces, settings.surface_count, rng)
     first = slice(settings.coarse_count)
-    hidden = None if surface.cloth is None else surface.cloth[first]
-    few = OrientedPoints(surface.points[first], surface.normals[first], hidden)
+    few = OrientedPoints(surface.points[first], surface.normals[first])
     subset = _spread_subset(template, settings.fine_count, rng)
     coarse = Fitter(template, subset[: settings.coarse_count], few)
     starts = _starts(template, surface, float(face_areas(vertices, faces).sum()), subset)
@@ -245,16 +240,13 @@ def _spread_subset(template: Template, count: int, rng: np.random.Generator) -> 
     return rng.choice(len(area), count, replace=False, p=area / area.sum())
 
 
-def _sample(
-    vertices: np.ndarray, faces: np.ndarray, count: int, rng: np.random.Generator, cloth: np.ndarray | None = None
-) -> OrientedPoints:
-    """Draw points uniformly by area, with their faces' normals; a face with a corner on cloth is cloth."""
+def _sample(vertices: np.ndarray, faces: np.ndarray, count: int, rng: np.random.Generator) -> OrientedPoints:
+    """Draw points uniformly by area, with their faces' normals."""
     normals, area = face_normals(vertices, faces)
     face = rng.choice(len(faces), count, p=area / area.sum())
     u, v = np.sqrt(rng.random((count, 1))), rng.random((count, 1))
     a, b, c = (vertices[faces[face, k]] for k in range(3))
-    hidden = None if cloth is None else cloth[faces[face]].any(axis=1)
-    return OrientedPoints((1 - u) * a + u * (1 - v) * b + u * v * c, normals[face], hidden)
+    return OrientedPoints((1 - u) * a + u * (1 - v) * b + u * v * c, normals[face])
 
 
 def _misfit(model: np.ndarray, model_faces: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> float:

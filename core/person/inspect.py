@@ -24,8 +24,8 @@ from ..scan import Limits, Pieces, Scan, describe_scan, load_pieces, load_scan
 from ..scan.load_raw import load_raw
 from ..scan.raw import RawScan
 from ..scan.refusal import MeshEmpty, NoFaces
-from ..segment import inspect_file
 from .given import SHOWN_NOTES, Given, describe_given
+from .inspect_garment import inspect_file
 from .separate import check_alone
 from .whole import LEAST_HEIGHT, TALL, shows_person, stands_tall
 

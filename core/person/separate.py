@@ -15,11 +15,13 @@ from .coat import Coat, find_coat
 from .colour import link_alike, use_colours
 from .confidence import judge
 from .crumbs import give_crumbs
+from .depth import find_depth
 from .diffusion import Links, diffuse, link_points
 from .features import Features, describe_points
 from .garments import find_garments
 from .hints import Hints
 from .learnt import Committee, load_committee, predict_parts_of
+from .limbs import BodyPlace
 from .marks import apply_marks, garments_marked
 from .outfit import above_waist, rank_outfits, read_all, read_as
 from .part import CLOTH, PARTS, Part
@@ -103,7 +105,8 @@ def separate(raw: RawScan, hints: Hints | None = None, hooks: Hooks = SILENT) ->
         column = apply_marks(column, hints.marks, raw, points, links)
     first = posterior.argmax(axis=1)
     believed, posterior = (_exchange(one, first, column) for one in (believed, posterior))
-    fit = _refit(fit, points, posterior, hooks)
+    if not isinstance(fit, _Given):
+        fit = refit_person(fit, points.positions, points.normals, weigh(posterior, features.place), hooks)
     best = points.carry(posterior.astype(np.float32)).argmax(axis=1)
     at, sure = NUMBERS[best], points.carry(believed.astype(np.float32))[np.arange(len(best)), best]
     if hints.label is not None:
@@ -147,10 +150,19 @@ def fit_below_clothes(
     return fit
 
 
-def weigh(posterior: np.ndarray) -> PointWeights:
-    """Return what a posterior, shape [n, part_count], says of where the body is."""
-    cloth, ignored = (posterior[:, [PARTS.index(part) for part in parts]].sum(axis=1) for parts in (CLOTH, IGNORED))
-    return PointWeights(cloth, ignored)
+def weigh(posterior: np.ndarray, place: BodyPlace | None = None) -> PointWeights:
+    """Return what a posterior, shape [n, part_count], says of where the body is, and how deep below a last fit's cloth.
+
+    Args:
+        posterior: Of the parts, shape [n, part_count].
+        place: Where the samples lie on a fit that took all cloth alike; None: no depth is expected.
+    """
+    # Clamped: a sum that rounding takes past 1 would weigh a pair below zero.
+    cloth, ignored = (
+        np.minimum(posterior[:, [PARTS.index(part) for part in parts]].sum(axis=1), 1.0) for parts in (CLOTH, IGNORED)
+    )
+    inside, spread = (None, None) if place is None else find_depth(place, posterior)
+    return PointWeights(cloth, ignored, inside, spread)
 
 
 def to_file(raw: RawScan, label: np.ndarray, confidence: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -196,12 +208,6 @@ def smooth_parts(
     """
     posterior = diffuse(posterior, links)
     return posterior if points.colours is None else use_colours(posterior, points.colours, features.place, links, tone)
-
-
-def _refit(fit: PersonFit | _Given, points: PersonPoints, posterior: np.ndarray, hooks: Hooks) -> PersonFit | _Given:
-    if isinstance(fit, _Given):
-        return fit
-    return refit_person(fit, points.positions, points.normals, weigh(posterior), hooks)
 
 
 def _worn(hints: Hints) -> tuple[Part, ...] | None:

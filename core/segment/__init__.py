@@ -3,8 +3,8 @@
 from .category import choose_category
 from .contours import name_contours
 from .garment import NoContour, PartMissing, SeveralGarments, segment_garment
-from .inspect import Inspection, find_remarks, inspect_file
 from .loop import find_loops, smooth_loop, smooth_ragged, smoothed_length
+from .misfit import find_remarks
 from .neck import NeckLines, unroll_neck
 from .noise import smooth_noise
 from .spikes import flatten_spikes
@@ -14,7 +14,6 @@ __all__ = [
     "CATEGORIES",
     "CONTOUR_NAMES",
     "Contour",
-    "Inspection",
     "NeckLines",
     "NoContour",
     "PartMissing",
@@ -24,7 +23,6 @@ __all__ = [
     "find_loops",
     "find_remarks",
     "flatten_spikes",
-    "inspect_file",
     "mark_hidden_border",
     "name_contours",
     "segment_garment",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..body import Body
 from ..body.solid import Solid
 from ..mesh import TriangleSurface
 
@@ -49,3 +50,13 @@ def explain_misfit(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) 
             "the two files have different origins; export them together."
         )
     return ""
+
+
+def find_remarks(points: np.ndarray, body: Body) -> tuple[str, ...]:
+    """Return what speaks against a body for a garment's vertices [m], shape [n, 3], one sentence each.
+
+    A model that was fitted to a clothed person lies where it was guessed; nothing is said of it.
+    """
+    is_given = body.source.startswith(("mesh:", "builtin:"))
+    misfit = explain_misfit(points, body.vertices, body.faces) if is_given else ""
+    return (misfit,) if misfit else ()

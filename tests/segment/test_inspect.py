@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.errors import BadInput
-from garmentq.core.segment import find_remarks, inspect_file
+from garmentq.core.person.inspect_garment import inspect_file
+from garmentq.core.segment import find_remarks
 from garmentq.core.segment.misfit import explain_misfit
 
 

@@ -1,4 +1,4 @@
-"""What was understood of a file, before anything is run."""
+"""What was understood of a garment's file, before anything is run."""
 
 from __future__ import annotations
 
@@ -10,9 +10,8 @@ import numpy as np
 
 from ..body import Body, is_builtin, is_smpl, load_smpl
 from ..scan import Limits, Pieces, Scan, Selection, describe_scan, load_pieces
-from .garment import segment_garment
-from .loop import find_loops, smoothed_length
-from .misfit import explain_misfit
+from ..segment import find_loops, find_remarks, segment_garment, smoothed_length
+from .wearer import find_wearer
 
 
 @dataclass(frozen=True)
@@ -81,7 +80,7 @@ def inspect_file(
 ) -> Inspection:
     """Read a garment's file, and with a body name its contours and category.
 
-    Of a dressed person's scan the garment that the selection says is cut out, and the body is estimated from the skin
+    Of a dressed person's scan the garment that the selection says is cut out, and the body is found below the clothes
     where none is given.
 
     Args:
@@ -127,16 +126,6 @@ def _describe(scan: Scan, boundaries: list[float]) -> dict[str, Any]:
     return found | {"extent_m": tuple(found["extent_m"]), "repairs": scan.repairs, "boundaries_m": lengths}
 
 
-def find_remarks(points: np.ndarray, body: Body) -> tuple[str, ...]:
-    """Return what speaks against a body for a garment's vertices [m], shape [n, 3], one sentence each.
-
-    A model that was fitted to a clothed person lies where it was guessed; nothing is said of it.
-    """
-    is_given = body.source.startswith(("mesh:", "builtin:"))
-    misfit = explain_misfit(points, body.vertices, body.faces) if is_given else ""
-    return (misfit,) if misfit else ()
-
-
 def _find_body(body: Body | Path | str | None, pieces: Pieces) -> Body | None:
     if isinstance(body, Body):
         return body
@@ -146,9 +135,4 @@ def _find_body(body: Body | Path | str | None, pieces: Pieces) -> Body | None:
         return builtin_body(body)
     if body is not None and is_smpl(body):
         return load_smpl(Path(body))
-    wearer = pieces.wearer
-    if wearer is not None:
-        from ..body import register_body
-
-        return register_body(wearer.vertices, wearer.faces, cloth=pieces.cloth, name=wearer.name)
-    return None
+    return None if pieces.wearer is None else find_wearer(pieces.wearer, pieces.cloth)
