@@ -53,7 +53,7 @@ from .measure import (
 )
 from .pattern import Garment, Panel, Seam, draft_template, find_cut, load_template, mesh_pattern, name_cut, resample
 from .pattern.parts import PartsConflict
-from .person.wearer import find_wearer
+from .person.wearer import fit_wearer
 from .pieces import measure_pieces
 from .recovery import Recovery, Request
 from .scan import Pieces
@@ -301,7 +301,7 @@ def find_body(request: Request, pieces: Pieces, hooks: Hooks) -> Body:
         return builtin_body(str(request.body))
     body = load(hooks, "body", Body)
     if body is None:
-        body = find_wearer(wearer, pieces.cloth, hooks)
+        body = fit_wearer(wearer, pieces.cloth, hooks)
         save(hooks, "body", body)
     return body
 

@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from scipy import sparse
-from scipy.spatial import ConvexHull
 
-from ..body import Body, SignedDistance, armpit_height, rest_body
+from ..body import Body, SignedDistance, Tape, armpit_height, rest_body
 from ..hooks import SILENT, Hooks
 from ..mesh import HalfEdges, factor_symmetric
 from ..pattern import Garment
@@ -102,19 +101,11 @@ def natural_height(girth: float, body: Body) -> float:
     """
     low, high = body.joint("pelvis")[1], body.joint("spine3")[1]
     heights = np.linspace(low, high, 25)
-    girths = np.array([convex_girth(body, height) for height in heights])
+    tape = Tape(body)
+    girths = np.array([tape.trunk(height).value for height in heights])
     narrowest = int(np.argmin(girths))
     wide = np.nonzero(girths[: narrowest + 1] <= girth)[0]
     return float(heights[wide[0]] if len(wide) else heights[narrowest])
-
-
-def convex_girth(body: Body, height: float) -> float:
-    """Measure the convex hull of the body within half a vertex spacing, 1 cm, of a height [m]."""
-    near = body.vertices[np.abs(body.vertices[:, 1] - height) < 0.01][:, [0, 2]]
-    if len(near) < 3:
-        return float("inf")
-    # In two dimensions a hull's `area` is its perimeter.
-    return float(ConvexHull(near).area)
 
 
 def _weld_flat(garment: Garment, body: Body) -> np.ndarray:

@@ -5,16 +5,14 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from ..body import BELOW_ARMPIT, Body, armpit_height, crotch_height, rest_body
+from ..body import BELOW_ARMPIT, Body, Tape, armpit_height, crotch_height, rest_body
 from ..pattern import BodyMeasures, Pattern, draft_template
-from .dress import convex_girth
 
 STEP = 0.01
 """Distance of the heights at which girths are taken [m]: the spacing of the body's vertices."""
 
 WAIST_SPAN = 7
-"""Cuts over which the trunk's girth is averaged before its narrowest place is looked for: the width of a waistband;
-single cuts of the vertices differ by 5 mm."""
+"""Cuts over which the trunk's girth is averaged before its narrowest place is looked for: the width of a waistband."""
 
 BONE_END = 0.018
 """How far the shoulder's bone end lies outside its joint [m]; on the body of the drafts 18.0 against 16.2 cm."""
@@ -45,11 +43,12 @@ def measure_wearer(body: Body) -> BodyMeasures:
     armpit = armpit_height(rest)
     seat = np.arange(crotch, rest.joint("pelvis")[1], STEP)
     trunk = np.arange(rest.joint("pelvis")[1], armpit - BELOW_ARMPIT, STEP)
-    around_seat = np.array([convex_girth(rest, height) for height in seat])
-    around_trunk = uniform_filter1d([convex_girth(rest, height) for height in trunk], WAIST_SPAN, mode="nearest")
+    tape = Tape(rest)
+    around_seat = np.array([tape.trunk(height).value for height in seat])
+    around_trunk = uniform_filter1d([tape.trunk(height).value for height in trunk], WAIST_SPAN, mode="nearest")
     throat = np.abs(heights - neck[1] - NECK_ABOVE) < STEP
     return BodyMeasures(
-        bust=convex_girth(rest, armpit - BELOW_ARMPIT),
+        bust=tape.trunk(armpit - BELOW_ARMPIT).value,
         waist=float(around_trunk.min()),
         hip=float(around_seat.max()),
         nape_height=float(neck[1]),

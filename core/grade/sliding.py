@@ -32,12 +32,15 @@ class SlideSettings:
             template's drape is of another size, and its strain spoils skirts by 3 % in area. `stay` 0.02: a panel that
             is strained by 7 % from the graded pattern costs as much as cloth that is strained by 1 %; without it a
             waist seam slides on without end where the surface is smooth. Bands keep their shape: where their long seams
-            lie cannot be seen.
+            lie cannot be seen. So does what hanging arms hide: sleeves of a T-shirt lost 8 % to where it is worn, 4 %
+            with it.
     """
 
     settled: float = 1e-3
     isometry: IsometrySettings = field(
-        default_factory=lambda: IsometrySettings(vertices=800, steps=12, believed=0.0, stay=0.02, stay_band=1.0)
+        default_factory=lambda: IsometrySettings(
+            vertices=800, steps=12, believed=0.0, stay=0.02, stay_band=1.0, stay_hidden=1.0
+        )
     )
 
     def with_curves(self) -> SlideSettings:

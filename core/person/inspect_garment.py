@@ -11,7 +11,7 @@ import numpy as np
 from ..body import Body, is_builtin, is_smpl, load_smpl
 from ..scan import Limits, Pieces, Scan, Selection, describe_scan, load_pieces
 from ..segment import find_loops, find_remarks, segment_garment, smoothed_length
-from .wearer import find_wearer
+from .wearer import fit_wearer
 
 
 @dataclass(frozen=True)
@@ -135,4 +135,4 @@ def _find_body(body: Body | Path | str | None, pieces: Pieces) -> Body | None:
         return builtin_body(body)
     if body is not None and is_smpl(body):
         return load_smpl(Path(body))
-    return None if pieces.wearer is None else find_wearer(pieces.wearer, pieces.cloth)
+    return None if pieces.wearer is None else fit_wearer(pieces.wearer, pieces.cloth)

@@ -26,7 +26,7 @@ LEAST = 1e-6
 """Probability that the marks leave at least to any part that they allow."""
 
 
-def find_wearer(scan: Scan, cloth: np.ndarray | None, hooks: Hooks = SILENT) -> Body:
+def fit_wearer(scan: Scan, cloth: np.ndarray | None, hooks: Hooks = SILENT) -> Body:
     """Find the wearer of a scan: a body's mesh is registered, below marked cloth he is found as `separate` finds him.
 
     Nobody is refused for being scanned in part: who marked the clothes has seen that it is a person.

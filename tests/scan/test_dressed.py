@@ -14,7 +14,7 @@ from garmentq.core.body import JOINTS, Body, builtin_body
 from garmentq.core.errors import BadInput
 from garmentq.core.inputs import read_files
 from garmentq.core.mesh import vertex_normals
-from garmentq.core.person.wearer import find_wearer
+from garmentq.core.person.wearer import fit_wearer
 from garmentq.core.recovery import Request
 from garmentq.core.scan import Pieces, Scan, Selection, cut_garment, load_pieces, select_vertices
 from garmentq.core.scan.selection import select_other_cloth
@@ -77,7 +77,7 @@ def pieces(dressed: Dressed) -> Pieces:
 def found(pieces: Pieces) -> Body:
     """Register the body below the cloth."""
     assert pieces.wearer is not None
-    return find_wearer(pieces.wearer, pieces.cloth)
+    return fit_wearer(pieces.wearer, pieces.cloth)
 
 
 def test_labels_in_the_scan_are_the_garment(dressed: Dressed, pieces: Pieces) -> None:
