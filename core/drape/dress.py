@@ -104,8 +104,11 @@ def natural_height(girth: float, body: Body) -> float:
     tape = Tape(body)
     girths = np.array([tape.trunk(height).value for height in heights])
     narrowest = int(np.argmin(girths))
-    wide = np.nonzero(girths[: narrowest + 1] <= girth)[0]
-    return float(heights[wide[0]] if len(wide) else heights[narrowest])
+    held = np.nonzero(girths[: narrowest + 1] <= girth)[0]
+    first = int(held[0]) if len(held) else narrowest
+    if first == 0 or not len(held):
+        return float(heights[first])
+    return float(np.interp(girth, girths[[first, first - 1]], heights[[first, first - 1]]))
 
 
 def _weld_flat(garment: Garment, body: Body) -> np.ndarray:
