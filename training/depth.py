@@ -12,19 +12,21 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core.person import GARMENTS
-from ..core.person.depth import ARM, LEG, TRUNK, Excess, find_looseness
+from ..core.person import GARMENTS, Part
+from ..core.person.depth import ARM, HANGING, HELD, LEG, OVER, Excess, find_looseness
 from ..core.person.features import LENGTH, NAMES
 from ..core.person.limbs import Limb
 from .describe import Described
 from .train import load_set
 
-LIMBS = {
-    "trunk": (TRUNK, (Limb.TRUNK,)),
-    "arm": (ARM, (Limb.LEFT_ARM, Limb.RIGHT_ARM)),
-    "leg": (LEG, (Limb.LEFT_LEG, Limb.RIGHT_LEG)),
+ASKED: dict[str, tuple[Excess, tuple[Limb, ...], tuple[Part, ...]]] = {
+    "hanging": (HANGING, (Limb.TRUNK,), (Part.UPPER, Part.ONE_PIECE)),
+    "over": (OVER, (Limb.TRUNK,), (Part.OUTER,)),
+    "held": (HELD, (Limb.TRUNK,), (Part.LOWER,)),
+    "arm": (ARM, (Limb.LEFT_ARM, Limb.RIGHT_ARM), GARMENTS),
+    "leg": (LEG, (Limb.LEFT_LEG, Limb.RIGHT_LEG), GARMENTS),
 }
-"""The excess of today, whose stations are kept, and the limbs that each is of."""
+"""The excess of today, whose stations are kept, and the limbs and the garments that each is of."""
 
 FEWEST = 20
 """Samples of a scan around a station that make a figure."""
@@ -45,7 +47,9 @@ class Measured:
     scans: np.ndarray
 
 
-def measure_excess(scans: list[Described], excess: Excess, limbs: tuple[Limb, ...]) -> Measured:
+def measure_excess(
+    scans: list[Described], excess: Excess, limbs: tuple[Limb, ...], parts: tuple[Part, ...] = GARMENTS
+) -> Measured:
     """Fit e and s of d = h + l e + l s z, z of unit variance, at each station, every limb of a scan weighing alike.
 
     Notation: d `tightness`, h the height over the fit, l the looseness of the garment there, e `mean`, s `spread`.
@@ -55,7 +59,7 @@ def measure_excess(scans: list[Described], excess: Excess, limbs: tuple[Limb, ..
     for scan in scans:
         height = LENGTH * scan.values[:, NAMES.index("offset")]
         for limb in limbs:
-            for part in GARMENTS:
+            for part in parts:
                 mine = (scan.limb == limb) & (scan.label == part)
                 if mine.sum() < FEWEST:
                     continue
@@ -80,8 +84,8 @@ def main() -> None:
     options = parser.parse_args()
     scans = [scan for folder in options.samples for scan in load_set(folder)]
     found = {}
-    for name, (excess, limbs) in LIMBS.items():
-        measured = measure_excess(scans, excess, limbs)
+    for name, (excess, limbs, parts) in ASKED.items():
+        measured = measure_excess(scans, excess, limbs, parts)
         found[name] = {"stations": excess.stations} | {
             key: [round(float(value), 4) for value in getattr(measured, key)] for key in ("mean", "spread", "scans")
         }

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .limbs import BodyPlace, Limb
-from .part import GARMENTS, PARTS
+from .part import GARMENTS, PARTS, Part
 
 
 @dataclass(frozen=True)
@@ -25,10 +25,18 @@ class Excess:
     spread: tuple[float, ...]
 
 
-TRUNK = Excess(
+HANGING = Excess(
     (0.10, 0.18, 0.26, 0.34, 0.42, 0.50, 0.58, 0.66, 0.74),
-    (0.002, 0.0045, 0.0095, 0.015, 0.0165, 0.0135, 0.0105, 0.0115, 0.012),
-    (0.004, 0.0075, 0.0105, 0.013, 0.014, 0.0135, 0.0115, 0.0125, 0.020),
+    (0.0015, 0.0035, 0.009, 0.0145, 0.016, 0.013, 0.010, 0.0095, 0.012),
+    (0.004, 0.007, 0.011, 0.0135, 0.014, 0.0135, 0.011, 0.011, 0.015),
+)
+OVER = Excess(
+    (0.10, 0.18, 0.26, 0.34, 0.42, 0.50, 0.58, 0.66, 0.74),
+    (0.0045, 0.009, 0.016, 0.0235, 0.027, 0.021, 0.0175, 0.019, 0.025),
+    (0.0045, 0.007, 0.009, 0.0125, 0.015, 0.014, 0.0125, 0.0145, 0.0195),
+)
+HELD = Excess(
+    (0.42, 0.50, 0.58, 0.66, 0.74), (0.0065, 0.0055, 0.0075, 0.0115, 0.010), (0.0065, 0.0075, 0.009, 0.0115, 0.016)
 )
 ARM = Excess((0.0, 0.1, 0.2, 0.3, 0.4), (0.003, 0.0045, 0.005, 0.0075, 0.009), (0.006, 0.008, 0.008, 0.013, 0.016))
 LEG = Excess(
@@ -36,15 +44,12 @@ LEG = Excess(
     (0.007, 0.008, 0.0055, 0.007, 0.010, 0.012),
     (0.010, 0.010, 0.008, 0.009, 0.011, 0.014),
 )
-EXCESS = {
-    Limb.TRUNK: TRUNK,
-    Limb.LEFT_ARM: ARM,
-    Limb.RIGHT_ARM: ARM,
-    Limb.LEFT_LEG: LEG,
-    Limb.RIGHT_LEG: LEG,
-}
-"""Of simulated persons (`training/depth.py`). Cloth hangs from the chest and spans the waist, and a body fitted below
-it fills what it spans; nothing is known of what is worn around a neck."""
+TRUNK = {Part.UPPER: HANGING, Part.ONE_PIECE: HANGING, Part.OUTER: OVER, Part.LOWER: HELD}
+"""Of simulated persons (`training/depth.py`): what hangs from the shoulders spans the waist, and a body fitted below it
+fills what it spans; what is worn over that spans more, and what the waist holds lies on it there."""
+
+LIMBS = {Limb.LEFT_ARM: ARM, Limb.RIGHT_ARM: ARM, Limb.LEFT_LEG: LEG, Limb.RIGHT_LEG: LEG}
+"""Likewise, whatever is worn there; nothing is known of what is worn around a neck."""
 
 CHEST = 0.2
 """Station of the trunk [m] above which cloth rests on it, however loose it is."""
@@ -60,7 +65,7 @@ FEWEST = 50
 def find_depth(place: BodyPlace, posterior: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Find how far below each sample the wearer's surface is to be expected.
 
-    The depth is max(h + l e, 0): h the sample's height over the fit, e the limb's excess at its station, l from 0 to 1
+    The depth is max(h + l e, 0): h the sample's height over the fit, e the excess at its station, l from 0 to 1
     by the median h of its garment on its limb, from `TIGHT` to `LOOSE`.
 
     Args:
@@ -72,8 +77,9 @@ def find_depth(place: BodyPlace, posterior: np.ndarray) -> tuple[np.ndarray, np.
     """
     best = posterior.argmax(axis=1)
     depth, spread = np.full((2, len(best)), np.nan)
-    for limb, excess in EXCESS.items():
+    for limb in (Limb.TRUNK, *LIMBS):
         for part in GARMENTS:
+            excess = TRUNK[part] if limb is Limb.TRUNK else LIMBS[limb]
             mine = (place.limb == limb) & (best == PARTS.index(part))
             if mine.any():
                 at, height = place.station[mine], place.offset[mine]

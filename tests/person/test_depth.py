@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from garmentq.core.person import PARTS, Part
-from garmentq.core.person.depth import LEG, LOOSE, TIGHT, TRUNK, Excess, find_depth
+from garmentq.core.person.depth import HANGING, HELD, LEG, LOOSE, TIGHT, Excess, find_depth
 from garmentq.core.person.features import LENGTH, NAMES
 from garmentq.core.person.limbs import BodyPlace, Limb
 from garmentq.core.person.separate import weigh
@@ -32,8 +32,8 @@ def test_a_loose_garment_hides_more_than_the_fit_shows() -> None:
     """Broken where the waist under a hanging shirt stays as thick as a fit below it has it, or skin is moved in."""
     station = np.linspace(0.25, 0.6, 200)
     depth, spread = find_depth(place(Limb.TRUNK, station, np.full(200, 0.02)), surely(Part.UPPER, 200))
-    assert depth == pytest.approx(0.02 + np.interp(station, TRUNK.stations, TRUNK.mean))
-    assert spread == pytest.approx(np.interp(station, TRUNK.stations, TRUNK.spread))
+    assert depth == pytest.approx(0.02 + np.interp(station, HANGING.stations, HANGING.mean))
+    assert spread == pytest.approx(np.interp(station, HANGING.stations, HANGING.spread))
     for part in (Part.SKIN, Part.HAIR, Part.SHOES, Part.OTHER):
         assert np.isnan(find_depth(place(Limb.TRUNK, station, np.full(200, 0.02)), surely(part, 200))[0]).all()
     assert np.isnan(find_depth(place(Limb.NECK, station, np.full(200, 0.02)), surely(Part.UPPER, 200))[0]).all()
@@ -52,8 +52,16 @@ def test_each_garment_is_as_loose_as_it_is() -> None:
     height = np.where(station < 0.2, 0.001, np.where(station < 0.46, 0.03, 0.001))
     posterior = np.where((station < 0.46)[:, None], surely(Part.UPPER, 700), surely(Part.LOWER, 700))
     hidden = find_depth(place(Limb.TRUNK, station, height), posterior)[0] - height
-    assert hidden[300:500] == pytest.approx(np.interp(station[300:500], TRUNK.stations, TRUNK.mean))
+    assert hidden[300:500] == pytest.approx(np.interp(station[300:500], HANGING.stations, HANGING.mean))
     assert hidden[500:] == pytest.approx(0.0)
+
+
+def test_what_the_waist_holds_lies_on_it() -> None:
+    """Broken where a skirt's waistband is taken to hang off the wearer as far as a shirt does there."""
+    at = place(Limb.TRUNK, np.full(80, 0.42), np.full(80, 0.02))
+    skirt, shirt = (find_depth(at, surely(part, 80))[0] for part in (Part.LOWER, Part.UPPER))
+    assert skirt == pytest.approx(0.02 + np.interp(0.42, HELD.stations, HELD.mean))
+    assert (shirt > skirt + 0.008).all()
 
 
 def test_half_as_loose_hides_half() -> None:
