@@ -39,7 +39,7 @@ def command(
 
     Whether it is taken for a whole person or for a garment; units, up axis, extent, what was repaired; with a body also
     its contours, holes and category. Of a dressed person's scan the garment that --labels, --keep or --keep-colour says
-    is cut out, and the body is estimated from the skin. `garmentq segment` takes a person apart.
+    is cut out, and the body is found below the clothes. `garmentq segment` takes a person apart.
 
     \b
     Example:

@@ -225,6 +225,18 @@ def test_body_stays_below_the_cloth(dressed: Dressed, pieces: Pieces, found: Bod
 
 
 @pytest.mark.slow
+def test_a_person_who_was_scanned_to_the_knees_is_enough(dressed: Dressed, pieces: Pieces) -> None:
+    """Broken where who marked the clothes is told that the scan shows no whole person, or the trunk goes astray."""
+    assert pieces.wearer is not None and pieces.cloth is not None
+    vertices, faces = pieces.wearer.vertices, pieces.wearer.faces
+    kept = faces[(vertices[faces][:, :, 1] > 0.5).all(axis=1)]
+    used, index = np.unique(kept, return_inverse=True)
+    body = fit_wearer(Scan(vertices[used], index.reshape(-1, 3)), pieces.cloth[used])
+    upper = [JOINTS.index(name) for name in ("pelvis", "spine2", "neck", "left_shoulder", "right_elbow")]
+    assert np.linalg.norm(body.joints - dressed.joints, axis=1)[upper].max() < 0.03
+
+
+@pytest.mark.slow
 def test_contours_of_the_cut_have_their_names(pieces: Pieces, found: Body) -> None:
     """Broken where cut, registration and naming do not fit together."""
     target = segment_garment(pieces.garment, found)
