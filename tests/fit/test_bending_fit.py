@@ -13,19 +13,27 @@ from garmentq.core.simulate import Pins
 from worn_skirt import Worn, bring_to_rest, pose, state
 
 
-def test_bending_is_found_on_another_mesh(scene: Worn) -> None:
-    """A measure of folding that depends on the mesh, or a prior that outweighs it, breaks this: k within 1.5."""
+def test_bending_is_found_on_other_meshes(scene: Worn) -> None:
+    """A measure of folding that depends on the mesh, or a prior that outweighs it, breaks this: k within 1.3.
+
+    Of three meshes one may fold otherwise than the drape: of six tried, with 400 to 800 vertices, three were within 1.1
+    and three 1.4 to 1.5 off.
+    """
     stiff = replace(scene.fabric, k=8.0 * scene.fabric.k)
     target = bring_to_rest(scene.worn.at(scene.registered), stiff, scene.grid, scene.pins)
-    coarse = mesh_pattern(scene.template, 450)
-    nodes = resample(scene.worn, target, coarse)
-    waist = waist_loop(coarse.at(nodes))
-    assert waist is not None
-    problem = pose(replace(scene, pins=Pins(waist, nodes[waist])), coarse.at(nodes))
-    fabric, estimate = fit_bending(problem)
-    assert abs(np.log(fabric.k / stiff.k)) < np.log(1.5)
-    assert estimate.identifiable
-    assert estimate.std < 0.5 * estimate.prior_std
+    missed = []
+    for count in (400, 450, 520):
+        other = mesh_pattern(scene.template, count)
+        nodes = resample(scene.worn, target, other)
+        waist = waist_loop(other.at(nodes))
+        assert waist is not None
+        problem = pose(replace(scene, pins=Pins(waist, nodes[waist])), other.at(nodes))
+        fabric, estimate = fit_bending(problem)
+        missed.append(abs(np.log(fabric.k / stiff.k)))
+        assert estimate.identifiable
+        assert estimate.std < 0.5 * estimate.prior_std
+    assert np.median(missed) < np.log(1.3)
+    assert max(missed) < np.log(2.0)
 
 
 def test_bending_that_a_drape_does_not_tell_stays_as_given(scene: Worn) -> None:
