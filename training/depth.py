@@ -69,8 +69,9 @@ def measure_excess(
                 count = np.bincount(nearest, minlength=len(stations))
                 enough = count >= FEWEST
                 share = enough / np.maximum(count, 1)
-                for row, value in enumerate((loose**2 + 0 * hidden, loose * hidden, loose**2 * hidden**2)):
-                    sums[row] += share * np.bincount(nearest, value, len(stations))
+                sums[0] += enough * loose**2
+                sums[1] += share * loose * np.bincount(nearest, hidden, len(stations))
+                sums[2] += share * loose**2 * np.bincount(nearest, hidden**2, len(stations))
                 sums[3] += enough
     weight, first, second, count = sums
     mean = first / np.maximum(weight, 1e-9)

@@ -124,10 +124,7 @@ def register_body(
         raise NotHuman(f"The body mesh is {np.ptp(vertices[:, 1]):.2f} m high. {NotHuman().message}")
     template = load_template()
     state = _find(template, vertices, faces, settings, hooks)
-    rest, joints = template.shaped(state.shape)
-    world, posed = articulate(state.rotations, joints, state.translation)
-    model = skin(rest, template.weights, transforms_of(world, posed, joints))
-    rms = _misfit(model, template.faces, vertices, faces)
+    rms = _misfit(pose_model(template, state)[0], template.faces, vertices, faces)
     body = _body(template, state, vertices, faces, f"mesh:{name}", rms)
     require_fit(rms, body, settings.worst_fit)
     return body

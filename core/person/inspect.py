@@ -7,25 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from ..body import (
-    Body,
-    BodyMissing,
-    NotHuman,
-    builtin_body,
-    fit_person,
-    is_builtin,
-    is_smpl,
-    load_smpl,
-    register_body,
-)
+from ..body import BodyMissing, NotHuman, fit_person, is_builtin
 from ..body.presence import LOW, ScanPartial
 from ..errors import BadInput
-from ..scan import Limits, Pieces, Scan, describe_scan, load_pieces, load_scan
+from ..scan import Limits, Scan, describe_scan, load_pieces, load_scan
 from ..scan.load_raw import load_raw
 from ..scan.raw import RawScan
 from ..scan.refusal import MeshEmpty, NoFaces
 from .given import SHOWN_NOTES, Given, describe_given
-from .inspect_garment import inspect_file
+from .inspect_garment import find_body, inspect_file
 from .separate import check_alone
 from .whole import LEAST_HEIGHT, TALL, shows_person, stands_tall
 
@@ -167,7 +157,8 @@ def find_what(
         return PERSON  # a garment is a surface
     if not stands_tall(pieces.garment, pieces.wearer):
         return GARMENT
-    return PERSON if shows_person(pieces.garment, _find_body(body, pieces)) else GARMENT
+    worn = find_body(body, pieces)
+    return PERSON if worn is not None and shows_person(pieces.garment, worn) else GARMENT
 
 
 def is_no_person(error: BadInput) -> bool:
@@ -178,11 +169,3 @@ def is_no_person(error: BadInput) -> bool:
 def explain_garment(error: BadInput) -> str:
     """Return why a file that came without a body is no person, and what it needs where it is a garment."""
     return f"{error.message} A garment that was scanned alone needs its wearer: --body."
-
-
-def _find_body(body: Path | str, pieces: Pieces) -> Body:
-    if is_builtin(body) or pieces.wearer is None:
-        return builtin_body(str(body))
-    if is_smpl(body):
-        return load_smpl(Path(body))
-    return register_body(pieces.wearer.vertices, pieces.wearer.faces, name=pieces.wearer.name)

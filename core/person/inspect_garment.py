@@ -100,7 +100,7 @@ def inspect_file(
     scan, wearer = pieces.garment, pieces.wearer
     boundaries = sorted((smoothed_length(scan.vertices[loop]) for loop in find_loops(scan.faces)), reverse=True)
     known = _describe(scan, boundaries)
-    who = _find_body(body, pieces)
+    who = find_body(body, pieces)
     if who is None:
         return Inspection(**known)
     target = segment_garment(scan, who)
@@ -126,7 +126,8 @@ def _describe(scan: Scan, boundaries: list[float]) -> dict[str, Any]:
     return found | {"extent_m": tuple(found["extent_m"]), "repairs": scan.repairs, "boundaries_m": lengths}
 
 
-def _find_body(body: Body | Path | str | None, pieces: Pieces) -> Body | None:
+def find_body(body: Body | Path | str | None, pieces: Pieces) -> Body | None:
+    """Return the body that came with a garment, or the wearer of a scan that it was cut out of; None without either."""
     if isinstance(body, Body):
         return body
     if is_builtin(body):
