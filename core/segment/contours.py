@@ -23,9 +23,9 @@ ARM = ("collar", "shoulder", "elbow", "wrist", "hand")
 """Bones of an arm from the chest outward, without their side."""
 LEG = ("hip", "knee", "ankle", "foot")
 """Bones of a leg from the pelvis outward, without their side."""
-ARMHOLE_END = 0.4
-"""A sleeveless garment's armhole lies above this share of the upper arm: a dropped shoulder reaches 0.26, and a sleeve
-that ends before 0.4 (10 cm) is a cap, cut in one with the bodice."""
+ARMHOLE_END = 0.31
+"""A sleeveless garment's armhole lies above this share of the upper arm: a dropped shoulder reaches 0.26, and the
+shortest sleeves of T-shirts, 9 cm long, end at 0.35; this is the middle."""
 WAIST_END = 0.6
 """A skirt's or trousers' waist lies below this share of the way from the pelvis to the neck joint: a high waist reaches
 0.53, below the bust; the upper edge of a strapless top lies at 0.65 to 0.75, at the armpits."""
@@ -62,7 +62,7 @@ def name_contours(
     | trunk | away from the pelvis | hem |
     | bones of both legs | towards the pelvis | hem |
     | bones of both legs | away from the pelvis | waist |
-    | bones of one arm, beyond 0.4 of the upper arm | | cuff.SIDE |
+    | bones of one arm, beyond 0.31 of the upper arm | | cuff.SIDE |
     | bones of one arm, otherwise | | armhole.SIDE |
     | bones of one leg | towards the pelvis | leg.SIDE |
 
@@ -76,8 +76,9 @@ def name_contours(
         body: The wearer.
         unseen: True at vertices beyond which the scanner saw nothing, shape [vertex_count], or None. Skin beyond a
             contour proves design; a bay in the surface without anything beyond is damage, however wide its mouth.
-        scanned: True where the surface is a scan's, so that a contour can be where it was cut off. Our own meshes have
-            teeth too where they are coarse, and nothing cut them.
+        scanned: True where the surface is a scan's, so that a hole can have broken through a contour, and a contour can
+            be where it was cut off. Our own meshes have no holes, however deep a neckline, and teeth where they are
+            coarse, though nothing cut them.
         hidden: True at vertices where the garment may go on beyond its border, shape [vertex_count], or None.
 
     Returns:
@@ -91,8 +92,8 @@ def name_contours(
         candidates.append(_Candidate(loop, length, crossings, name_crossings(crossings, body)))
     if unseen is not None:
         candidates = [part for candidate in candidates for part in _bridge_bays(candidate, vertices, faces, unseen)]
-    candidates = [part for candidate in candidates for part in _bridge_bites(candidate, vertices, faces)]
     if scanned:
+        candidates = [part for candidate in candidates for part in _bridge_bites(candidate, vertices, faces)]
         candidates = [part for candidate in candidates for part in _split_legs(candidate, vertices, body)]
     chosen = _choose(candidates)
     loops = {name: c.vertices for name, c in chosen.items()}
@@ -162,12 +163,14 @@ def _bridge_bays(
 def _cut_off(
     candidate: _Candidate, vertices: np.ndarray, kept: np.ndarray, bites: tuple[np.ndarray, ...]
 ) -> list[_Candidate]:
-    """Return a contour without its bites, and the bites as holes."""
+    """Return a contour without its bites, and the bites as holes; whole, and not trusted, where little of it is left."""
     if not bites:
         return [candidate]
     loop, rims = candidate.vertices[kept], [candidate.vertices[bite] for bite in bites]
     mouths = sum(float(np.linalg.norm(vertices[rim[-1]] - vertices[rim[0]])) for rim in rims)
     length = smoothed_length(vertices[loop])
+    if length < SMALLEST:  # the hole took the contour with it: what is left encircles nothing
+        return [replace(candidate, bridged=1.0)]
     parts = [replace(candidate, vertices=loop, length=length, bridged=candidate.bridged + mouths / length)]
     return parts + [_Candidate(rim, smoothed_length(vertices[rim]), (), None) for rim in rims]
 

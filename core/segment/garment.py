@@ -131,7 +131,7 @@ def check_single(scan: Scan, body: Body) -> None:
                 f"{scan.name} holds {len(large)} separate surfaces, one of them closed as a body is; give the garment "
                 "alone, or label the scan's vertices and say --keep."
             )
-        contours, _ = name_contours(scan.vertices, faces, body)
+        contours, _ = name_contours(scan.vertices, faces, body, scanned=True)
         if contours and not _missing(contours):
             rims = [scan.vertices[contour.vertices] for contour in contours]
             others = cKDTree(np.concatenate(whole)) if whole else None

@@ -56,6 +56,39 @@ def test_tubes(wearers, hung, pose, top, bottom, names, category):
     assert choose_category(contours, vertices, body) == category
 
 
+@pytest.mark.parametrize(("share", "category"), [(0.24, "tank"), (0.38, "tshirt")])
+@pytest.mark.parametrize("pose", ["T", "arms-down"])
+def test_a_short_sleeve_is_no_armhole(wearers, skin, pose, share, category):
+    """Broken where the 9 cm sleeve of a T-shirt passes for a dropped shoulder, or a dropped shoulder for a sleeve."""
+    body = wearers[pose]
+    vertices, faces = skin(body, "tshirt")
+    for side in ("left", "right"):
+        shoulder, bone = body.joint(f"{side}_shoulder"), body.joint(f"{side}_elbow") - body.joint(f"{side}_shoulder")
+        place = (vertices - shoulder) @ bone / (bone @ bone)
+        near = np.linalg.norm(vertices - shoulder - place[:, None] * bone, axis=1) < 0.12
+        faces = faces[~(near & (place > share))[faces].any(axis=1)]
+    contours, _ = name_contours(vertices, faces, body)
+    assert choose_category(contours, vertices, body) == category
+
+
+def test_a_cuff_that_is_all_but_unseen_keeps_its_place(wearers, skin):
+    """Broken where a rim that is drawn in passes for a bay: nothing is left then, and a long sleeve is no long one."""
+    body = wearers["T"]
+    vertices, faces = skin(body, "long_sleeve_tshirt")
+    cuff = {contour.name: contour.vertices for contour in name_contours(vertices, faces, body)[0]}["cuff.left"]
+    elbow, wrist = body.joint("left_elbow"), body.joint("left_wrist")
+    bone = (wrist - elbow) / np.linalg.norm(wrist - elbow)
+    across = vertices[cuff] - wrist - ((vertices[cuff] - wrist) @ bone)[:, None] * bone
+    drawn = vertices.copy()
+    drawn[cuff] -= 0.3 * across + 0.015 * bone
+    unseen = np.ones(len(vertices), bool)
+    unseen[cuff[:3]] = False
+    contours, _ = name_contours(drawn, faces, body, unseen)
+    found = {contour.name: contour for contour in contours}
+    assert found["cuff.left"].length > 0.12
+    assert choose_category(contours, drawn, body) == "long_sleeve_tshirt"
+
+
 def test_left_is_the_wearers_left(wearers, skin):
     """A side that follows the world's axes instead of the wearer would be wrong after any turn."""
     body = wearers["T"]
