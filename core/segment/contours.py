@@ -163,7 +163,7 @@ def _bridge_bays(
 def _cut_off(
     candidate: _Candidate, vertices: np.ndarray, kept: np.ndarray, bites: tuple[np.ndarray, ...]
 ) -> list[_Candidate]:
-    """Return a contour without its bites, and the bites as holes; whole, and not trusted, where little of it is left."""
+    """Return a contour without its bites, and they as holes; whole, and not trusted, where little of it is left."""
     if not bites:
         return [candidate]
     loop, rims = candidate.vertices[kept], [candidate.vertices[bite] for bite in bites]
