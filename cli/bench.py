@@ -33,7 +33,7 @@ class BenchOptions:
     method: str
     preset: str
     only: tuple[str, ...]
-    library: bool
+    shipped: bool
     damage: bool
     ablate: bool
     out: Path | None
@@ -50,7 +50,7 @@ bench_options = gather(
     [
         *method_options(),
         click.option("--only", multiple=True, metavar="NAME", help="Take only this pack; may be given several times."),
-        click.option("--library", is_flag=True, help="Use the shipped templates, not the packs' own."),
+        click.option("--library", "shipped", is_flag=True, help="Use the shipped templates, not the packs' own."),
         click.option("--damage", is_flag=True, help="Damage each target in ten ways and compare with the clean truth."),
         click.option("--ablate", is_flag=True, help="Switch off one part of inverse loop and deformer at a time."),
         click.option(
@@ -111,7 +111,7 @@ def command(context: click.Context, directory: Path, options: BenchOptions, as_j
     out = str(options.out.resolve()) if options.out else None
     raw_lines = run_raw_packs(raw_packs, _raw_choice(options, out), as_json)
     for index, pack in enumerate(packs, start=1):
-        order = TargetOrder(str(pack.folder.resolve()), options.method, options.preset, options.library, out)
+        order = TargetOrder(str(pack.folder.resolve()), options.method, options.preset, options.shipped, out)
         line = run_target(pack, order, options.timeout)
         lines.append(line)
         note(f"[{index}/{len(packs)}] {_summary(line)}")
@@ -131,7 +131,7 @@ def _raw_choice(options: BenchOptions, out: str | None) -> RawChoice:
     return RawChoice(
         method=options.method,
         preset=options.preset,
-        library=options.library,
+        shipped=options.shipped,
         out=out,
         states=states,
         labels_only=options.labels_only or (is_study and not options.whole),

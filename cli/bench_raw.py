@@ -44,7 +44,7 @@ class RawChoice:
 
     method: str
     preset: str
-    library: bool
+    shipped: bool
     out: str | None
     states: tuple[str, ...]
     labels_only: bool
@@ -75,7 +75,7 @@ def order_of(pack: RawPack, state: str, choice: RawChoice) -> RawOrder:
         pack=str(pack.folder.resolve()),
         method=choice.method,
         preset=choice.preset,
-        library=choice.library,
+        shipped=choice.shipped,
         out=choice.out,
         state=state,
         labels_only=choice.labels_only,

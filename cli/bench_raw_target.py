@@ -37,7 +37,7 @@ class RawOrder:
         pack: Its folder.
         method: Recovery method.
         preset: Weights of the deformation.
-        library: True where the pack's base patterns are not used.
+        shipped: True where the pack's base patterns are not used.
         out: Folder for the results, or None.
         state: Name of the state that the scan is brought into.
         labels_only: Stop after the labels.
@@ -47,7 +47,7 @@ class RawOrder:
     pack: str
     method: str
     preset: str
-    library: bool
+    shipped: bool
     out: str | None
     state: str = "as_is"
     labels_only: bool = False
@@ -240,7 +240,7 @@ class _Run:
 
         truth = next((each for each in self.pack.garments if each.part == garment.part), None)
         line = next(each for each in self.line["garments"] if each["part"] == garment.part.word)
-        template = None if truth is None or self.order.library else truth.template
+        template = None if truth is None or self.order.shipped else truth.template
         settings = RecoverySettings(method=self.order.method, preset=self.order.preset)
         word = garment.part.word
         with keep_failure(line):

@@ -20,14 +20,14 @@ class TargetOrder:
         pack: Its folder.
         method: Recovery method.
         preset: Weights of the deformation.
-        library: True where the pack's own template is not used.
+        shipped: True where the pack's own template is not used.
         out: Folder for the result, or None.
     """
 
     pack: str
     method: str
     preset: str
-    library: bool
+    shipped: bool
     out: str | None
 
 
@@ -75,7 +75,7 @@ def _recover(order: TargetOrder) -> Line:
     from .compiling import time_compiling
 
     pack = read_packs(Path(order.pack))[0]
-    template = None if order.library else pack.template
+    template = None if order.shipped else pack.template
     settings = RecoverySettings(method=order.method, preset=order.preset)
     # All that the recovery is told: never the category, the true pattern or the truth's body.
     if pack.scan is None:

@@ -22,8 +22,8 @@ from .cut import (
     parse_parts,
 )
 from .draft import draft_cut, half_neck
-from .library import CUTS
 from .necklines import Throat, corner_turn, neckline_points
+from .shipped_cuts import CUTS
 from .sleeves import SLEEVES
 
 __all__ = [
