@@ -135,8 +135,7 @@ def keep_seen(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
             way = np.array([np.cos(rise) * np.sin(turn), np.sin(rise), np.cos(rise) * np.cos(turn)])
             asked = np.flatnonzero(~seen & (normals @ way > 0.1))
             rays = np.c_[start[asked], np.tile(way, (len(asked), 1))].astype(np.float32)
-            hit = scene.cast_rays(open3d.core.Tensor(rays), nthreads=1)["t_hit"].numpy()
-            seen[asked[np.isinf(hit)]] = True
+            seen[asked] = ~scene.test_occlusions(open3d.core.Tensor(rays), nthreads=1).numpy()
     kept = mesh.copy()
     kept.update_faces(seen[mesh.faces].all(axis=1))
     kept.remove_unreferenced_vertices()

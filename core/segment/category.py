@@ -61,10 +61,10 @@ def choose_category(contours: tuple[Contour, ...], vertices: np.ndarray, body: B
 def _places(
     contours: tuple[Contour, ...], vertices: np.ndarray, body: Body, kind: str, limb: tuple[str, ...]
 ) -> list[float]:
-    """Place each contour of a kind along its limb, where it still goes around it: a bridged one may not."""
+    """Place each contour of a kind along its limb; a bridged one that no longer goes around it only if none does."""
     places = []
     for contour in contours:
         stem, _, side = contour.name.partition(".")
         if stem == kind:
             places.append(limb_place(find_crossings(vertices[contour.vertices], body), side, limb))
-    return [place for place in places if np.isfinite(place)]
+    return [place for place in places if np.isfinite(place)] or places
