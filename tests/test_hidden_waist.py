@@ -34,7 +34,7 @@ def widen(base: Pattern) -> Pattern:
 @pytest.fixture(scope="module")
 def recovery(tmp_path_factory: pytest.TempPathFactory) -> Recovery:
     """Recover trousers that are wider than their base pattern, seen below the hem of a top alone."""
-    worn = drape_template(widen(load_template("trousers")), find_wearer(WEARER), settings=DrapeSettings(1500))
+    worn = drape_template(widen(load_template("trousers")), find_wearer(WEARER), settings=DrapeSettings(1500).eased())
     waist = next(contour for contour in worn.contours if contour.name == "waist")
     hem = worn.nodes[waist.vertices, 1].min() - COVERED
     used, faces = np.unique(worn.faces[(worn.nodes[worn.faces][:, :, 1] < hem).all(axis=1)], return_inverse=True)

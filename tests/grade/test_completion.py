@@ -9,6 +9,7 @@ import pytest
 import trimesh
 from garmentq.core.body import ExposedSurface
 from garmentq.core.grade import complete_target
+from garmentq.core.grade.completion import KEPT
 from garmentq.core.grade.registration import HiddenCloth
 from garmentq.core.mesh import vertex_normals
 from garmentq.core.segment import Contour, Target, find_loops, mark_hidden_border
@@ -54,16 +55,45 @@ def cover(tube, hides: bool = True) -> Target:
     )
 
 
-@pytest.mark.parametrize("sunk", [0.0, 0.04])
-def test_what_is_hidden_keeps_the_lengths_of_the_base_pattern(worn, skin, sunk: float) -> None:
-    """Fails if the garment ended where it is covered, or if its hidden part were drawn out or crushed by moving."""
-    completed = complete_target(worn, cover(roll(WIDTH, HEIGHT, 2000, TOP - sunk)), skin)
+def test_what_is_hidden_keeps_the_lengths_of_the_base_pattern(worn, skin) -> None:
+    """Fails if the garment ended where it is covered, or if its hidden part were drawn out or crushed."""
+    completed = complete_target(worn, cover(roll(WIDTH, HEIGHT, 2000)), skin)
     waist = completed.contour("waist")
     assert waist.trusted
     assert not waist.hidden
     assert completed.hidden is None
-    np.testing.assert_allclose(completed.vertices[waist.vertices, 1].mean(), TOP - sunk, atol=4e-3)
+    np.testing.assert_allclose(completed.vertices[waist.vertices, 1].mean(), TOP, atol=4e-3)
     np.testing.assert_allclose(waist.length, 2 * WIDTH, rtol=0.02)
+
+
+def test_a_hidden_waist_sits_halfway_to_where_its_band_holds_it(worn, skin) -> None:
+    """Fails if legs that are longer than the base pattern's drew the waist down with them, or did not move it."""
+    sunk = 0.04
+    completed = complete_target(worn, cover(roll(WIDTH, HEIGHT, 2000, TOP - sunk)), skin)
+    waist = completed.contour("waist")
+    np.testing.assert_allclose(completed.vertices[waist.vertices, 1].mean(), TOP - KEPT * sunk, atol=4e-3)
+    np.testing.assert_allclose(waist.length, 2 * WIDTH, rtol=0.02)
+
+
+def test_a_tucked_top_has_the_length_of_its_base_pattern(skin) -> None:
+    """Fails if a top that is drawn down over a wearer too large for it were the longer for it where it is tucked in."""
+    seen, stretch = HEIGHT - CUT, 1.08
+    tube = roll(WIDTH, HEIGHT, 600)
+    rename = {"waist": "neck", "hem": "hem"}
+    contours = tuple(replace(contour, name=rename[contour.name]) for contour in tube.contours)
+    depth = TOP - tube.nodes[:, 1]
+    drawn = stretch * depth - (stretch - 1.0) * np.maximum(depth - seen / stretch, 0.0)
+    worn = tube.at(np.column_stack([tube.nodes[:, 0], TOP - drawn, tube.nodes[:, 2]]), contours)
+    assert worn.nodes[:, 1].min() < TOP - HEIGHT - 0.02
+    fine = roll(WIDTH, seen, 2000)
+    neck, hem = (next(c for c in fine.contours if c.name == name) for name in ("waist", "hem"))
+    ends = (replace(neck, name="neck"), replace(hem, trusted=False, hidden=True))
+    hidden = np.isin(np.arange(len(fine.nodes)), hem.vertices)
+    normals = vertex_normals(fine.nodes, fine.faces)
+    completed = complete_target(worn, Target(fine.nodes, fine.faces, normals, ends, (), "tshirt", hidden=hidden), skin)
+    found = completed.contour("hem")
+    assert found.trusted
+    np.testing.assert_allclose(completed.vertices[found.vertices, 1].mean(), TOP - HEIGHT, atol=6e-3)
 
 
 def test_the_visible_part_stays_as_it_was_scanned(worn, skin) -> None:
