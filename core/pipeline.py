@@ -58,6 +58,7 @@ from .pieces import measure_pieces
 from .recovery import Recovery, Request
 from .scan import Pieces
 from .segment import CATEGORIES, Target, find_remarks, mark_hidden_border, name_contours, segment_garment
+from .segment.rounded_rims import straighten_scan
 from .settings import SettingsBad
 from .simulate import Drape, get_fabric
 
@@ -152,7 +153,8 @@ def make_case(request: Request, clock: Clock) -> Case:
     with clock.stage("body", "finding the wearer's joints") as hooks:
         body = find_body(request, pieces, hooks)
     with clock.stage("segment", "naming the open contours"):
-        target = segment_garment(pieces.garment, body)
+        scan = straighten_scan(pieces.garment)
+        target = segment_garment(scan, body)
         category = settings.garment or (None if request.reading is None else request.reading.category)
         if category is not None:
             target = replace(target, category=check_category(category))
@@ -160,7 +162,7 @@ def make_case(request: Request, clock: Clock) -> Case:
     base = replace(choice.pattern, symmetric=settings.free != "symmetry")
     find_held(base, base, settings.locks)  # a lock of nothing is refused now, not after the drape
     wearer = WearerGeometry(body)
-    case = Case(request, pieces.garment, wearer, target, choice.template, base, fabric)
+    case = Case(request, scan, wearer, target, choice.template, base, fabric)
     return replace(case, candidates=choice.candidates, notes=choice.notes)
 
 

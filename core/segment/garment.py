@@ -15,7 +15,6 @@ from .category import choose_category
 from .contours import name_contours
 from .loop import find_loops, smoothed_length
 from .noise import smooth_noise
-from .rounded_rims import straighten_rims
 from .spikes import flatten_spikes
 from .target import Contour, Target, mark_hidden_border
 
@@ -72,9 +71,7 @@ def segment_garment(scan: Scan, body: Body) -> Target:
     check_parts(contours, scan.name, is_covered=scan.hidden is not None and bool(scan.hidden.any()))
     vertices, spikes = flatten_spikes(scan.vertices, scan.faces)
     vertices, noise = smooth_noise(vertices, scan.faces)
-    if scan.unseen is not None:
-        vertices = straighten_rims(vertices, scan.faces, scan.unseen, scan.hidden)
-    if noise > 0.0 or spikes.any() or scan.unseen is not None:
+    if noise > 0.0 or spikes.any():
         contours = tuple(replace(c, length=smoothed_length(vertices[c.vertices])) for c in contours)
     return Target(
         vertices=vertices,

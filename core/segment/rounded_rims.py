@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
 from ..mesh import HalfEdges, vertex_normals
+from ..scan import Scan
 
 ROUNDED = 0.012
 """Way along the surface from a cut to which the surface bends off to what lies beyond [m], three cells of 4 mm of a
@@ -19,11 +22,29 @@ STRAIGHT = 0.030
 ASKED = 48
 """Vertices that say so, at most: of a surface with edges of 4 mm those of 2 x 3 cm."""
 
+SPACED = 0.004
+"""Edges of a surface of which every vertex is asked [m]; of a finer one every n-th."""
+
 LEAST = 12
 """Vertices that say so, at least; fewer are of a surface so coarse that its edge cannot be rounded."""
 
 ALIKE = 0.5
 """Least cosine between their normals and the nearest one's: the far side of a sharp fold does not say so."""
+
+
+STRAIGHTENED = "edges that the scan rounds towards what lies beyond them were straightened over 12 mm"
+"""What a person is told."""
+
+
+def straighten_scan(scan: Scan) -> Scan:
+    """Return a garment's scan with straight rims where it was cut out of a larger surface; others as they are.
+
+    What is rounded there is no cloth, so neither target nor metrics are of it.
+    """
+    if scan.unseen is None:
+        return scan
+    vertices = straighten_rims(scan.vertices, scan.faces, scan.unseen, scan.hidden)
+    return replace(scan, vertices=vertices, repairs=(*scan.repairs, STRAIGHTENED))
 
 
 def straighten_rims(
@@ -48,6 +69,8 @@ def straighten_rims(
     way, cut = _way_to(edges, vertices, edges.border_vertices & ~unseen)
     rounded, straight = np.flatnonzero(way < ROUNDED), np.flatnonzero((way >= ROUNDED) & (way < STRAIGHT))
     moved = vertices.copy()
+    edge = float(np.median(np.linalg.norm(vertices[edges.tail] - vertices[edges.head], axis=1)))
+    straight = straight[:: max(1, round((SPACED / edge) ** 2))]
     if len(straight) < LEAST:
         return moved
     away, near = cKDTree(vertices[straight]).query(

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from garmentq.core.mesh import HalfEdges
-from garmentq.core.segment.rounded_rims import ROUNDED, STRAIGHT, straighten_rims
+from garmentq.core.scan import Scan
+from garmentq.core.segment.rounded_rims import ROUNDED, STRAIGHT, STRAIGHTENED, straighten_rims, straighten_scan
 
 RADIUS, LENGTH, EDGE = 0.05, 0.10, 0.004
 DEEP = 0.005
@@ -74,6 +77,24 @@ def test_noise_is_not_drawn_out_at_the_edge() -> None:
     edge = way < 1e-9
     assert abs(far_off(found, edge).mean()) < 0.2 * DEEP
     assert far_off(found, edge).std() < 2.5e-3
+
+
+def test_only_what_was_cut_out_of_a_larger_surface_is_straightened() -> None:
+    """Fails if a garment that was given alone were changed, or if nobody were told of what was."""
+    true, faces, way = roll_sleeve(EDGE)
+    alone = Scan(round_off(true, way), faces)
+    assert straighten_scan(alone) is alone
+    cut = straighten_scan(replace(alone, unseen=way > LENGTH / 2))
+    assert np.abs(far_off(cut.vertices, way < 1e-9)).max() < 0.1 * DEEP
+    assert cut.repairs == (STRAIGHTENED,)
+
+
+def test_a_fine_surface_leads_as_a_coarse_one_does() -> None:
+    """Fails if of a dense scan only the nearest few millimetres were asked, whose noise would tilt the edge."""
+    true, faces, way = roll_sleeve(0.3 * EDGE)
+    noisy = round_off(true, way) + np.random.default_rng(3).normal(0.0, 2e-4, true.shape)
+    found = straighten_rims(noisy, faces, way > LENGTH / 2)
+    assert np.abs(far_off(found, way < 1e-9)).max() < 0.4 * DEEP
 
 
 def test_a_coarse_surface_stays_as_it_is() -> None:
