@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import scipy.sparse as sp
 
 from ..body import ExposedSurface, project_outside
 from ..hooks import SILENT, Hooks
-from ..mesh import HalfEdges, Rim, TriangleSurface, vertex_normals
+from ..mesh import HalfEdges, Rim, TriangleSurface, shortest_ways, vertex_normals
 from ..pattern import Garment
 from ..segment import Contour, Target, smoothed_length
 from .registration import HiddenCloth, RegistrationSettings, register_coarsely
@@ -126,14 +125,10 @@ def _follow_down(
         By how much the seen part of the way is longer on the nodes than flat, and the flat length of the hidden part
         [m], shape [node_count] each.
     """
-    corner, next_corner = np.arange(3), [1, 2, 0]
-    tail, head = worn.faces[:, corner].ravel(), worn.faces[:, next_corner].ravel()
-    flat = np.linalg.norm(worn.rest[:, next_corner] - worn.rest[:, corner], axis=2).ravel()
-    count = len(nodes)
-    length = sp.csr_matrix((flat, (tail, head)), (count, count)) + sp.csr_matrix((flat, (head, tail)), (count, count))
-    both = sp.csr_matrix((np.ones(len(tail)), (tail, head)), (count, count))
-    length.data /= (both + both.T).tocsr().data
-    way, before, _ = sp.csgraph.dijkstra(length, indices=start, min_only=True, return_predecessors=True)
+    count, edges = len(nodes), HalfEdges.of(worn.faces, len(nodes))
+    sides = np.linalg.norm(np.roll(worn.rest, -1, axis=1) - worn.rest, axis=2).ravel()
+    flat = np.bincount(edges.edge, sides) / edges.face_counts  # both sides of a gathered seam count
+    way, before, _ = shortest_ways(edges, flat, start)
     longer, hidden = np.zeros(count), np.zeros(count)
     for node in np.argsort(way):
         last = before[node]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..lazy import import_lazily
-from .connectivity import HalfEdges, adjacency_matrix, find_components
+from .connectivity import HalfEdges, adjacency_matrix, find_components, shortest_ways
 from .curves import ClosedCurve, CurvePoints, polyline_length, resample_polyline
 from .geometry import (
     angle_defects,
@@ -113,6 +113,7 @@ __all__ = [
     "rim_turns",
     "self_intersections",
     "shape_gradients",
+    "shortest_ways",
     "signed_areas",
     "signed_volume",
     "undo_crossings",

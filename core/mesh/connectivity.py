@@ -175,6 +175,30 @@ def find_components(count: int, first: np.ndarray, second: np.ndarray) -> tuple[
     return int(number), labels
 
 
+def shortest_ways(
+    edges: HalfEdges, lengths: np.ndarray, start: np.ndarray, limit: float = np.inf
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Compute the shortest way along edges from the nearest of some vertices to each (Dijkstra).
+
+    Args:
+        edges: The mesh.
+        lengths: Of its undirected edges [m], positive, shape [edge_count].
+        start: Indices of the vertices from which ways begin, at least one.
+        limit: Longest way [m].
+
+    Returns:
+        The way's length [m], infinite beyond the limit; the vertex before the last; and the one at which it begins,
+        both negative where there is none; shape [vertex_count] each.
+    """
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.csgraph import dijkstra
+
+    count = edges.vertex_count
+    graph = csr_matrix((lengths, tuple(edges.edges.T)), shape=(count, count))
+    found = dijkstra(graph, directed=False, indices=start, min_only=True, limit=limit, return_predecessors=True)
+    return found[0], found[1], found[2]
+
+
 def adjacency_matrix(edges: np.ndarray, count: int) -> csr_matrix:
     """Return the symmetric matrix with 1 for each undirected edge [edge_count, 2], shape [count, count]."""
     from scipy.sparse import csr_matrix

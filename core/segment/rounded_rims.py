@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
-from ..mesh import HalfEdges, vertex_normals
+from ..mesh import HalfEdges, shortest_ways, unit, vertex_normals
 from ..scan import Scan
 
 ROUNDED = 0.012
@@ -44,6 +43,8 @@ def straighten_scan(scan: Scan) -> Scan:
     if scan.unseen is None:
         return scan
     vertices = straighten_rims(scan.vertices, scan.faces, scan.unseen, scan.hidden)
+    if np.array_equal(vertices, scan.vertices):
+        return scan
     return replace(scan, vertices=vertices, repairs=(*scan.repairs, STRAIGHTENED))
 
 
@@ -66,13 +67,15 @@ def straighten_rims(
         hidden: True at vertices of edges beyond which the garment goes on hidden, shape [vertex_count]; None: nowhere.
     """
     edges = HalfEdges.of(faces, len(vertices))
-    way, cut = _way_to(edges, vertices, edges.border_vertices & ~unseen)
+    start = np.flatnonzero(edges.border_vertices & ~unseen)
+    if not len(start):
+        return vertices
+    lengths = np.linalg.norm(vertices[edges.edges[:, 0]] - vertices[edges.edges[:, 1]], axis=1)
+    way, _, cut = shortest_ways(edges, lengths, start, STRAIGHT)
     rounded, straight = np.flatnonzero(way < ROUNDED), np.flatnonzero((way >= ROUNDED) & (way < STRAIGHT))
-    moved = vertices.copy()
-    edge = float(np.median(np.linalg.norm(vertices[edges.tail] - vertices[edges.head], axis=1)))
-    straight = straight[:: max(1, round((SPACED / edge) ** 2))]
+    straight = straight[:: max(1, round((SPACED / float(np.median(lengths[edges.edge]))) ** 2))]
     if len(straight) < LEAST:
-        return moved
+        return vertices
     away, near = cKDTree(vertices[straight]).query(
         vertices[rounded], k=min(ASKED, len(straight)), distance_upper_bound=STRAIGHT
     )
@@ -82,11 +85,12 @@ def straighten_rims(
     is_near &= (normals[near] * normals[near[:, :1]]).sum(axis=2) > ALIKE
     told = is_near.sum(axis=1) >= LEAST
     rounded, near, is_near = rounded[told], near[told], is_near[told]
-    normal = _unit((is_near[..., None] * normals[near]).sum(axis=1))
+    normal = unit((is_near[..., None] * normals[near]).sum(axis=1))
     height = _height_over(vertices[rounded], vertices[straight][near], is_near, normal)
     covered = np.zeros(len(rounded), dtype=bool) if hidden is None else hidden[cut[rounded]]
     lift = np.clip(-height, np.where(covered, -ROUNDED, 0.0), ROUNDED)
     fade = np.clip(2.0 * (1.0 - way[rounded] / ROUNDED), 0.0, 1.0)
+    moved = vertices.copy()
     moved[rounded] += (fade * lift)[:, None] * normal
     return moved
 
@@ -103,7 +107,7 @@ def _height_over(points: np.ndarray, beside: np.ndarray, asked: np.ndarray, norm
     weight = (asked / asked.sum(axis=1, keepdims=True))[..., None]
     middle = (weight * beside).sum(axis=1)
     out = points - middle
-    out = _unit(out - (out * normal).sum(axis=1, keepdims=True) * normal)
+    out = unit(out - (out * normal).sum(axis=1, keepdims=True) * normal)
     frame = np.stack([np.cross(normal, out), out, normal], axis=2)
     u, v, z = np.moveaxis((beside - middle[:, None]) @ frame, 2, 0) / ROUNDED
     terms = np.stack([np.ones_like(u), u, v, u**2], axis=2)
@@ -111,28 +115,3 @@ def _height_over(points: np.ndarray, beside: np.ndarray, asked: np.ndarray, norm
     fitted = np.linalg.solve(system, np.swapaxes(terms, 1, 2) @ (weight * z[..., None]))[..., 0]
     u, v, z = np.moveaxis(((points - middle)[:, None] @ frame)[:, 0], 1, 0) / ROUNDED
     return np.asarray(ROUNDED * (z - (fitted * np.stack([np.ones_like(u), u, v, u**2], axis=1)).sum(axis=1)))
-
-
-def _way_to(edges: HalfEdges, vertices: np.ndarray, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the way along edges from marked vertices to each [m], infinite beyond `STRAIGHT`, and from which it comes.
-
-    Shape [vertex_count] each; -9999 where it comes from none.
-    """
-    if not start.any():
-        return np.full(len(vertices), np.inf), np.full(len(vertices), -9999)
-    a, b = edges.edges.T
-    length = np.linalg.norm(vertices[a] - vertices[b], axis=1)
-    graph = sp.csr_matrix((length, (a, b)), shape=(len(vertices), len(vertices)))
-    way, _, source = sp.csgraph.dijkstra(
-        graph,
-        directed=False,
-        indices=np.flatnonzero(start),
-        min_only=True,
-        limit=STRAIGHT,
-        return_predecessors=True,
-    )
-    return way, source
-
-
-def _unit(vectors: np.ndarray) -> np.ndarray:
-    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-12))

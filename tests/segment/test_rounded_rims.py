@@ -98,7 +98,9 @@ def test_a_fine_surface_leads_as_a_coarse_one_does() -> None:
 
 
 def test_a_coarse_surface_stays_as_it_is() -> None:
-    """Fails if so few vertices that they lie all around a cuff were asked where its edge leads."""
+    """Fails if so few vertices that they lie all around a cuff were asked for its edge, or if that were told."""
     true, faces, way = roll_sleeve(0.7 * STRAIGHT)
     bent = round_off(true, way)
     np.testing.assert_array_equal(straighten_rims(bent, faces, way > LENGTH / 2), bent)
+    coarse = Scan(bent, faces, unseen=way > LENGTH / 2)
+    assert straighten_scan(coarse) is coarse
