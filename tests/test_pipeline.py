@@ -88,7 +88,7 @@ recover(Request(Path(scan), wearer, settings=RecoverySettings(method="deform", v
 """Recover in a process of its own that is killed right after the first checkpoint it kept."""
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_resumed_run_ends_where_an_uninterrupted_one_does(
     request_of_a_skirt: Request, straight: Recovery, tmp_path: Path
 ) -> None:

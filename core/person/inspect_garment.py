@@ -11,6 +11,7 @@ import numpy as np
 from ..body import Body, is_builtin, is_smpl, load_smpl
 from ..scan import Limits, Pieces, Scan, Selection, describe_scan, load_pieces
 from ..segment import find_loops, find_remarks, segment_garment, smoothed_length
+from ..segment.rounded_rims import straighten_scan
 from .wearer import fit_wearer
 
 
@@ -97,7 +98,7 @@ def inspect_file(
     builtin = is_builtin(body)
     mesh = Path(body) if isinstance(body, (str, Path)) and not builtin else None
     pieces = load_pieces(Path(path), mesh, units=units, up=up, selection=selection, limits=limits)
-    scan, wearer = pieces.garment, pieces.wearer
+    scan, wearer = straighten_scan(pieces.garment), pieces.wearer  # as the recovery will
     boundaries = sorted((smoothed_length(scan.vertices[loop]) for loop in find_loops(scan.faces)), reverse=True)
     known = _describe(scan, boundaries)
     who = find_body(body, pieces)

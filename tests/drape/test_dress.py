@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from itertools import product
 
 import numpy as np
 import pytest
@@ -32,15 +33,18 @@ def wearer_in(pose: str) -> WearerGeometry:
     return find_wearer("builtin:female,height=1.70" + (f",pose={pose}" if pose != "T" else ""))
 
 
-FINER = ("trousers", "sleeved_dress")
-"""Templates of the suite at this density, one that hangs from the waist and one with arms; `test_poses` tries all at
-half of it. The others are nightly."""
+FINER = (("trousers", "T"), ("sleeved_dress", "A"))
+"""Templates and poses of the suite at this density, one that hangs from the waist and one with arms; `test_poses` tries
+all at half of it. The others are nightly."""
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("pose", ["T", "A"])
 @pytest.mark.parametrize(
-    "name", [name if name in FINER else pytest.param(name, marks=pytest.mark.nightly) for name in sorted(CONTOURS)]
+    ("name", "pose"),
+    [
+        pytest.param(*case, marks=() if case in FINER else pytest.mark.nightly)
+        for case in product(sorted(CONTOURS), ("T", "A"))
+    ],
 )
 def test_template_hangs_on_the_builtin_body(name: str, pose: str) -> None:
     """Breaks if a panel passes through the body while it is inflated, or if the pose tears the cloth."""

@@ -102,7 +102,7 @@ def test_bust_darts_come_back(wearer: WearerGeometry, darted: Pattern) -> None:
     assert not [fault for fault in find_faults(pattern) if fault.severity is Severity.ERROR]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_tank_without_darts_gets_none(wearer: WearerGeometry, plain: Garment) -> None:
     """Broken where cloth that lies over a bust is taken for cloth with darts."""
     assert not recut(wearer, plain.pattern).changes

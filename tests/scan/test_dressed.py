@@ -18,7 +18,8 @@ from garmentq.core.person.wearer import fit_wearer
 from garmentq.core.recovery import Request
 from garmentq.core.scan import Pieces, Scan, Selection, cut_garment, load_pieces, select_vertices
 from garmentq.core.scan.selection import select_other_cloth
-from garmentq.core.segment import segment_garment, smoothed_length
+from garmentq.core.segment import find_loops, segment_garment, smoothed_length
+from garmentq.core.segment.rounded_rims import straighten_scan
 from garmentq.core.settings import RecoverySettings, SettingsBad
 
 GAP = 0.015
@@ -299,3 +300,7 @@ def test_inspect_cuts_the_garment_out(dressed: Dressed, pieces: Pieces) -> None:
     assert told["vertex_count"] == len(pieces.garment.vertices)
     assert told["body"]["source"] == "scan:person"
     assert {"neck", "hem"} <= set(told["contours_m"])
+    straight = straighten_scan(pieces.garment)  # what the job measures its contours on
+    assert not np.array_equal(straight.vertices, pieces.garment.vertices)
+    lengths = sorted((smoothed_length(straight.vertices[loop]) for loop in find_loops(straight.faces)), reverse=True)
+    assert told["boundaries_m"] == pytest.approx(lengths, abs=1e-4)

@@ -80,6 +80,7 @@ def quick(monkeypatch):
     monkeypatch.setattr("garmentq.core.wear.make_to_measure", dress)
 
 
+@pytest.mark.parametrize("backend", [pytest.param("local", marks=pytest.mark.nightly), "remote"], indirect=True)
 @pytest.mark.parametrize("kind", ["dress", "refit"])
 def test_result_is_worn_by_another(kind, backend, result, quick, settings, database, store, tmp_path):
     """Broken where body, pose or fabric get lost on the way, the input is changed, or numbers cannot be searched."""
@@ -102,6 +103,7 @@ def test_result_is_worn_by_another(kind, backend, result, quick, settings, datab
     np.testing.assert_allclose(load_worn(tmp_path / "out").body.vertices, builtin_body(f"{SPEC},pose=A").vertices)
 
 
+@pytest.mark.parametrize("backend", [pytest.param("local", marks=pytest.mark.nightly), "remote"], indirect=True)
 def test_result_is_worn_over_another(backend, result, quick, settings, database, store, tmp_path):
     """Broken where the garment below is lost on the way, or worn over nothing is the same job as worn over it."""
     alone = backend.submit_derived(DerivedOrder("dress", result, {"body": SPEC}))
@@ -123,6 +125,7 @@ def test_result_is_worn_over_another(backend, result, quick, settings, database,
         assert caught.value.code == code
 
 
+@pytest.mark.parametrize("backend", [pytest.param("local", marks=pytest.mark.nightly), "remote"], indirect=True)
 def test_imported_fabric_goes_into_the_job(backend, result, quick, settings, database, tmp_path):
     """Broken where a job depends on what happens to an imported fabric after it was asked for."""
     mine = replace(get_fabric("canvas"), name="mine", k=7e-4)
@@ -172,12 +175,12 @@ WRONG = [
 ]
 
 
-@pytest.mark.parametrize(("code", "change"), WRONG)
-def test_what_cannot_be_is_refused_at_once(backend, result, code, change):
+def test_what_cannot_be_is_refused_at_once(backend, result):
     """Broken where a slip in the order is a queued job, a traceback or a fault of the service."""
-    with pytest.raises(GarmentqError) as caught:
-        backend.submit_derived(DerivedOrder(**{"kind": "dress", "result": result, **change}))
-    assert caught.value.code == code
+    for code, change in WRONG:
+        with pytest.raises(GarmentqError) as caught:
+            backend.submit_derived(DerivedOrder(**{"kind": "dress", "result": result, **change}))
+        assert caught.value.code == code, change
 
 
 def test_only_ended_garments_of_ones_own_are_worn(settings, database, store, result, queue_job):
@@ -206,6 +209,7 @@ def test_result_of_an_older_version_is_refused_at_once(backend, queue_job, setti
         assert caught.value.code == "result.old"
 
 
+@pytest.mark.parametrize("backend", [pytest.param("local", marks=pytest.mark.nightly), "remote"], indirect=True)
 def test_only_the_garment_is_read(backend, result, quick, settings, database, monkeypatch):
     """Broken where every mesh and picture of a result is copied for a job that reads one file of it."""
     from garmentq.core import wear
@@ -256,6 +260,7 @@ def still(monkeypatch):
 KEYS = b'{"keys": [{"t": 0, "pose": "A"}, {"t": 1, "pose": {"left_knee": [40, 0, 0]}}]}'
 
 
+@pytest.mark.parametrize("backend", [pytest.param("local", marks=pytest.mark.nightly), "remote"], indirect=True)
 def test_result_moves(backend, result, still, settings, database, store, tmp_path):
     """Broken where the motion's file, its range or its rate get lost on the way, or numbers cannot be searched."""
     path = tmp_path / "bend.json"
@@ -285,18 +290,18 @@ def test_a_motions_file_goes_through_the_check(backend, result, still, settings,
     assert report.error["code"] == "motion.bad" if isinstance(report.error, dict) else "motion.bad" in str(report.error)
 
 
-@pytest.mark.parametrize(
-    ("code", "options"),
-    [
-        ("job.request_bad", {"motion": "moonwalk"}),
-        ("job.request_bad", {}),
-        ("animate.settings_bad", {"motion": "walk", "fps": 0.0}),
-        ("animate.settings_bad", {"motion": "walk", "begin": 2.0, "end": 1.0}),
-        ("animate.settings_bad", {"motion": "walk", "damping": -1.0}),
-    ],
-)
-def test_what_makes_no_animation_is_refused_at_once(backend, result, code, options):
+NO_ANIMATION = [
+    ("job.request_bad", {"motion": "moonwalk"}),
+    ("job.request_bad", {}),
+    ("animate.settings_bad", {"motion": "walk", "fps": 0.0}),
+    ("animate.settings_bad", {"motion": "walk", "begin": 2.0, "end": 1.0}),
+    ("animate.settings_bad", {"motion": "walk", "damping": -1.0}),
+]
+
+
+def test_what_makes_no_animation_is_refused_at_once(backend, result):
     """Broken where such an order is a queued job, a traceback or a fault of the service."""
-    with pytest.raises(GarmentqError) as caught:
-        backend.submit_derived(DerivedOrder("animate", result, options))
-    assert caught.value.code == code
+    for code, options in NO_ANIMATION:
+        with pytest.raises(GarmentqError) as caught:
+            backend.submit_derived(DerivedOrder("animate", result, options))
+        assert caught.value.code == code, options

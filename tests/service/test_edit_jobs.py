@@ -201,6 +201,7 @@ def test_two_edit_one_result_at_once(result, quick, settings, database, store, w
     owners.close()
 
 
+@pytest.mark.parametrize("backend", [pytest.param("local", marks=pytest.mark.nightly), "remote"], indirect=True)
 def test_a_version_becomes_a_template(backend, result, quick, settings, database, worn, tmp_path):
     """Broken where the pattern of a version cannot be imported as a template as it is."""
     longer = write(lengthen(write_pattern(worn.pattern), ("front", "back"), 2.0), tmp_path / "longer.json")
