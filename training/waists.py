@@ -41,6 +41,7 @@ class WaistRow:
         is_layered: Whether an outer layer is, in truth: its hem shows instead.
         shape: Score of the best ring between upper and lower without colours.
         coloured: The same with colours.
+        between: Score by shape of that ring.
         tube: Share of the height below the crotch in which cloth spans from leg to leg.
         roughness: Noise of ridges around the trunk.
     """
@@ -50,6 +51,7 @@ class WaistRow:
     is_layered: bool
     shape: float
     coloured: float
+    between: float
     tube: float
     roughness: float = 0.0
 
@@ -66,7 +68,8 @@ def find_rows(persons: Path, samples: Path) -> list[WaistRow]:
         points = sample_person(replace(shard.raw_scan(), colours=paint(shard, always=True)), fit)
         features = describe_points(points, fit)
         rings = find_rings(points, features, fit)
-        shown = rings.waists_by_shape[0].score, rings.waists[0].score, rings.tube, rings.roughness
+        best = rings.waists[0]
+        shown = rings.waists_by_shape[0].score, best.score, best.by_shape, rings.tube, rings.roughness
         rows.append(WaistRow(path.stem, bool(worn[Part.ONE_PIECE]), bool(worn[Part.OUTER]), *shown))
     return rows
 
@@ -87,7 +90,8 @@ def fit_model(rows: Iterable[WaistRow]) -> WaistModel:
         loss = 0.0
         for row, is_one, w in zip(own, one, weight, strict=True):
             for coloured in (None, row.coloured):
-                odds = waist_evidence(WaistShown(row.shape, coloured, roughness=row.roughness), model)
+                shown = WaistShown(row.shape, coloured, roughness=row.roughness, between=row.between)
+                odds = waist_evidence(shown, model)
                 loss += w * float(np.logaddexp(0.0, odds if is_one else -odds))
         drift = 0.0
         for now, before in ((model.by_shape, start.by_shape), (model.with_colours, start.with_colours)):
@@ -110,9 +114,9 @@ def _unpack(u: np.ndarray) -> WaistModel:
 
 
 def summarise(rows: list[WaistRow]) -> dict[str, dict[str, float]]:
-    """Return count and quantiles of the scores, with colours and by shape, of one piece and of two; no outer layers."""
+    """Return count and quantiles of the scores of one piece and of two; no outer layers."""
     found = {}
-    for name in ("shape", "coloured"):
+    for name in ("shape", "coloured", "between"):
         for is_one in (True, False):
             own = [getattr(row, name) for row in rows if row.is_one_piece == is_one and not row.is_layered]
             if own:

@@ -15,7 +15,7 @@ from .features import LENGTH, Features
 from .limbs import Limb
 from .points import FittedPerson, PersonPoints
 from .prior import below_hair
-from .rings import Ring, contrasts, edge_evidence, find_ring, measure_noise, ridges, step_heights
+from .rings import Ring, contrasts, edge_evidence, find_ring, measure_noise, ridges, score_ring, step_heights
 from .unrolled import UnrolledGrid, unroll
 
 COUPLING = 0.5
@@ -61,12 +61,14 @@ class Waist:
         rings: One for each.
         is_upper_over: Whether the upper garment hangs over the lower one; else it is tucked in.
         score: Log-probability against one garment over all.
+        by_shape: What of it is the shape's, at this very place.
     """
 
     limbs: tuple[Limb, ...]
     rings: tuple[Ring, ...]
     is_upper_over: bool
     score: float
+    by_shape: float
 
 
 @dataclass(frozen=True)
@@ -272,18 +274,25 @@ def _find_waists(
         edge = cells[Limb.TRUNK].edge(sign, use_colours)
         edge[outside] = -50.0
         ring = find_ring(edge, None, WARMTH)
-        found.append(Waist((Limb.TRUNK,), (ring,), sign > 0, ring.score + WAIST_PRIOR))
-    edges = _couple(*((grids[limb], cells[limb].edge(1.0, use_colours)) for limb in LEGS))
-    rings = []
-    for limb, edge in zip(LEGS, edges, strict=True):
+        shape = score_ring(cells[Limb.TRUNK].edge(sign), ring.rows)
+        found.append(Waist((Limb.TRUNK,), (ring,), sign > 0, ring.score + WAIST_PRIOR, shape + WAIST_PRIOR))
+    edges, shown = (
+        _couple(*((grids[limb], cells[limb].edge(1.0, colours)) for limb in LEGS)) for colours in (use_colours, False)
+    )
+    rings, shapes = [], []
+    for limb, edge, plain in zip(LEGS, edges, shown, strict=True):
         stations = grids[limb].stations
         edge[(stations < 0.05) | (stations > lowest)] = -50.0
         rings.append(find_ring(edge, None, WARMTH))
+        shapes.append(score_ring(plain, rings[-1].rows))
     end = float(np.mean([grids[limb].stations[ring.rows].mean() for limb, ring in zip(LEGS, rings, strict=True)]))
     above = spans[: max(int((end - TUBE_FROM) / TUBE_STEP), 0)]
     if not len(above) or above.mean() >= SPANNED:
-        score = 0.5 * (rings[0].score + rings[1].score) / (1 + COUPLING) + WAIST_PRIOR
-        found.append(Waist(LEGS, (rings[0], rings[1]), True, score))
+        score, by_shape = (
+            0.5 * (left + right) / (1 + COUPLING) + WAIST_PRIOR
+            for left, right in ((ring.score for ring in rings), shapes)
+        )
+        found.append(Waist(LEGS, (rings[0], rings[1]), True, score, by_shape))
     return tuple(sorted(found, key=lambda waist: -waist.score))
 
 

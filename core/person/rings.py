@@ -97,6 +97,17 @@ def find_ring(edge: np.ndarray, region: np.ndarray | None = None, warmth: float 
     return Ring(paths[best], float(scores[best]), second, weights / weights.sum(), paths)
 
 
+def score_ring(edge: np.ndarray, rows: np.ndarray) -> float:
+    """Compute the log-probability of a given ring against none, as `find_ring` does without a region.
+
+    Args:
+        edge: Log-probability of an edge at each cell against none, shape [rows, ANGLES].
+        rows: Row of the ring's first cell beyond, for each column, shape [ANGLES].
+    """
+    bends = np.abs(np.diff(rows, append=rows[:1])).sum()
+    return float(edge[rows, np.arange(len(rows))].sum() - BEND_COST * bends) / CORRELATION
+
+
 @njit(cache=True)
 def _closed_paths(gain, cost, steepest):  # type: ignore[no-untyped-def]
     """Return for each first row the score of the best closed path and the path."""

@@ -13,7 +13,16 @@ from garmentq.core.person.limbs import Limb
 from garmentq.core.person.part import PARTS, Part
 from garmentq.core.person.points import sample_person
 from garmentq.core.person.prior import below_hair
-from garmentq.core.person.rings import APART, BEND_COST, SIDE, contrasts, edge_evidence, find_ring, step_heights
+from garmentq.core.person.rings import (
+    APART,
+    BEND_COST,
+    SIDE,
+    contrasts,
+    edge_evidence,
+    find_ring,
+    score_ring,
+    step_heights,
+)
 from garmentq.core.person.rules import predict_by_rules
 from garmentq.core.person.unrolled import ANGLES, NECK_RADIUS, STATION_STEP
 from garmentq.core.scan.raw import RawScan
@@ -54,8 +63,11 @@ def test_a_sleeves_end_is_found_within_one_station(tilt):
     """Broken where a ring, level or tilted, is found elsewhere than where the cloth ends."""
     end = np.round(30 + tilt * np.sin(2 * np.pi * np.arange(ANGLES) / ANGLES))
     step = step_heights(sleeve(end))
-    ring = find_ring(edge_evidence(step, np.zeros_like(step)))
+    edge = edge_evidence(step, np.zeros_like(step))
+    ring = find_ring(edge)
     assert np.abs(ring.rows - end).max() <= 1
+    assert score_ring(edge, ring.rows) == pytest.approx(ring.score)
+    assert score_ring(edge, ring.rows + 5) < ring.score
     assert ring.confidence > 0.75
     beyond = ring.beyond(60)
     assert beyond[:20].max() < 0.05

@@ -88,7 +88,9 @@ def test_the_constants_of_waists_are_found_again():
 
     def fit(pairs: np.ndarray) -> WaistModel:
         kinds = ((True, one), (False, pairs))
-        return fit_model([WaistRow("", is_one, False, s, 3 * s, 0.0) for is_one, group in kinds for s in group])
+        return fit_model(
+            [WaistRow("", is_one, False, s, 3 * s, s - 15.0, 0.0) for is_one, group in kinds for s in group]
+        )
 
     clear, doubtful = fit(two), fit(np.append(two, flat))
     assert 2.0 < clear.by_shape[0] < 22.0
