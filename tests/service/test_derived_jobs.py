@@ -20,7 +20,7 @@ from garmentq.service.models import PieceRow
 from garmentq.service.query import JobQuery
 from garmentq.service.results import export_files, list_files
 from garmentq.service.services import Services
-from garmentq_family_home import work_off
+from garmentq_family_home import REMOTE_BY_DAY, work_off
 from sqlalchemy import select
 
 ROOT = Path(__file__).parents[2]
@@ -80,7 +80,7 @@ def quick(monkeypatch):
     monkeypatch.setattr("garmentq.core.wear.make_to_measure", dress)
 
 
-@pytest.mark.parametrize("backend", [pytest.param("local", marks=pytest.mark.nightly), "remote"], indirect=True)
+@REMOTE_BY_DAY
 @pytest.mark.parametrize("kind", ["dress", "refit"])
 def test_result_is_worn_by_another(kind, backend, result, quick, settings, database, store, tmp_path):
     """Broken where body, pose or fabric get lost on the way, the input is changed, or numbers cannot be searched."""
@@ -103,7 +103,7 @@ def test_result_is_worn_by_another(kind, backend, result, quick, settings, datab
     np.testing.assert_allclose(load_worn(tmp_path / "out").body.vertices, builtin_body(f"{SPEC},pose=A").vertices)
 
 
-@pytest.mark.parametrize("backend", [pytest.param("local", marks=pytest.mark.nightly), "remote"], indirect=True)
+@REMOTE_BY_DAY
 def test_result_is_worn_over_another(backend, result, quick, settings, database, store, tmp_path):
     """Broken where the garment below is lost on the way, or worn over nothing is the same job as worn over it."""
     alone = backend.submit_derived(DerivedOrder("dress", result, {"body": SPEC}))
@@ -125,7 +125,7 @@ def test_result_is_worn_over_another(backend, result, quick, settings, database,
         assert caught.value.code == code
 
 
-@pytest.mark.parametrize("backend", [pytest.param("local", marks=pytest.mark.nightly), "remote"], indirect=True)
+@REMOTE_BY_DAY
 def test_imported_fabric_goes_into_the_job(backend, result, quick, settings, database, tmp_path):
     """Broken where a job depends on what happens to an imported fabric after it was asked for."""
     mine = replace(get_fabric("canvas"), name="mine", k=7e-4)
@@ -209,7 +209,7 @@ def test_result_of_an_older_version_is_refused_at_once(backend, queue_job, setti
         assert caught.value.code == "result.old"
 
 
-@pytest.mark.parametrize("backend", [pytest.param("local", marks=pytest.mark.nightly), "remote"], indirect=True)
+@REMOTE_BY_DAY
 def test_only_the_garment_is_read(backend, result, quick, settings, database, monkeypatch):
     """Broken where every mesh and picture of a result is copied for a job that reads one file of it."""
     from garmentq.core import wear
@@ -260,7 +260,7 @@ def still(monkeypatch):
 KEYS = b'{"keys": [{"t": 0, "pose": "A"}, {"t": 1, "pose": {"left_knee": [40, 0, 0]}}]}'
 
 
-@pytest.mark.parametrize("backend", [pytest.param("local", marks=pytest.mark.nightly), "remote"], indirect=True)
+@REMOTE_BY_DAY
 def test_result_moves(backend, result, still, settings, database, store, tmp_path):
     """Broken where the motion's file, its range or its rate get lost on the way, or numbers cannot be searched."""
     path = tmp_path / "bend.json"

@@ -22,7 +22,7 @@ from garmentq.service.local_token import make_local_token
 from garmentq.service.models import OwnerRow
 from garmentq.service.remote import RemoteBackend
 from garmentq.service.results import list_files
-from garmentq_family_home import work_off
+from garmentq_family_home import REMOTE_BY_DAY, work_off
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "api"))
@@ -81,7 +81,7 @@ def write(document: dict, path: Path) -> Path:
     return path
 
 
-@pytest.mark.parametrize("backend", [pytest.param("local", marks=pytest.mark.nightly), "remote"], indirect=True)
+@REMOTE_BY_DAY
 def test_an_edit_is_a_version(backend, result, quick, settings, database, store, worn, tmp_path):
     """Broken where an edit changes its input, loses its predecessor, is not compared with the recovered pattern, or an
     undo to the start gives another file."""
@@ -201,7 +201,7 @@ def test_two_edit_one_result_at_once(result, quick, settings, database, store, w
     owners.close()
 
 
-@pytest.mark.parametrize("backend", [pytest.param("local", marks=pytest.mark.nightly), "remote"], indirect=True)
+@REMOTE_BY_DAY
 def test_a_version_becomes_a_template(backend, result, quick, settings, database, worn, tmp_path):
     """Broken where the pattern of a version cannot be imported as a template as it is."""
     longer = write(lengthen(write_pattern(worn.pattern), ("front", "back"), 2.0), tmp_path / "longer.json")

@@ -19,7 +19,7 @@ from garmentq.service.query import JobQuery
 from garmentq.service.results import export_files
 from garmentq.service.services import Services
 from garmentq.workers.recovery import run_job
-from garmentq_family_home import pieces, work_off
+from garmentq_family_home import REMOTE_BY_DAY, pieces, work_off
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "api"))
@@ -60,7 +60,7 @@ def quick(monkeypatch):
     monkeypatch.setattr("garmentq.core.wear.outfit.rest_together", stay)
 
 
-@pytest.mark.parametrize("backend", [pytest.param("local", marks=pytest.mark.nightly), "remote"], indirect=True)
+@REMOTE_BY_DAY
 def test_a_person_is_dressed_in_all_garments(backend, person, quick, settings, database, store, tmp_path):
     """Broken where a garment is lost, body or order get lost on the way, or numbers cannot be searched."""
     below = {word: row.id for word, row in pieces(database, person).items()}

@@ -19,6 +19,11 @@ from garmentq_home import put_file
 PERSONS = {"separator": "garmentq_person:take_apart", "person_checker": "garmentq_checker:check"}
 """Settings under which persons are taken apart at once."""
 
+REMOTE_BY_DAY = pytest.mark.parametrize(
+    "backend", [pytest.param("local", marks=pytest.mark.nightly), "remote"], indirect=True
+)
+"""Asks the service in the suite, and at night the home itself, too: the same functions stand behind both."""
+
 
 @pytest.fixture
 def family(settings, database, queue_job, monkeypatch, tmp_path):
