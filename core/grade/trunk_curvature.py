@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from ..body import Body, rest_body
 from ..drape import measure_wearer
-from ..mesh import angle_defects, unit, vertex_normals
+from ..mesh import HalfEdges, angle_defects, unit, vertex_normals
 from ..pattern import BodyMeasures
 from ..segment import Target
 
@@ -24,6 +24,7 @@ class TrunkCurvature:
     Attributes:
         points: Vertices [m]: to the wearer's left, upwards from the resting body's feet, forwards, shape [n, 3].
         curvature: Of each, 2 pi less the sum of the angles around it [rad], shape [n]; 0 on open contours.
+        on_rim: Vertices of open contours and of holes, shape [n].
         faces_up: Vertices whose normal is nearer to upwards than 60 degrees, shape [n].
         measures: Of the wearer.
         shoulders: The wearer's left and right shoulder joint, shape [2, 3].
@@ -33,6 +34,7 @@ class TrunkCurvature:
 
     points: np.ndarray
     curvature: np.ndarray
+    on_rim: np.ndarray
     faces_up: np.ndarray
     measures: BodyMeasures
     shoulders: np.ndarray
@@ -50,6 +52,7 @@ class TrunkCurvature:
         return cls(
             points=(target.vertices - origin) @ axes.T,
             curvature=angle_defects(target.vertices, target.faces),
+            on_rim=HalfEdges.of(target.faces, len(target.vertices)).border_vertices,
             faces_up=vertex_normals(target.vertices, target.faces) @ upwards > 0.5,
             measures=measure_wearer(body),
             shoulders=(joints - origin) @ axes.T,

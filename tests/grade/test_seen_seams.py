@@ -15,10 +15,11 @@ from garmentq.core.segment import Target
 BODY = builtin_body("builtin:female,height=1.70")
 
 
-def roof(points: list[tuple[float, float]], rise: float, *, noise: float = 0.0) -> TrunkCurvature:
+def roof(points: list[tuple[float, float]], rise: float, *, noise: float = 0.0, neck: float = 0.0) -> TrunkCurvature:
     """Return a sheet over both shoulders with a hollow point, z = rise r cos 2 theta, at places on the left [m].
 
-    Places are outwards of the shoulder joint and before it; the right side is the mirror image.
+    Places are outwards of the shoulder joint and before it; the right side is the mirror image. Up to `neck` from the
+    middle, inwards of the joints, the sheet is open.
     """
     rng = np.random.default_rng(0)
     left = BODY.joint("left_shoulder")
@@ -33,6 +34,7 @@ def roof(points: list[tuple[float, float]], rise: float, *, noise: float = 0.0) 
     a, b, c, d = number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]
     faces = np.concatenate([np.stack([a, c, b], 2).reshape(-1, 3), np.stack([a, d, c], 2).reshape(-1, 3)])
     vertices = vertices + noise * rng.normal(size=vertices.shape)
+    faces = faces[(np.abs(vertices[faces, 0]) >= neck).all(axis=1)]
     return TrunkCurvature.of(Target(vertices, faces, np.zeros_like(vertices), (), (), "tshirt"), BODY)
 
 
@@ -54,6 +56,14 @@ def test_a_hollow_point_on_each_shoulder_is_found(noise: float) -> None:
 def test_cloth_that_shows_no_such_point(points: list[tuple[float, float]], rise: float, noise: float) -> None:
     """Broken where a slight hollow, one of two, or noise is taken for the end of an armhole."""
     assert find_shoulder_points(roof(points, rise, noise=noise)) is None
+
+
+def test_a_hollow_beside_the_neck_is_no_end_of_an_armhole() -> None:
+    """Broken where the rim of a neck, around which half of the cloth is missing, draws the armholes to itself."""
+    joint = float(BODY.joint("left_shoulder")[0])
+    for inwards, is_found in ((0.02, False), (0.06, True)):
+        cloth = roof([(0.03, 0.01)], 0.45, neck=joint + 0.03 - inwards)
+        assert (find_shoulder_points(cloth) is not None) == is_found
 
 
 @pytest.fixture(scope="module")
