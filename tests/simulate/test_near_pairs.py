@@ -102,7 +102,7 @@ def test_patches_that_are_passed_over_hold_nothing_near(sheet):
     assert searched[0] < 0.6 < searched[-1]
     for start, end in itertools.pairwise(places):
         found = set(name_pairs(find_near(cloth, start, end)))
-        for t in (0.35, 0.7):
+        for t in (0.0, 0.35, 0.7, 1.0):
             known = list_touching(cloth, start + t * (end - start))
             touching += len(known)
             assert known <= found
