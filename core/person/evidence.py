@@ -46,6 +46,9 @@ clear edge, as the fit is off over lengths of 10 cm."""
 TONE_WEIGHT = 0.02
 """Log-probability of one cell's unit of evidence for skin by its colour: a row around a limb in another colour than the
 skin's says 2.9, as much as one that is told to be cloth with odds of 500."""
+BOOTED = 0.3
+"""Probability that what is not skin below the knee, and does not lie on it, is a boot or a sock where garments end
+higher up."""
 SURE = 0.04
 """Log-probability of a cell where anatomy knows: the trunk is clothed; head, hands and feet are not."""
 WARMTH = 3.0
@@ -116,15 +119,29 @@ class _Cells:
         contrast = self.contrast if use_colours else None
         return np.where(self.is_near, edge_evidence(sign * self.step, sign * self.ridge, contrast), 0.0)
 
-    def region(self, limb: Limb) -> np.ndarray:
-        """Return the log-probability of cloth against skin by the offset and the skin's colour."""
+    def region(self, limb: Limb, worn: np.ndarray | float = 0.0) -> np.ndarray:
+        """Return the log-probability of cloth against skin, or what else is worn, by the offset and the skin's colour.
+
+        Args:
+            limb: Whose cells these are.
+            worn: Probability w that what is beyond the garment's end is no skin either, shape [rows, 1]: it is then as
+                far off and as coloured as cloth, so that of a cue's log-odds x of cloth -log((1 - w) exp(-x) + w) are
+                left.
+        """
         bare, scale = BARE_OFFSETS.get(limb, ARM_OFFSETS)
         units = np.clip((self.offset - bare) / scale, *OFFSET_SAYS)
         if limb in ARMS:
             folds = np.quantile(np.where(self.is_near, self.offset, 0.0), FOLD_SHARE, axis=1, keepdims=True)
             units = 0.5 * (units + np.clip((folds - FOLD) / scale, -1.0, 2.0))
-        told = REGION_WEIGHT * units - (0.0 if self.tone is None else TONE_WEIGHT * self.tone)
+        told = REGION_WEIGHT * _unless_worn(units, worn)
+        if self.tone is not None:
+            told += TONE_WEIGHT * _unless_worn(-self.tone, worn)
         return np.where(self.is_near, told, 0.0)
+
+
+def _unless_worn(odds: np.ndarray, worn: np.ndarray | float) -> np.ndarray:
+    """Return log-odds of cloth against what is skin but for a share `worn` that looks like cloth."""
+    return np.asarray(-np.log((1.0 - worn) * np.exp(-odds) + worn))
 
 
 def find_rings(
@@ -149,12 +166,11 @@ def find_rings(
     cells = {limb: _measure(grid, features, colours, tone) for limb, grid in open_grids.items()}
     joints = dict(zip(JOINTS, body.rest_joints, strict=True))
     wrist = float(np.abs(joints["left_wrist"] - joints["left_shoulder"])[0])
-    ankle = float((joints["left_hip"] - joints["left_ankle"])[1])
-    sleeves = _find_pair(grids, cells, ARMS, (0.0, wrist))
-    hems = _find_pair(grids, cells, LEGS, (0.05, ankle - 0.02))
+    knee, ankle = (float((joints["left_hip"] - joints[name])[1]) for name in ("left_knee", "left_ankle"))
+    sleeves = _find_pair(grids, cells, ARMS, (0.0, wrist, np.inf))
+    hems = _find_pair(grids, cells, LEGS, (0.05, ankle - 0.02, knee))
     ankles = _find_ankles(grids, cells, LEGS, ankle)
     hem = float(np.mean([grids[limb].stations[ring.rows].mean() for limb, ring in zip(LEGS, hems, strict=True)]))
-    knee = float((joints["left_hip"] - joints["left_knee"])[1])
     lowest = max(min(hem - SHOWN_BELOW[0], knee), hem - SHOWN_BELOW[1])
     spans = find_spans(points, features, lowest)
     waists = tuple(_find_waists(grids, cells, (lowest, spans), use_colours) for use_colours in (True, False))
@@ -183,17 +199,24 @@ def _measure(grid: UnrolledGrid, features: Features, colours: np.ndarray | None,
 
 
 def _find_pair(
-    grids: dict[Limb, UnrolledGrid], cells: dict[Limb, _Cells], pair: tuple[Limb, Limb], sure: tuple[float, float]
+    grids: dict[Limb, UnrolledGrid],
+    cells: dict[Limb, _Cells],
+    pair: tuple[Limb, Limb],
+    known: tuple[float, float, float],
 ) -> tuple[Ring, Ring]:
-    """Find the ends of cloth on a pair of limbs, between the stations [m] where it surely is and surely is not."""
+    """Find the ends of cloth on a pair of limbs.
+
+    `known` are the stations [m] up to which it surely is, from which on it surely is not, and from which on what is not
+    skin may be a boot or a sock.
+    """
     edges = _couple(*((grids[limb], cells[limb].edge(1.0)) for limb in pair))
     rings = []
     for limb, edge in zip(pair, edges, strict=True):
         stations = grids[limb].stations
-        region = cells[limb].region(limb)
-        region[stations < sure[0]] = SURE
-        region[stations > sure[1]] = -SURE
-        edge[stations > sure[1]] = 0.0
+        region = cells[limb].region(limb, np.where(stations > known[2], BOOTED, 0.0)[:, None])
+        region[stations < known[0]] = SURE
+        region[stations > known[1]] = -SURE
+        edge[stations > known[1]] = 0.0
         if limb in ARMS:
             edge *= np.clip((stations - CREASE[0]) / (CREASE[1] - CREASE[0]), LEAST_CREASE, 1.0)[:, None]
         rings.append(find_ring(edge, region, WARMTH))

@@ -24,6 +24,7 @@ from garmentq.core.person.rings import (
     step_heights,
 )
 from garmentq.core.person.rules import predict_by_rules
+from garmentq.core.person.tone import skin_evidence
 from garmentq.core.person.unrolled import ANGLES, NECK_RADIUS, STATION_STEP
 from garmentq.core.scan.raw import RawScan
 from scipy.spatial import cKDTree
@@ -157,6 +158,22 @@ def test_rings_lie_where_the_garments_end(dressed):
     assert best.score > 0
     assert best.is_upper_over
     assert rings.tube < 0.5
+
+
+def test_shorts_over_boots_end_where_the_skin_begins(dressed):
+    """Broken where high boots, no skin either and as far off as cloth, draw the legs of shorts down to them."""
+    fit, raw, _ = dressed
+    body, weights = fit.body, fit.body.weights[:, 16:24].sum(axis=1)
+    station, end = body.rest_joints[1, 1] - body.rest_vertices[:, 1], 0.30
+    is_low, boot = (weights < 0.5) & (station > 0.0), body.rest_joints[1, 1] - body.rest_joints[4, 1] + 0.09
+    shorts, boots = is_low & (station < end), is_low & (station > boot)
+    colours = np.select([shorts[:, None], boots[:, None]], [[0.3, 0.3, 0.3], [0.1, 0.1, 0.12]], [0.8, 0.6, 0.5])
+    worn = body.raised(np.select([shorts, boots], [0.010, 0.012], 0.0)).vertices
+    points = sample_person(replace(raw, points=worn, colours=colours), fit)
+    features = describe_points(points, fit)
+    rings = find_rings(points, features, fit, skin_evidence(points.colours, features.place, body))
+    for limb, ring in zip((Limb.LEFT_LEG, Limb.RIGHT_LEG), rings.hems, strict=True):
+        assert np.median(rings.grids[limb].stations[ring.rows]) == pytest.approx(end, abs=0.02)
 
 
 @pytest.mark.parametrize("is_tube", [True, False])
