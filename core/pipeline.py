@@ -155,12 +155,10 @@ def make_case(request: Request, clock: Clock) -> Case:
     with clock.stage("segment", "naming the open contours"):
         scan = straighten_scan(pieces.garment)
         target = segment_garment(scan, body)
-        shown = target if scan is pieces.garment else segment_garment(pieces.garment, body)
         category = settings.garment or (None if request.reading is None else request.reading.category)
         if category is not None:
             target = replace(target, category=check_category(category))
-    # Along a straightened rim the angles of the faces no longer tell how a neckline turns within its cloth.
-    choice = find_template(request, replace(shown, category=target.category), body)
+    choice = find_template(request, target, body)
     base = replace(choice.pattern, symmetric=settings.free != "symmetry")
     find_held(base, base, settings.locks)  # a lock of nothing is refused now, not after the drape
     wearer = WearerGeometry(body)

@@ -94,6 +94,7 @@ def test_fit_and_new_drape_are_reported_beside_each_other(recovered: Recovery) -
     assert recovered.metrics["fabric.density.identifiable"] == 0.0
     assert recovered.metrics["fabric.k.std"] > 0.0
     assert recovered.metrics["redrape.residual"] is not None
+    assert recovered.nearest_fabrics and recovered.point_std.shape == recovered.pattern.points.shape
     assert {estimate.name for estimate in recovered.estimates} == {"H00", "H01", "H11", "H22", "k", "density"}
     assert "simulation_fit" in {gate.name for gate in recovered.gates}
 

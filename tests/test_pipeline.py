@@ -130,9 +130,14 @@ METHODS_TOLD = {
 }
 """Each method in fewer steps, the stages that it times, and what its fit has beyond garment, fabric and meshes."""
 
+TESTED_WHOLE = ("hybrid",)
+"""Whose promises `test_hybrid.py` looks at by day."""
+
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.nightly] * (name in TESTED_WHOLE)) for name in METHODS]
+)
 def test_every_method_ends_at_a_fit(
     request_of_a_skirt: Request, straight: Recovery, kept: dict[str, Arrays], name: str
 ) -> None:

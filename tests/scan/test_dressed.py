@@ -10,14 +10,11 @@ import igl
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core import pipeline
 from garmentq.core.body import JOINTS, Body, builtin_body
-from garmentq.core.clock import Clock
 from garmentq.core.errors import BadInput
 from garmentq.core.inputs import read_files
 from garmentq.core.mesh import vertex_normals
 from garmentq.core.person.wearer import fit_wearer
-from garmentq.core.reading import Reading
 from garmentq.core.recovery import Request
 from garmentq.core.scan import Pieces, Scan, Selection, cut_garment, load_pieces, select_vertices
 from garmentq.core.scan.selection import select_other_cloth
@@ -307,17 +304,3 @@ def test_inspect_cuts_the_garment_out(dressed: Dressed, pieces: Pieces) -> None:
     assert not np.array_equal(straight.vertices, pieces.garment.vertices)
     lengths = sorted((smoothed_length(straight.vertices[loop]) for loop in find_loops(straight.faces)), reverse=True)
     assert told["boundaries_m"] == pytest.approx(lengths, abs=1e-4)
-
-
-def test_the_cut_is_chosen_on_the_rims_as_they_were_scanned(
-    dressed: Dressed, pieces: Pieces, found: Body, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Broken where a V is round since its rim was straightened: how it turns in its cloth is read from faces there."""
-    seen, choose = [], pipeline.find_template
-    monkeypatch.setattr(pipeline, "find_body", lambda *given: found)
-    monkeypatch.setattr(pipeline, "find_template", lambda *given: seen.append(given[1]) or choose(*given))
-    case = pipeline.make_case(Request(dressed.path, reading=Reading(pieces)), Clock())
-    assert seen[0].contour("neck").length == pytest.approx(
-        segment_garment(pieces.garment, found).contour("neck").length, rel=1e-12
-    )
-    assert case.target.contour("neck").length != seen[0].contour("neck").length
