@@ -31,8 +31,9 @@ demo: $(VENV)/.installed
 	$(BIN)/garmentq run demo/person.ply --home demo --out demo/result; \
 	status=$$?; $(BIN)/garmentq down --home demo; exit $$status
 
-# Two processes: the suite needs two cores. Each has an own PostgreSQL and brokers of its own.
-TEST_PROCESSES ?= 2
+# Three processes for two cores: a third of the time a test waits for a server or a reader in a process of its own. Each
+# has an own PostgreSQL and brokers of its own.
+TEST_PROCESSES ?= 3
 PYTEST = $(BIN)/python -m pytest -n $(TEST_PROCESSES) --dist worksteal
 
 test: $(VENV)/.installed-test

@@ -135,8 +135,8 @@ def _even_rim(vertices: np.ndarray, edges: HalfEdges, rim: np.ndarray) -> np.nda
     share[share == 0.0] = 1.0
     links = sparse.csr_matrix((1.0 / lengths, tuple(ends.T)), shape=(len(vertices),) * 2)
     bend = sparse.csgraph.laplacian(links + links.T)
-    system = sparse.diags(share) + EVEN**4 * (bend @ sparse.diags(1.0 / share) @ bend)
-    return _settle(vertices, system, share[:, None] * vertices, rim)
+    system = sparse.csr_matrix(sparse.diags(share) + EVEN**4 * (bend @ sparse.diags(1.0 / share) @ bend))
+    return _settle(vertices, system[rim], (share[:, None] * vertices)[rim], rim)
 
 
 def _lay_plate(vertices: np.ndarray, edges: HalfEdges, free: np.ndarray) -> np.ndarray:
@@ -149,20 +149,25 @@ def _lay_plate(vertices: np.ndarray, edges: HalfEdges, free: np.ndarray) -> np.n
         edges: The mesh.
         free: Indices of the vertices that may move, none on a border; the others are held.
     """
-    differences = sparse.csgraph.laplacian(sparse.csr_matrix(edges.adjacency, dtype=np.float64))
-    plate = differences @ sparse.diags((~edges.border_vertices).astype(np.float64)) @ differences
-    return _settle(vertices, plate, np.zeros_like(vertices), free)
+    differences = sparse.csr_matrix(sparse.csgraph.laplacian(sparse.csr_matrix(edges.adjacency, dtype=np.float64)))
+    plate = differences[free] @ sparse.diags((~edges.border_vertices).astype(np.float64)) @ differences
+    return _settle(vertices, plate, np.zeros((len(free), 3)), free)
 
 
-def _settle(vertices: np.ndarray, system: sparse.spmatrix, load: np.ndarray, free: np.ndarray) -> np.ndarray:
-    """Return vertices with the free ones where x^T K x / 2 - load^T x is least, the others held, [vertex_count, 3]."""
+def _settle(vertices: np.ndarray, rows: sparse.csr_matrix, load: np.ndarray, free: np.ndarray) -> np.ndarray:
+    """Return vertices with the free ones where x^T K x / 2 - load^T x is least, the others held, [vertex_count, 3].
+
+    Args:
+        vertices: Shape [vertex_count, 3].
+        rows: The free vertices' rows of K, shape [free_count, vertex_count].
+        load: Of the free vertices, shape [free_count, 3].
+        free: Their indices.
+    """
     if not len(free):
         return vertices
-    rows = sparse.csr_matrix(system)[free]
-    held = vertices.copy()
-    held[free] = 0.0
     settled = vertices.copy()
-    settled[free] = factor_symmetric(rows[:, free]).solve(load[free] - rows @ held)
+    settled[free] = 0.0
+    settled[free] = factor_symmetric(rows[:, free]).solve(load - rows @ settled)
     return settled
 
 
