@@ -107,7 +107,8 @@ def take_apart(path: Path) -> dict[str, object]:
     with clock.stage("separate") as hooks:
         separation = separate(raw, hooks=hooks)
     peaks = [resource.getrusage(who).ru_maxrss / 1e3 for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-    spent, surface = spent_seconds() - start, find_surface(raw, separation.body)
+    spent = spent_seconds() - start
+    surface = find_surface(raw, separation.body)
     readings = [cut_garment_of(surface, separation, garment.part) for garment in separation.garments]
     cuts = [make_case(Request(path, reading=reading), Clock()).template for reading in readings]
     return {"seconds": spent, "stages": seconds, "peaks": peaks, "cuts": cuts}

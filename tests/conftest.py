@@ -22,22 +22,17 @@ SERVED = ("service", "chaos", "workers", "cli", "api", "pages")
 """Folders whose tests start servers and mostly wait for them, in the order in which they run."""
 
 LAST = ("pattern", "pieces", "measure", "training")
-"""Folders with so many tests that the half with which the second of two processes begins is that of `SERVED`."""
+"""Folders with so many tests that the second of two processes begins with `SERVED`."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Run what computes, then what is served, then the rest, each folder in its order.
 
-    Two processes begin with a half each. While the first compiles the simulator, a minute after a fresh installation,
-    the second waits for servers, and finds it compiled: begun side by side, both compiled it.
+    Each process begins with a share of its own. While the first of two compiles the simulator, a minute after a fresh
+    installation, the other waits for servers, and finds it compiled; the second of three begins among what computes.
     """
-    folder = {item: item.path.parent.name for item in items}
-    items.sort(
-        key=lambda item: (
-            (folder[item] in SERVED) + 2 * (folder[item] in LAST),
-            SERVED.index(folder[item]) if folder[item] in SERVED else 0,
-        )
-    )
+    ranks = {name: 1 + rank for rank, name in enumerate(SERVED)} | dict.fromkeys(LAST, 1 + len(SERVED))
+    items.sort(key=lambda item: ranks.get(item.path.parent.name, 0))
 
 
 def make_tube_pattern(width: float = np.pi * RADIUS, height: float = HEIGHT, names=("front", "back")) -> Pattern:

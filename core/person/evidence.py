@@ -47,8 +47,7 @@ TONE_WEIGHT = 0.02
 """Log-probability of one cell's unit of evidence for skin by its colour: a row around a limb in another colour than the
 skin's says 2.9, as much as one that is told to be cloth with odds of 500."""
 BOOTED = 0.3
-"""Probability that what is not skin below the knee, and does not lie on it, is a boot or a sock where garments end
-higher up."""
+"""Probability that what lies beyond a garment's end, below the knee, is a boot or a sock and not skin."""
 SURE = 0.04
 """Log-probability of a cell where anatomy knows: the trunk is clothed; head, hands and feet are not."""
 WARMTH = 3.0

@@ -86,11 +86,12 @@ def straighten_rims(
     if len(straight) < LEAST:
         return vertices
     lifted, height, normal = _height_over_cloth(vertices, faces, rim, straight)
-    if not len(lifted):
-        return vertices
     covered = np.zeros(len(lifted), dtype=bool) if hidden is None else hidden[lifted]
+    lift = np.clip(-height, np.where(covered, -ROUNDED, 0.0), ROUNDED)
+    if not lift.any():
+        return vertices
     moved = vertices.copy()
-    moved[lifted] += np.clip(-height, np.where(covered, -ROUNDED, 0.0), ROUNDED)[:, None] * normal
+    moved[lifted] += lift[:, None] * normal
     return _lay_plate(_even_rim(moved, edges, rim), edges, np.flatnonzero((way < ROUNDED) & ~edges.border_vertices))
 
 
@@ -140,9 +141,9 @@ def _even_rim(vertices: np.ndarray, edges: HalfEdges, rim: np.ndarray) -> np.nda
 
 
 def _lay_plate(vertices: np.ndarray, edges: HalfEdges, free: np.ndarray) -> np.ndarray:
-    """Return vertices [m] with the free ones where the squared differences to the means of their rings are least.
+    """Return vertices [m] with the free ones where the squared sums of their differences to neighbours are least.
 
-    All differences of one vertex weigh alike: with cotangents, slivers would be stiff, and folds stay.
+    All neighbours weigh alike: with cotangents, slivers would be stiff, and folds stay.
 
     Args:
         vertices: Shape [vertex_count, 3].
