@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 from garmentq.cli.bench_raw_target import StageClock, spent_seconds
 from garmentq.core.measure import RawFile, read_raw_file, write_raw_file
-from garmentq.core.mesh import HalfEdges, TriangleSurface, vertex_normals
+from garmentq.core.mesh import HalfEdges, TriangleSurface, edge_lengths, vertex_normals
 
 PERSON = Path(__file__).parents[1] / "examples" / "data" / "person.ply"
 
@@ -50,7 +50,7 @@ def refine(raw: RawFile, count: int) -> RawFile:
     points, faces, colours = raw.points, raw.faces, raw.colours
     while len(points) < count:
         edges = HalfEdges.of(faces, len(points))
-        length = np.linalg.norm(points[edges.edges[:, 0]] - points[edges.edges[:, 1]], axis=1)
+        length = edge_lengths(points, edges.edges)
         own = edges.edge.reshape(-1, 3)
         longest = np.argmax(length[own] + 1e-9 * own, axis=1)  # a tie goes to the later edge in both faces
         wanted = np.bincount(own[np.arange(len(own)), longest], minlength=len(length)) == edges.face_counts

@@ -7,6 +7,7 @@ from itertools import permutations
 
 import numpy as np
 
+from ..mesh import plane_rotation
 from ..pattern import Garment, place_points
 
 TURNED = 0.95
@@ -61,7 +62,7 @@ def fan_out(garment: Garment, flat: np.ndarray) -> np.ndarray:
     if len(fans) == 2:
         fans[1] = fans[1].laid_on(fans[0], garment.uv_node)
     fan = _Fan.joined(fans)
-    places = (fan.places - fan.places.mean(axis=0)) @ _rotation(-float(fan.angles.mean())).T
+    places = (fan.places - fan.places.mean(axis=0)) @ plane_rotation(-float(fan.angles.mean())).T
     places += flat[fan.mine].mean(axis=0)
     total, count = np.zeros_like(flat), np.bincount(fan.mine, minlength=len(flat))
     np.add.at(total, fan.mine, places)
@@ -107,7 +108,7 @@ class _Fan:
             return self
         start, goal = self.places[a].mean(axis=0), other.places[b].mean(axis=0)
         angle = _angle_between(self.places[a] - start, other.places[b] - goal)
-        return _Fan(self.mine, (self.places - start) @ _rotation(angle).T + goal, self.angles + angle)
+        return _Fan(self.mine, (self.places - start) @ plane_rotation(angle).T + goal, self.angles + angle)
 
 
 def _outward(garment: Garment) -> np.ndarray:
@@ -174,7 +175,3 @@ def _angle_between(source: np.ndarray, goal: np.ndarray) -> float:
     """Return the angle [rad] that turns points onto others, both about the origin, by least squares."""
     cross = source[:, 0] * goal[:, 1] - source[:, 1] * goal[:, 0]
     return float(np.arctan2(cross.sum(), (source * goal).sum()))
-
-
-def _rotation(angle: float) -> np.ndarray:
-    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])

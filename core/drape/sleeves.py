@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..body import Body
+from ..mesh import plane_rotation
 from ..pattern import Garment, Pattern
 from ..segment import find_loops
 
@@ -62,7 +63,7 @@ def turn_sleeves(garment: Garment, body: Body, lift: float) -> tuple[np.ndarray,
             if (abs(droop - arm) <= ON_THE_ARM and not sinks) or abs(droop) >= HANGING or arm - droop >= RAISED:
                 continue
             turn = side * (droop - arm)
-            turned = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+            turned = plane_rotation(turn)
             rotation[group] = turned @ rotation[group]
             origin[group] = (origin[group] - cap) @ turned.T + cap
     return rotation, origin

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..mesh import ClosedCurve, RigidMotion, fit_rigid, resample_polyline
+from ..mesh import ClosedCurve, RigidMotion, fit_rigid, plane_rotation, resample_polyline
 
 EDGE_SAMPLES = 50
 """Points on each edge: 2 cm apart on the longest side of trousers."""
@@ -56,7 +56,7 @@ def fit_outline(ours: np.ndarray, truth: np.ndarray) -> OutlineFit:
     rough, rough_target = own.resample(100), other.resample(100)
     starts = []
     for heading in np.arange(HEADINGS) * 2.0 * np.pi / HEADINGS:
-        moved = (rough - rough.mean(axis=0)) @ _turn(heading).T + rough_target.mean(axis=0)
+        moved = (rough - rough.mean(axis=0)) @ plane_rotation(heading).T + rough_target.mean(axis=0)
         moved = _settle(moved, rough_target, FIT_SWEEPS)
         starts.append((_symmetric_rms(moved, rough_target), moved))
     best = min(starts, key=lambda start: start[0])[1]
@@ -78,7 +78,3 @@ def _settle(moved: np.ndarray, target: np.ndarray, sweeps: int) -> np.ndarray:
 def _symmetric_rms(first: np.ndarray, second: np.ndarray) -> float:
     forward, backward = ClosedCurve(second).distance(first), ClosedCurve(first).distance(second)
     return float(np.sqrt(0.5 * (np.mean(forward**2) + np.mean(backward**2))))
-
-
-def _turn(angle: float) -> np.ndarray:
-    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])

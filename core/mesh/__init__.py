@@ -15,6 +15,7 @@ from .geometry import (
     cotangent_laplacian,
     deformation_gradients,
     edge_curvature,
+    edge_lengths,
     face_areas,
     face_normals,
     gradient_operator,
@@ -31,7 +32,7 @@ from .geometry import (
     vertex_areas,
     vertex_normals,
 )
-from .rigid import RigidMotion, fit_rigid
+from .rigid import RigidMotion, fit_rigid, plane_rotation
 from .rim import Rim
 from .surface import Closest, TriangleSurface, barycentric_coordinates
 
@@ -92,6 +93,7 @@ __all__ = [
     "cotangent_laplacian",
     "deformation_gradients",
     "edge_curvature",
+    "edge_lengths",
     "face_areas",
     "face_boxes",
     "face_normals",
@@ -105,6 +107,7 @@ __all__ = [
     "mean_curvature",
     "measure_contour",
     "move_towards",
+    "plane_rotation",
     "polar_rotations",
     "polyline_length",
     "principal_stretches",

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from .geometry import edge_lengths
+
 ROUND = 0.4
 """Share of the edges, the shortest, that one round may collapse. Lengths are measured anew after each: with all at
 once, the last collapses would go by lengths that were true long ago."""
@@ -71,7 +73,7 @@ def collapse_edges(vertices: np.ndarray, faces: np.ndarray, most: int) -> Collap
     turn, left = TURN, len(table)
     for _ in range(ROUNDS):
         edges = _inner_edges(table)
-        lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
+        lengths = edge_lengths(points, edges)
         order = _shortest(lengths, max(1, int(ROUND * len(edges))))
         alive, gone = _collapse(points, table, weights, stands, fixed, edges[order], left - most, turn)
         table = table[alive]

@@ -65,6 +65,11 @@ def unit(vectors: np.ndarray) -> np.ndarray:
     return np.asarray(vectors / np.where(length > 0.0, length, 1.0))
 
 
+def edge_lengths(vertices: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """Return the lengths of edges [m], shape [edge_count], from their ends, shape [edge_count, 2]."""
+    return np.asarray(np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1))
+
+
 def lump(areas: np.ndarray, faces: np.ndarray, count: int) -> np.ndarray:
     """Share a number of each face, such as its area, among its three corners and sum at the vertices, shape [count]."""
     return np.bincount(faces.ravel(), np.repeat(areas / 3, 3), minlength=count)

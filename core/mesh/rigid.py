@@ -33,6 +33,11 @@ class RigidMotion:
         return np.asarray(self.target_centre - self.scale * self.rotation @ self.source_centre)
 
 
+def plane_rotation(angle: float) -> np.ndarray:
+    """Return the matrix that turns left by an angle [rad], shape [2, 2]."""
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+
 def fit_rigid(source: np.ndarray, target: np.ndarray, *, scaled: bool = False, mirrored: bool = False) -> RigidMotion:
     """Fit the motion with the least sum of squared distances between moved points and their counterparts.
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..mesh import plane_rotation
 from .curves import edge_area, edge_length, is_flat_arc, unit_circle
 from .memo import once
 from .pattern import Edge, EdgeRef, Panel, Pattern
@@ -252,7 +253,7 @@ def _bend(edge: Edge, chord: float, turns: np.ndarray) -> Edge:
     """Return an edge of some chord [m] as a cubic curve whose ends are turned left by two angles [rad], shape [2]."""
     first, last = _cubic_handles(edge, chord)
     end = np.array([1.0, 0.0])
-    handles = np.stack([_rotate(turns[0]) @ first, end + _rotate(turns[1]) @ (last - end)])
+    handles = np.stack([plane_rotation(turns[0]) @ first, end + plane_rotation(turns[1]) @ (last - end)])
     return replace(edge, kind="cubic", handles=handles)
 
 
@@ -291,8 +292,3 @@ def _keep_area(bent: Pattern, before: Pattern, held: Collection[Corner]) -> Patt
                 moved[i] += np.linalg.lstsq(outward[sides], move[sides], rcond=ALIKE)[0]
         points[panel.name] = moved
     return bent.with_points(points)
-
-
-def _rotate(angle: float) -> np.ndarray:
-    """Return the matrix that turns left by an angle [rad], shape [2, 2]."""
-    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..mesh import plane_rotation
 from .control import redraw
 from .curves import chord
 from .garment import Garment
@@ -125,7 +126,7 @@ def lay_along(chord_of: np.ndarray, ends: np.ndarray) -> Motion:
     """Return the motion that lays a chord along another one, middle on middle, shape [2, 2] each."""
     one, other = (line[1] - line[0] for line in (chord_of, ends))
     angle = np.arctan2(other[1], other[0]) - np.arctan2(one[1], one[0])
-    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    turn = plane_rotation(angle)
     return Motion(turn, ends.mean(axis=0) - turn @ chord_of.mean(axis=0))
 
 

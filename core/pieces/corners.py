@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..mesh import unit
 from .piece import TURNED, EdgeUse
 
 MITRE_LIMIT = 3.0
@@ -37,12 +38,12 @@ class Side:
     @property
     def first(self) -> np.ndarray:
         """Return the unit tangent at its beginning, shape [2]."""
-        return _unit(self.sew[1] - self.sew[0])
+        return unit(self.sew[1] - self.sew[0])
 
     @property
     def last(self) -> np.ndarray:
         """Return the unit tangent at its end, shape [2]."""
-        return _unit(self.sew[-1] - self.sew[-2])
+        return unit(self.sew[-1] - self.sew[-2])
 
     def offset(self) -> np.ndarray:
         """Return it moved outwards (to the right) by its allowance [m], shape [n, 2].
@@ -157,7 +158,7 @@ class Fold:
             The side above the fold, and the way from the fold down to the hem's cut edge; None where the side leans too
             far.
         """
-        lean = _unit(side[1] - side[0])
+        lean = unit(side[1] - side[0])
         if lean @ self.inward < STEEPEST:
             return None
         height = self.height(side)
@@ -183,7 +184,7 @@ class Fold:
         height = self.height(way)
         over = np.flatnonzero(height >= self.depth)
         if not len(over):
-            lean = _unit(way[-1] - way[-2])
+            lean = unit(way[-1] - way[-2])
             rise = max(float(lean @ self.inward), STEEPEST)
             return np.concatenate([way, (way[-1] + lean * (self.depth - height[-1]) / rise)[None]])
         k = int(over[0])
@@ -202,7 +203,3 @@ def _begin_at(line: np.ndarray, corner: np.ndarray, along: np.ndarray, start: np
 
 def _right(direction: np.ndarray) -> np.ndarray:
     return np.array([direction[1], -direction[0]])
-
-
-def _unit(vector: np.ndarray) -> np.ndarray:
-    return np.asarray(vector / max(float(np.linalg.norm(vector)), 1e-300))

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..mesh import plane_rotation
 from ..pattern import EdgeRef, Panel, Pattern, check_outline
 from ..pattern.errors import PanelCrossing, PanelDegenerate
 from ..pattern.orientation import place_points
@@ -85,7 +86,7 @@ def _join(first: Group, i: int, second: Group, j: int) -> Group | None:
     if abs(np.linalg.norm(along) - np.linalg.norm(own)) > SAME:
         return None
     angle = np.arctan2(along[1], along[0]) - np.arctan2(own[1], own[0])
-    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    turn = plane_rotation(angle)
     apart = (a.grainline - b.grainline - angle + np.pi / 2) % np.pi - np.pi / 2
     if abs(apart) > GRAIN:
         return None
@@ -111,6 +112,6 @@ def _join(first: Group, i: int, second: Group, j: int) -> Group | None:
 def turn_group(group: Group) -> Group:
     """Return a group with its grainline along +y."""
     angle = -group.net.grainline
-    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    turn = plane_rotation(angle)
     places = tuple(PanelPlace(p.panel, turn @ p.rotation, turn @ p.translation) for p in group.places)
     return Group(replace(group.net, points=group.net.points @ turn.T, grainline=0.0), group.sources, places)

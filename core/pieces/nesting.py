@@ -6,6 +6,7 @@ from importlib.util import find_spec
 
 import numpy as np
 
+from ..mesh import plane_rotation
 from .layout import CLOTH_GAP, CLOTH_WIDTH, Copy, Lay, lay_on_cloth, list_copies
 from .piece import Piece
 
@@ -52,7 +53,7 @@ def nest_on_cloth(pieces: tuple[Piece, ...], width: float = CLOTH_WIDTH) -> Lay:
     laid = []
     for item in solution.placed_items:
         angle = np.radians(item.rotation)
-        rotation = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        rotation = plane_rotation(angle)
         placed = turned[int(item.id)] @ rotation.T + item.translation
         laid.append(Copy(copies[int(item.id)].name, np.stack([-placed[:, 1], placed[:, 0]], axis=1)))
     low = np.min([copy.outline.min(axis=0) for copy in laid], axis=0)

@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-from ..mesh import HalfEdges, vertex_normals
+from ..mesh import HalfEdges, edge_lengths, vertex_normals
 
 NOISY = 4e-3
 """Noise of the scan [m per coordinate] from which it is smoothed first. Below, the garment's own edges average it out
@@ -48,7 +48,7 @@ def smooth_noise(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, f
     """
     rings, edges = _ring_means(vertices, faces)
     laplacian = (sp.identity(len(vertices), format="csr") - rings).tocsr()
-    length = float(np.median(np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1)))
+    length = float(np.median(edge_lengths(vertices, edges)))
     rough = float(np.median(np.linalg.norm(laplacian @ vertices, axis=1)))
     noise = rough / ROUGH_OF_NOISE
     if noise < NOISY or rough < ROUGH * length:

@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sparse
 from scipy.spatial import cKDTree
 
-from ..mesh import HalfEdges, factor_symmetric, shortest_ways, unit, vertex_normals
+from ..mesh import HalfEdges, edge_lengths, factor_symmetric, shortest_ways, unit, vertex_normals
 from ..scan import Scan
 
 ROUNDED = 0.012
@@ -79,7 +79,7 @@ def straighten_rims(
     rim = np.flatnonzero(edges.border_vertices & ~unseen)
     if not len(rim):
         return vertices
-    lengths = np.linalg.norm(vertices[edges.edges[:, 0]] - vertices[edges.edges[:, 1]], axis=1)
+    lengths = edge_lengths(vertices, edges.edges)
     way = shortest_ways(edges, lengths, rim, STRAIGHT)[0]
     straight = np.flatnonzero((way >= ROUNDED) & (way < STRAIGHT))
     straight = straight[:: max(1, round((SPACED / float(np.median(lengths[edges.edge]))) ** 2))]
@@ -131,7 +131,7 @@ def _even_rim(vertices: np.ndarray, edges: HalfEdges, rim: np.ndarray) -> np.nda
         rim: Indices of those that may move; the others are held.
     """
     ends = edges.edges[edges.face_counts == 1]
-    lengths = np.maximum(np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1), SHORT)
+    lengths = np.maximum(edge_lengths(vertices, ends), SHORT)
     share = np.bincount(ends.ravel(), 0.5 * np.repeat(lengths, 2), len(vertices))
     share[share == 0.0] = 1.0
     links = sparse.csr_matrix((1.0 / lengths, tuple(ends.T)), shape=(len(vertices),) * 2)

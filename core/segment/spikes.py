@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh import HalfEdges, adjacency_matrix
+from ..mesh import HalfEdges, adjacency_matrix, edge_lengths
 
 SPIKE_EDGES = 1.3
 """Distance from the median of its ring, in median edges, beyond which it is a spike (a trial found 113 of 115)."""
@@ -39,7 +39,7 @@ def flatten_spikes(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray,
     inner = ends == 0
     moved = np.zeros(len(vertices), dtype=bool)
     vertices = vertices.copy()
-    length = float(np.median(np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1)))
+    length = float(np.median(edge_lengths(vertices, edges)))
     for _ in range(2):
         around = np.where((ring[used] >= 0)[..., None], vertices[ring[used]], np.nan)
         middle = np.nanmedian(around, axis=1)
