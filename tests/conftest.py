@@ -21,15 +21,15 @@ RADIUS, HEIGHT = 0.15, 0.30
 SERVED = ("service", "chaos", "workers", "cli", "api", "pages")
 """Folders whose tests start servers and mostly wait for them, in the order in which they run."""
 
-LAST = ("pattern", "pieces", "measure", "training")
-"""Folders with so many tests that the second of two processes begins with `SERVED`."""
+LAST = ("pattern", "measure", "pieces", "segment", "mesh", "motion", "training", "texture", "scan")
+"""Folders that compile little of the simulator, with a third of all tests, as `SERVED` has."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Run what computes, then what is served, then the rest, each folder in its order.
 
-    Each process begins with a share of its own. While the first of two compiles the simulator, a minute after a fresh
-    installation, the other waits for servers, and finds it compiled; the second of three begins among what computes.
+    Each of three processes begins with a third of its own. While the first compiles the simulator, a minute or two
+    after a fresh installation, the second waits for servers, and finds it compiled.
     """
     ranks = {name: 1 + rank for rank, name in enumerate(SERVED)} | dict.fromkeys(LAST, 1 + len(SERVED))
     items.sort(key=lambda item: ranks.get(item.path.parent.name, 0))

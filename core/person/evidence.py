@@ -118,6 +118,10 @@ class _Cells:
         contrast = self.contrast if use_colours else None
         return np.where(self.is_near, edge_evidence(sign * self.step, sign * self.ridge, contrast), 0.0)
 
+    def seen_share(self, ring: Ring) -> float:
+        """Return the share of a ring's cells of which something is known: below a skirt, not those between the legs."""
+        return float(self.is_near[np.minimum(ring.rows, len(self.is_near) - 1), np.arange(len(ring.rows))].mean())
+
     def region(self, limb: Limb, worn: np.ndarray | float = 0.0) -> np.ndarray:
         """Return the log-probability of cloth against skin, or what else is worn, by the offset and the skin's colour.
 
@@ -270,8 +274,10 @@ def _find_neckline(grid: UnrolledGrid, cells: _Cells) -> Ring:
 
 WAIST_FROM = 0.22
 """Station on the trunk [m below the neck joint] where waists begin: below the bust's middle."""
+CROTCH = 0.10
+"""Station of the legs [m below the hip joints] down to which waists lie on the trunk of one who wears no skirt."""
 WAIST_PRIOR = -26.0
-"""Log-probability of a ring against none that the best one of noise and folds gains by itself."""
+"""Log-probability of a ring against none that the best one of noise and folds gains by itself, seen all around."""
 SHOWN_BELOW = (0.08, 0.2)
 """Least length of a leg's garment that shows below a long top [m], for tops that end above the knee and below it: what
 is shorter there is the shaft of a boot, and the ring the end of all that is worn above."""
@@ -285,19 +291,22 @@ def _find_waists(
 ) -> tuple[Waist, ...]:
     """Find rings between upper and lower: on the trunk with either side higher, on the legs with the upper over.
 
+    A skirt goes all around as the trunk does: over one, the trunk's rings go on down to the end of a long top.
     `legs` are the station beyond which no long top ends [m], and where cloth spans between them (`find_spans`).
     """
     lowest, spans = legs
     found = []
     trunk = grids[Limb.TRUNK]
-    crotch = trunk.stations[-1] - np.ptp(grids[LEGS[0]].stations) + 0.10
-    outside = (trunk.stations < WAIST_FROM) | (trunk.stations > crotch)
+    hips = trunk.stations[-1] - np.ptp(grids[LEGS[0]].stations)
+    end = hips + max(CROTCH, min(_skirt_end(spans), lowest))
+    outside = (trunk.stations < WAIST_FROM) | (trunk.stations > end)
     for sign in (1.0, -1.0):
         edge = cells[Limb.TRUNK].edge(sign, use_colours)
         edge[outside] = -50.0
         ring = find_ring(edge, None, WARMTH)
         shape = score_ring(cells[Limb.TRUNK].edge(sign), ring.rows)
-        found.append(Waist((Limb.TRUNK,), (ring,), sign > 0, ring.score + WAIST_PRIOR, shape + WAIST_PRIOR))
+        prior = WAIST_PRIOR * cells[Limb.TRUNK].seen_share(ring)
+        found.append(Waist((Limb.TRUNK,), (ring,), sign > 0, ring.score + prior, shape + prior))
     edges, shown = (
         _couple(*((grids[limb], cells[limb].edge(1.0, colours)) for limb in LEGS)) for colours in (use_colours, False)
     )
@@ -310,9 +319,9 @@ def _find_waists(
     end = float(np.mean([grids[limb].stations[ring.rows].mean() for limb, ring in zip(LEGS, rings, strict=True)]))
     above = spans[: max(int((end - TUBE_FROM) / TUBE_STEP), 0)]
     if not len(above) or above.mean() >= SPANNED:
+        prior = 0.5 * WAIST_PRIOR * sum(cells[limb].seen_share(ring) for limb, ring in zip(LEGS, rings, strict=True))
         score, by_shape = (
-            0.5 * (left + right) / (1 + COUPLING) + WAIST_PRIOR
-            for left, right in ((ring.score for ring in rings), shapes)
+            0.5 * (left + right) / (1 + COUPLING) + prior for left, right in ((ring.score for ring in rings), shapes)
         )
         found.append(Waist(LEGS, (rings[0], rings[1]), True, score, by_shape))
     return tuple(sorted(found, key=lambda waist: -waist.score))
@@ -322,6 +331,10 @@ TUBE_FROM, TUBE_TO = 0.14, 0.34
 """Stations of the legs [m] between which a skirt spans from leg to leg: from 5 cm below the crotch."""
 TUBE_STEP = 0.02
 """Step of stations at which cloth is looked for between the legs [m]."""
+
+
+SKIRT = 0.8
+"""Share of the height between `TUBE_FROM` and `TUBE_TO` in which cloth spans from leg to leg: from it on, a skirt."""
 
 
 NORMALS_AROUND = 16
@@ -351,6 +364,13 @@ def find_spans(points: PersonPoints, features: Features, end: float = TUBE_TO) -
     rows = np.arange(TUBE_FROM, max(TUBE_TO, end), TUBE_STEP)
     close = (np.abs(place.station - row) < 0.5 * TUBE_STEP for row in rows)
     return np.array([min((spans & ahead & near).sum(), (spans & ~ahead & near).sum()) >= 2 for near in close])
+
+
+def _skirt_end(spans: np.ndarray) -> float:
+    """Return the station of the legs down to which a skirt spans between them [m], 0 where none is worn."""
+    if measure_tube(spans) < SKIRT:
+        return 0.0
+    return TUBE_FROM + TUBE_STEP * int(np.argmin(np.append(spans, False)))
 
 
 def measure_tube(spans: np.ndarray) -> float:

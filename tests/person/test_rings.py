@@ -25,7 +25,7 @@ from garmentq.core.person.rings import (
 )
 from garmentq.core.person.rules import predict_by_rules
 from garmentq.core.person.tone import skin_evidence
-from garmentq.core.person.unrolled import ANGLES, NECK_RADIUS, STATION_STEP
+from garmentq.core.person.unrolled import ANGLES, NECK_RADIUS, STATION_STEP, unroll
 from garmentq.core.scan.raw import RawScan
 from scipy.spatial import cKDTree
 
@@ -195,6 +195,22 @@ def test_a_long_top_is_a_tube_between_the_legs(dressed, is_tube, monkeypatch):
     for waist in long:
         for limb, ring in zip(waist.limbs, waist.rings, strict=True):
             assert np.median(rings.grids[limb].stations[ring.rows]) == pytest.approx(0.28, abs=0.08)  # means of 10 cm
+
+
+def test_a_waist_counts_by_what_is_seen_of_it(dressed, monkeypatch):
+    """Broken where a waist of which half is seen has to show as much there as one that is seen all around."""
+    fit, raw, _ = dressed
+    points = sample_person(raw, fit)
+    features = describe_points(points, fit)
+    scores = []
+    for hidden in (np.zeros(len(points.positions), dtype=bool), features.place.rest[:, 0] > 0.0):
+        seen = lambda *given, gone=hidden: unroll(*given).without(gone)  # noqa: E731
+        monkeypatch.setattr("garmentq.core.person.evidence.unroll", seen)
+        best = find_rings(points, features, fit).waists_by_shape[0]
+        assert best.limbs == (Limb.TRUNK,) and best.is_upper_over
+        scores.append(best.score)
+    assert scores[0] > 5.0
+    assert 0.4 * scores[0] < scores[1] < 0.7 * scores[0]
 
 
 def points_near(raw: RawScan, positions: np.ndarray) -> np.ndarray:
