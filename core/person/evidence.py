@@ -274,8 +274,6 @@ def _find_neckline(grid: UnrolledGrid, cells: _Cells) -> Ring:
 
 WAIST_FROM = 0.22
 """Station on the trunk [m below the neck joint] where waists begin: below the bust's middle."""
-CROTCH = 0.10
-"""Station of the legs [m below the hip joints] down to which waists lie on the trunk of one who wears no skirt."""
 WAIST_PRIOR = -26.0
 """Log-probability of a ring against none that the best one of noise and folds gains by itself, seen all around."""
 SHOWN_BELOW = (0.08, 0.2)
@@ -291,15 +289,13 @@ def _find_waists(
 ) -> tuple[Waist, ...]:
     """Find rings between upper and lower: on the trunk with either side higher, on the legs with the upper over.
 
-    A skirt goes all around as the trunk does: over one, the trunk's rings go on down to the end of a long top.
     `legs` are the station beyond which no long top ends [m], and where cloth spans between them (`find_spans`).
     """
     lowest, spans = legs
     found = []
     trunk = grids[Limb.TRUNK]
-    hips = trunk.stations[-1] - np.ptp(grids[LEGS[0]].stations)
-    end = hips + max(CROTCH, min(_skirt_end(spans), lowest))
-    outside = (trunk.stations < WAIST_FROM) | (trunk.stations > end)
+    crotch = trunk.stations[-1] - np.ptp(grids[LEGS[0]].stations) + 0.10
+    outside = (trunk.stations < WAIST_FROM) | (trunk.stations > crotch)
     for sign in (1.0, -1.0):
         edge = cells[Limb.TRUNK].edge(sign, use_colours)
         edge[outside] = -50.0
@@ -333,10 +329,6 @@ TUBE_STEP = 0.02
 """Step of stations at which cloth is looked for between the legs [m]."""
 
 
-SKIRT = 0.8
-"""Share of the height between `TUBE_FROM` and `TUBE_TO` in which cloth spans from leg to leg: from it on, a skirt."""
-
-
 NORMALS_AROUND = 16
 """Samples whose normals are averaged: a disk of 1.5 cm radius."""
 
@@ -364,13 +356,6 @@ def find_spans(points: PersonPoints, features: Features, end: float = TUBE_TO) -
     rows = np.arange(TUBE_FROM, max(TUBE_TO, end), TUBE_STEP)
     close = (np.abs(place.station - row) < 0.5 * TUBE_STEP for row in rows)
     return np.array([min((spans & ahead & near).sum(), (spans & ~ahead & near).sum()) >= 2 for near in close])
-
-
-def _skirt_end(spans: np.ndarray) -> float:
-    """Return the station of the legs down to which a skirt spans between them [m], 0 where none is worn."""
-    if measure_tube(spans) < SKIRT:
-        return 0.0
-    return TUBE_FROM + TUBE_STEP * int(np.argmin(np.append(spans, False)))
 
 
 def measure_tube(spans: np.ndarray) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..body import Body
 from .cloths import overlap_of_cloths
-from .evidence import SKIRT, PersonRings, Waist, find_rings, spread_over
+from .evidence import PersonRings, Waist, find_rings, spread_over
 from .features import Features
 from .limbs import FOLDED, Limb
 from .part import PARTS, Part
@@ -18,13 +18,13 @@ from .prior import hair_probability, long_hair, shoe_probability, stray_probabil
 
 FLOOR = 0.005
 """Probability that every part keeps everywhere: rules do not know bags and coats."""
-TUBE = (0.2, SKIRT)
+TUBE = (0.2, 0.8)
 """Share of the height below the crotch in which cloth spans from leg to leg: up to the first of trousers, from the
 second on of skirts. Baggy trousers have up to 1, a dress that hangs between the legs 0.5 (simulated persons)."""
 TWO_WITH_LEGS, TWO_WITH_SKIRT = 1.0, 0.0
 """Log-odds of two pieces against one before the waist is looked at. One in four that has legs is one piece: fewer of
 those who pass by, but people are scanned for what they wear. Of skirts half are a dress's."""
-SHOWN = {True: (15.0, 7.0), False: (5.0, 2.0)}
+SHOWN = {True: (15.0, 7.0), False: (4.0, 2.0)}
 """Score of a waist's ring that says nothing, and by how much more it is e times as likely of two pieces: found with
 colours, and by shape alone. Fitted on 49 scans of simulated persons (`training/waists.py`), by shape on 234."""
 ALIKE = 0.1
