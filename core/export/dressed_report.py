@@ -11,7 +11,7 @@ from ..wear import Dressed, Ease, Worn
 from .judged_page import Heading, gates_html, head_html, manifest_html, numbers_html
 from .page import page_html
 from .person import on_white
-from .picture import Camera, ColouredMesh, aim, draw, png_base64
+from .picture import Camera, ColouredMesh, aim, draw, png_base64, turn_view
 from .views import CLOTH, DRAPED, SKIN, colour_of
 
 WIDTH, HEIGHT = 300, 480
@@ -52,9 +52,8 @@ def draw_wearer(worn: Worn, colour: np.ndarray, under: Worn | None = None) -> np
 
 def aim_at(worn: Worn, turn: float) -> Camera:
     """Return the camera that shows a wearer whole, turned by an angle about the vertical [rad]."""
-    around = np.array([[np.cos(turn), 0.0, np.sin(turn)], [0.0, 1.0, 0.0], [-np.sin(turn), 0.0, np.cos(turn)]])
     points = np.concatenate([worn.body.vertices, worn.garment.nodes])
-    return aim(points, around @ worn.body.heading, WIDTH, HEIGHT)
+    return aim(points, turn_view(worn.body.heading, turn), WIDTH, HEIGHT)
 
 
 def report_dressed(dressed: Dressed, picture: bytes) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .picture import Camera, ColouredMesh, aim, draw
+from .picture import Camera, ColouredMesh, aim, draw, turn_view
 from .views import DRAPED, SKIN
 
 if TYPE_CHECKING:
@@ -79,5 +79,4 @@ def _draw(animation: Animation, indices: np.ndarray, size: tuple[int, int]) -> l
 
 
 def _aim(points: np.ndarray, heading: np.ndarray, size: tuple[int, int]) -> Camera:
-    turn = np.array([[np.cos(TURN), 0.0, -np.sin(TURN)], [0.0, 1.0, 0.0], [np.sin(TURN), 0.0, np.cos(TURN)]])
-    return aim(points, turn @ heading, *size)
+    return aim(points, turn_view(heading, -TURN), *size)

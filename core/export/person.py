@@ -15,7 +15,7 @@ from ..person.labels import write_labels
 from ..scan.raw import RawScan
 from ..scan.thin import thin
 from .meshes import write_ply
-from .picture import ColouredMesh, aim, draw, png_base64
+from .picture import ColouredMesh, aim, draw, png_base64, turn_view
 
 SCANNED, FOUND = np.array([0.66, 0.69, 0.72]), np.array([0.90, 0.85, 0.80])
 """Colours of a scan that has none, and of the body."""
@@ -109,8 +109,7 @@ def draw_person(raw: RawScan, separation: Separation) -> bytes:
     surfaces.insert(1, ColouredMesh(body.vertices, body.faces, FOUND))
     columns = []
     for turn in TURNS:
-        around = np.array([[np.cos(turn), 0.0, np.sin(turn)], [0.0, 1.0, 0.0], [-np.sin(turn), 0.0, np.cos(turn)]])
-        camera = aim(np.concatenate([raw.points, body.vertices]), around @ body.heading, WIDTH, HEIGHT)
+        camera = aim(np.concatenate([raw.points, body.vertices]), turn_view(body.heading, turn), WIDTH, HEIGHT)
         columns.append(np.concatenate([on_white(draw([surface], camera)) for surface in surfaces], axis=1))
     return base64.b64decode(png_base64(np.concatenate(columns, axis=0)))
 

@@ -76,6 +76,12 @@ def aim(points: np.ndarray, rotation: np.ndarray, width: int, height: int, margi
     return Camera(rotation, 0.5 * (low + high), float(scale), width, height)
 
 
+def turn_view(rotation: np.ndarray, angle: float) -> np.ndarray:
+    """Return a camera's rotation, shape [3, 3], for a view of all turned by an angle about the vertical [rad]."""
+    around = np.array([[np.cos(angle), 0.0, np.sin(angle)], [0.0, 1.0, 0.0], [-np.sin(angle), 0.0, np.cos(angle)]])
+    return around @ rotation
+
+
 def draw(surfaces: Sequence[ColouredMesh], camera: Camera) -> np.ndarray:
     """Draw surfaces together, shaded from both sides.
 

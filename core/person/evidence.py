@@ -120,7 +120,7 @@ class _Cells:
 
     def seen_share(self, ring: Ring) -> float:
         """Return the share of a ring's cells of which something is known: below a skirt, not those between the legs."""
-        return float(self.is_near[np.minimum(ring.rows, len(self.is_near) - 1), np.arange(len(ring.rows))].mean())
+        return float(self.is_near[ring.rows, np.arange(len(ring.rows))].mean())
 
     def region(self, limb: Limb, worn: np.ndarray | float = 0.0) -> np.ndarray:
         """Return the log-probability of cloth against skin, or what else is worn, by the offset and the skin's colour.

@@ -51,7 +51,8 @@ def test_a_seed_wears_the_same_colours_under_another_light(shard: Shard):
 
 def test_some_scanners_give_no_colours(shard: Shard):
     """Broken where all scans or none have colours: the rules must be calibrated for both."""
-    have = [paint(replace(shard, about={"seed": seed, "scan": 0})) is not None for seed in range(40)]
+    few = replace(shard, points=shard.points[::50], normals=shard.normals[::50], label=shard.label[::50])
+    have = [paint(replace(few, about={"seed": seed, "scan": 0})) is not None for seed in range(40)]
     assert 1.0 - 2.0 * WITHOUT < np.mean(have) < 1.0
 
 
