@@ -39,6 +39,12 @@ LEAST_SHARE = 1e-3
 FAINT = 0.05
 """Probability of upper and lower together up to which the waist line decides where a dress is cut, and not they."""
 
+CHEST = (Part.UPPER, Part.ONE_PIECE, Part.OUTER)
+"""Garments that are worn on the chest."""
+
+SHOWN = 0.02
+"""Least share of the samples that these show above the waist, together: on a bare chest there are traces."""
+
 FLOOR = 0.01
 """Least probability of a point under a reading: a bag or a bad spot speaks against each alike."""
 
@@ -105,7 +111,7 @@ def rank_outfits(
     + `PATCHES` mean_i log sum_k p(k | i, H), with p(k | i, H) as `read_as`: what H has no place for speaks against it.
     Whether there is an outer layer is one fact of the whole person, and so is whether there is one piece or several,
     the mean over what is garment at all: they count once, however many points repeat them. The difference of two scores
-    is therefore the log-odds of the readings.
+    is therefore the log-odds of the readings. On a bare chest nothing that is worn there is likely (`LEAST_SHARE`).
 
     Args:
         posterior: Of the samples, which are even, shape [n, part_count].
@@ -116,7 +122,7 @@ def rank_outfits(
     """
     if wearing is not None:
         return (Outfit(wearing, 0.0),)
-    several = several_probability(posterior)
+    several, is_bare = several_probability(posterior), _is_chest_bare(posterior, above)
     found = []
     for (inner, prior), outer in product(READINGS, (False, True)):
         outfit = tuple(part for part in GARMENTS if part in inner or (outer and part is Part.OUTER))
@@ -125,9 +131,17 @@ def rank_outfits(
         worn = 1.0 - two if Part.ONE_PIECE in outfit else two
         layered = -np.logaddexp(0.0, -coat.odds if outer else coat.odds)
         score = prior + layered + np.log(worn) + PATCHES * np.log(np.maximum(allowed, FLOOR)).mean()
+        if is_bare and set(outfit) & set(CHEST):
+            score += np.log(LEAST_SHARE)
         found.append(Outfit(outfit, float(score)))
     fitting = [outfit for outfit in found if set(marked) <= set(outfit.parts)]
     return tuple(sorted(fitting or [Outfit(marked, 0.0)], key=lambda outfit: -outfit.score))
+
+
+def _is_chest_bare(posterior: np.ndarray, above: np.ndarray) -> bool:
+    """Return whether nothing that is worn on the chest shows above the waist."""
+    worn = np.isin(posterior.argmax(axis=1), [COLUMN[part] for part in CHEST])
+    return bool((worn & (above > 0.5)).mean() < SHOWN)
 
 
 def several_probability(posterior: np.ndarray) -> float:

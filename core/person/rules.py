@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..body import Body
+from .bare_chest import bare_chest_probability
 from .cloths import overlap_of_cloths
 from .evidence import PersonRings, Waist, find_rings, spread_over
 from .features import Features
@@ -99,7 +100,7 @@ def _combine(
 ) -> np.ndarray:
     """Compute the posterior from the rings and what a garment is, shape [n, 8]."""
     count = len(features.values)
-    cloth = cloth_probability(rings, features)
+    cloth = cloth_probability(rings, features, tone)
     hair = hair_probability(features, body, tone)
     shod = shoe_probability(features)
     shoe = shod * np.maximum(
@@ -136,7 +137,7 @@ def share_garments(
     Returns:
         Probabilities in the order of `PARTS`, 0 for what is no garment and for outer layers, shape [n, 8].
     """
-    cloth = cloth_probability(rings, features)
+    cloth = cloth_probability(rings, features, tone)
     overlap = None
     if points.colours is not None:
         worn = cloth > 0.5 if tone is None else (cloth > 0.5) & (tone <= 0.0)  # a leg's ring may lie too low
@@ -153,15 +154,20 @@ _ARMS = (Limb.LEFT_ARM, Limb.RIGHT_ARM)
 _LEGS = (Limb.LEFT_LEG, Limb.RIGHT_LEG)
 
 
-def cloth_probability(rings: PersonRings, features: Features) -> np.ndarray:
-    """Compute the probability that each sample is cloth: below the neckline, before the ends of sleeves and legs."""
+def cloth_probability(rings: PersonRings, features: Features, tone: np.ndarray | None = None) -> np.ndarray:
+    """Compute the probability that each sample is cloth: below the neckline, before the ends of sleeves and legs.
+
+    What lies above the waist is none where the chest is bare.
+    """
     count = len(features.values)
     cloth = 1.0 - np.clip(2.0 * features.place.parts[:, list(FOLDED).index("head")] - 0.5, 0.0, 1.0)
     for limb, ring in zip(_ARMS + _LEGS, rings.sleeves + rings.hems, strict=True):
         cloth *= 1.0 - spread_over(rings, limb, ring, count)
     grid = rings.grids[Limb.NECK]
     cloth *= grid.at_samples(rings.neckline.beyond(len(grid.seen)), count, 1.0)
-    return cloth
+    below = below_waist(rings, count)
+    bare = bare_chest_probability(features, tone, (cloth > 0.5) & (below < 0.5))
+    return np.asarray(cloth * (1.0 - bare * (1.0 - below)))
 
 
 def below_waist(rings: PersonRings, count: int) -> np.ndarray:
