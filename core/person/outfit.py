@@ -42,7 +42,7 @@ FAINT = 0.05
 CHEST = (Part.UPPER, Part.ONE_PIECE, Part.OUTER)
 """Garments that are worn on the chest."""
 
-SHOWN = 0.02
+TRACES = 0.02
 """Least share of the samples that these show above the waist, together: on a bare chest there are traces."""
 
 FLOOR = 0.01
@@ -141,7 +141,7 @@ def rank_outfits(
 def _is_chest_bare(posterior: np.ndarray, above: np.ndarray) -> bool:
     """Return whether nothing that is worn on the chest shows above the waist."""
     worn = np.isin(posterior.argmax(axis=1), [COLUMN[part] for part in CHEST])
-    return bool((worn & (above > 0.5)).mean() < SHOWN)
+    return bool((worn & (above > 0.5)).mean() < TRACES)
 
 
 def several_probability(posterior: np.ndarray) -> float:
