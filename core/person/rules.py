@@ -100,7 +100,7 @@ def _combine(
 ) -> np.ndarray:
     """Compute the posterior from the rings and what a garment is, shape [n, 8]."""
     count = len(features.values)
-    cloth = cloth_probability(rings, features, tone)
+    cloth = cloth_probability(rings, features, below_waist(rings, count), tone)
     hair = hair_probability(features, body, tone)
     shod = shoe_probability(features)
     shoe = shod * np.maximum(
@@ -137,12 +137,13 @@ def share_garments(
     Returns:
         Probabilities in the order of `PARTS`, 0 for what is no garment and for outer layers, shape [n, 8].
     """
-    cloth = cloth_probability(rings, features, tone)
+    below = below_waist(rings, len(features.values))
+    cloth = cloth_probability(rings, features, below, tone)
     overlap = None
     if points.colours is not None:
         worn = cloth > 0.5 if tone is None else (cloth > 0.5) & (tone <= 0.0)  # a leg's ring may lie too low
         overlap = overlap_of_cloths(points.colours, features.place, fit.body, worn)
-    below, two = below_waist(rings, len(cloth)), two_piece_probability(rings, overlap)
+    two = two_piece_probability(rings, overlap)
     share = np.zeros((len(cloth), len(PARTS)))
     share[:, PARTS.index(Part.UPPER)] = two * (1 - below)
     share[:, PARTS.index(Part.LOWER)] = two * below
@@ -154,10 +155,12 @@ _ARMS = (Limb.LEFT_ARM, Limb.RIGHT_ARM)
 _LEGS = (Limb.LEFT_LEG, Limb.RIGHT_LEG)
 
 
-def cloth_probability(rings: PersonRings, features: Features, tone: np.ndarray | None = None) -> np.ndarray:
+def cloth_probability(
+    rings: PersonRings, features: Features, below: np.ndarray, tone: np.ndarray | None = None
+) -> np.ndarray:
     """Compute the probability that each sample is cloth: below the neckline, before the ends of sleeves and legs.
 
-    What lies above the waist is none where the chest is bare.
+    What lies above the waist is none where the chest is bare; `below` is the probability to lie below it, shape [n].
     """
     count = len(features.values)
     cloth = 1.0 - np.clip(2.0 * features.place.parts[:, list(FOLDED).index("head")] - 0.5, 0.0, 1.0)
@@ -165,7 +168,6 @@ def cloth_probability(rings: PersonRings, features: Features, tone: np.ndarray |
         cloth *= 1.0 - spread_over(rings, limb, ring, count)
     grid = rings.grids[Limb.NECK]
     cloth *= grid.at_samples(rings.neckline.beyond(len(grid.seen)), count, 1.0)
-    below = below_waist(rings, count)
     bare = bare_chest_probability(features, tone, (cloth > 0.5) & (below < 0.5))
     return np.asarray(cloth * (1.0 - bare * (1.0 - below)))
 
