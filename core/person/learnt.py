@@ -3,7 +3,7 @@
 Every sample's features and what the rules say of it go through a perceptron; what comes out is pooled over the cells of
 the unrolled limbs (stations of 2 cm, four sectors around), filtered along the limbs, joined with the limb on the other
 side and with the whole person, and handed back to the samples. Which garment it is stays with the rules
-(`share_garments`): the persons that the networks were trained on do not wear all that is worn. `training/` makes the
+(`tell_by_rules`): the persons that the networks were trained on do not wear all that is worn. `training/` makes the
 weights.
 """
 
@@ -119,7 +119,7 @@ def share_kinds(kinds: np.ndarray, share: np.ndarray) -> np.ndarray:
 
     Args:
         kinds: Rows sum to 1.
-        share: Which garment each sample is if it is one, by `share_garments`, shape [n, 8].
+        share: Which garment each sample is if it is one, as `RulesTold.share`, shape [n, 8].
     """
     return np.asarray(kinds[:, KIND] * np.where(KIND == GARMENT, share, 1.0))
 

@@ -74,7 +74,8 @@ class RulesTold(NamedTuple):
 
     Attributes:
         posterior: As `predict_by_rules`, shape [n, 8].
-        share: Which garment each sample is if it is one, as `share_garments`, shape [n, 8].
+        share: Which garment each sample is if it is one: upper, lower or one piece by the waist. 0 for what is no
+            garment and for outer layers, rows sum to 1, shape [n, 8].
     """
 
     posterior: np.ndarray
@@ -86,8 +87,9 @@ def tell_by_rules(
 ) -> RulesTold:
     """Compute the posterior as `predict_by_rules`, and which garment each sample is if it is one."""
     rings = find_rings(points, features, fit, tone=tone)
-    share = share_garments(points, features, fit, rings, tone)
-    return RulesTold(_combine(points, features, fit.body, rings, share, tone), share)
+    cloth = find_cloth(rings, features, tone)
+    share = _share_garments(cloth, two_piece_probability(rings, _overlap(points, features, fit.body, cloth, tone)))
+    return RulesTold(_combine(points, features, fit.body, rings, cloth.probability[:, None] * share, tone), share)
 
 
 def _combine(
@@ -95,19 +97,19 @@ def _combine(
     features: Features,
     body: Body,
     rings: PersonRings,
-    share: np.ndarray,
+    garments: np.ndarray,
     tone: np.ndarray | None,
 ) -> np.ndarray:
-    """Compute the posterior from the rings and what a garment is, shape [n, 8]."""
+    """Compute the posterior from the rings and that of the garments, shape [n, 8]."""
     count = len(features.values)
-    cloth = cloth_probability(rings, features, below_waist(rings, count), tone)
     hair = hair_probability(features, body, tone)
     shod = shoe_probability(features)
     shoe = shod * np.maximum(
         *(spread_over(rings, limb, ring, count) for limb, ring in zip(_LEGS, rings.ankles, strict=True))
     )
-    out = cloth[:, None] * share
+    out = garments.copy()
     column = {part: i for i, part in enumerate(PARTS)}
+    cloth = garments.sum(axis=1)
     bare = 1.0 - cloth
     out[:, column[Part.SKIN]] = bare * (1 - shoe) * (1 - hair)
     out[:, column[Part.HAIR]] = bare * (1 - shoe) * hair
@@ -122,57 +124,63 @@ def _combine(
     return np.asarray(out / out.sum(axis=1, keepdims=True))
 
 
-def share_garments(
-    points: PersonPoints, features: Features, fit: FittedPerson, rings: PersonRings, tone: np.ndarray | None = None
-) -> np.ndarray:
-    """Compute which garment each sample is if it is one: upper, lower or one piece by the waist, rows sum to 1.
-
-    Args:
-        points: The samples.
-        features: Their description.
-        fit: The body fitted to them.
-        rings: Where garments end (`find_rings`).
-        tone: Evidence for skin by its colour (`skin_evidence`), shape [n], or None.
-
-    Returns:
-        Probabilities in the order of `PARTS`, 0 for what is no garment and for outer layers, shape [n, 8].
-    """
-    below = below_waist(rings, len(features.values))
-    cloth = cloth_probability(rings, features, below, tone)
-    overlap = None
-    if points.colours is not None:
-        worn = cloth > 0.5 if tone is None else (cloth > 0.5) & (tone <= 0.0)  # a leg's ring may lie too low
-        overlap = overlap_of_cloths(points.colours, features.place, fit.body, worn)
-    two = two_piece_probability(rings, overlap)
-    share = np.zeros((len(cloth), len(PARTS)))
-    share[:, PARTS.index(Part.UPPER)] = two * (1 - below)
-    share[:, PARTS.index(Part.LOWER)] = two * below
-    share[:, PARTS.index(Part.ONE_PIECE)] = 1 - two
-    return share
-
-
 _ARMS = (Limb.LEFT_ARM, Limb.RIGHT_ARM)
 _LEGS = (Limb.LEFT_LEG, Limb.RIGHT_LEG)
 
 
-def cloth_probability(
-    rings: PersonRings, features: Features, below: np.ndarray, tone: np.ndarray | None = None
-) -> np.ndarray:
-    """Compute the probability that each sample is cloth: below the neckline, before the ends of sleeves and legs.
+class Cloth(NamedTuple):
+    """What of the samples is cloth.
 
-    What lies above the waist is none where the chest is bare; `below` is the probability to lie below it, shape [n].
+    Attributes:
+        probability: Of each sample to be cloth, shape [n].
+        below: Of each to lie below the waist, shape [n].
+    """
+
+    probability: np.ndarray
+    below: np.ndarray
+
+
+def find_cloth(rings: PersonRings, features: Features, tone: np.ndarray | None = None) -> Cloth:
+    """Find what is cloth: below the neckline, before the ends of sleeves and legs; a bare chest is none.
+
+    Args:
+        rings: Where garments end (`find_rings`).
+        features: Description of the samples.
+        tone: Evidence for skin by its colour (`skin_evidence`), shape [n], or None.
     """
     count = len(features.values)
+    below = _below_waist(rings, count)
     cloth = 1.0 - np.clip(2.0 * features.place.parts[:, list(FOLDED).index("head")] - 0.5, 0.0, 1.0)
     for limb, ring in zip(_ARMS + _LEGS, rings.sleeves + rings.hems, strict=True):
         cloth *= 1.0 - spread_over(rings, limb, ring, count)
     grid = rings.grids[Limb.NECK]
     cloth *= grid.at_samples(rings.neckline.beyond(len(grid.seen)), count, 1.0)
     bare = bare_chest_probability(features, tone, (cloth > 0.5) & (below < 0.5))
-    return np.asarray(cloth * (1.0 - bare * (1.0 - below)))
+    return Cloth(np.asarray(cloth * (1.0 - bare * (1.0 - below))), below)
 
 
-def below_waist(rings: PersonRings, count: int) -> np.ndarray:
+def _overlap(
+    points: PersonPoints, features: Features, body: Body, cloth: Cloth, tone: np.ndarray | None
+) -> float | None:
+    """Return the overlap of the colours of chest and legs where cloth is, or None without colours."""
+    if points.colours is None:
+        return None
+    worn = cloth.probability > 0.5
+    if tone is not None:
+        worn &= tone <= 0.0  # a leg's ring may lie too low
+    return overlap_of_cloths(points.colours, features.place, body, worn)
+
+
+def _share_garments(cloth: Cloth, two: float) -> np.ndarray:
+    """Return which garment each sample is if it is one, by the probability of two pieces, shape [n, 8]."""
+    share = np.zeros((len(cloth.below), len(PARTS)))
+    share[:, PARTS.index(Part.UPPER)] = two * (1 - cloth.below)
+    share[:, PARTS.index(Part.LOWER)] = two * cloth.below
+    share[:, PARTS.index(Part.ONE_PIECE)] = 1 - two
+    return share
+
+
+def _below_waist(rings: PersonRings, count: int) -> np.ndarray:
     """Compute the probability that each sample lies below the best ring between upper and lower, shape [count]."""
     best = best_waist(rings)
     return np.asarray(
