@@ -49,6 +49,7 @@ from .measure import (
     measure_knowledge,
     measure_plausibility,
     measure_seams,
+    measure_upright,
     measure_wear,
 )
 from .pattern import Garment, Panel, Seam, draft_template, find_cut, load_template, mesh_pattern, name_cut, resample
@@ -359,6 +360,7 @@ def measure(case: Case, drape: GradedDrape, fit: Fit) -> dict[str, float | None]
     metrics |= measure_plausibility(fit.garment.pattern)
     metrics |= measure_contour_shapes(fit.garment, fit.meshes.drape_on_scan, case.seen, case.body)
     metrics |= measure_wear(case.target, case.body, fit.meshes.detail, fit.garment.faces, case.settings.seed)
+    metrics |= measure_upright(case.seen)
     for name, candidate in zip(("cut.misfit", "cut.next_misfit", "cut.third_misfit"), case.candidates, strict=False):
         metrics[name] = candidate.misfit
     metrics["drape.residual"] = drape.drape.residual

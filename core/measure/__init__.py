@@ -38,7 +38,7 @@ from .raw_states import STATES, State, worsen
 from .true_pattern import TruePanel, TruePattern, TrueSeam
 from .truth import measure_fabric, measure_recovery
 from .turning import turning_distance
-from .wear import measure_wear
+from .wear import measure_upright, measure_wear
 
 __all__ = [
     "DAMAGES",
@@ -92,6 +92,7 @@ __all__ = [
     "measure_recovery",
     "measure_seams",
     "measure_true_body",
+    "measure_upright",
     "measure_visible",
     "measure_wear",
     "product_of",

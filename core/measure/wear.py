@@ -28,7 +28,7 @@ def measure_wear(
 
     `wear.rest_gap_mm` is the distance from the body within which a quarter (`BORNE`) of the uppermost cloth lies.
     `wear.layers` is the scan's area over the detail mesh's; the scan is thinned to as many faces first, so that noise
-    adds none. `wear.waist_by_hem` is the length of a skirt's waist over its hem's; None for other garments.
+    adds none.
 
     Args:
         target: The scan's surface and contours.
@@ -42,9 +42,20 @@ def measure_wear(
     gap = np.quantile(TriangleSurface(body.vertices, body.faces).distance(upper), BORNE)
     even = collapse_edges(target.vertices, target.faces, len(faces))
     area = float(face_areas(even.vertices, even.faces).sum())
-    waist, hem = target.contour("waist"), target.contour("hem")
     return {
         "wear.rest_gap_mm": MM * float(gap),
         "wear.layers": area / max(float(face_areas(nodes, faces).sum()), 1e-12),
-        "wear.waist_by_hem": waist.length / hem.length if waist and hem else None,
     }
+
+
+def measure_upright(seen: Target) -> dict[str, float | None]:
+    """Measure whether a skirt hangs the right way up.
+
+    `wear.waist_by_hem` is the length of its waist over its hem's; None for other garments and where another one hides
+    the waist: the border below a top's hem is over the hips.
+
+    Args:
+        seen: The scan's surface and contours.
+    """
+    waist, hem = seen.waist, seen.contour("hem")
+    return {"wear.waist_by_hem": waist.length / hem.length if waist and hem else None}

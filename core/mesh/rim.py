@@ -12,6 +12,9 @@ from .surface import Closest, TriangleSurface
 CURL = 0.01
 """Width of the strip along a rim [m] that counts as the rim for points farther away than it is wide: a scan curls and
 frays where another surface lies over it, and a point ahead of the rim is then nearest to a place just inside."""
+CURLED = 0.5
+"""The same as a share of a point's distance: cloth that bends away to the hem of what lies over it, welded to that by a
+coarse scan, is 2 cm wide; what is hidden 12 cm above is nearest to any place of it."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +59,7 @@ class Rim:
         """Check which points the surface ends before, bool, shape [point_count].
 
         Those whose closest point is on the rim; and of those farther away than `CURL`, whose closest point is as near
-        to it.
+        to it, or within `CURLED` of how far away they are.
 
         Args:
             surface: The rim's surface.
@@ -67,5 +70,6 @@ class Rim:
         ahead = self.holds(points)
         far = np.flatnonzero(~ahead & (points.distance > CURL))
         if len(far) and self.vertices.any():
-            ahead[far] = cKDTree(surface.vertices[self.vertices]).query(points.foot[far])[0] < CURL
+            inside = cKDTree(surface.vertices[self.vertices]).query(points.foot[far])[0]
+            ahead[far] = inside < np.maximum(CURL, CURLED * points.distance[far])
         return ahead

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from garmentq.core.measure import judge, measure_wear
+from garmentq.core.measure import judge, measure_upright, measure_wear
 from garmentq.core.mesh import vertex_normals
 from garmentq.core.segment import Contour, Target
 
@@ -31,15 +31,17 @@ def make_tube(low, high, bottom=0.6, top=1.0):
     return points, np.stack([a, b, b + AROUND, a, b + AROUND, a + AROUND], axis=-1).reshape(-1, 3)
 
 
-def target_of(vertices, faces, waist=1.0, hem=1.5):
-    """Return a skirt's target with contours of given lengths [m]."""
-    contours = (Contour("hem", np.arange(3), hem), Contour("waist", np.arange(3), waist))
+def target_of(vertices, faces, waist=1.0, hem=1.5, hidden=False):
+    """Return a skirt's target with contours of given lengths [m], its waist seen or not."""
+    contours = (Contour("hem", np.arange(3), hem), Contour("waist", np.arange(3), waist, hidden=hidden))
     return Target(vertices, faces, vertex_normals(vertices, faces), contours, (), "skirt")
 
 
 def verdicts(target, nodes, faces):
     """Return the verdict of each gate that judges how the scan is worn."""
-    metrics = measure_wear(target, Torso(*make_tube(0.15, 0.15, 0.0, 1.5)), nodes, faces, seed=0)
+    metrics = measure_wear(target, Torso(*make_tube(0.15, 0.15, 0.0, 1.5)), nodes, faces, seed=0) | measure_upright(
+        target
+    )
     return {gate.name: gate.verdict for gate in judge(metrics)}
 
 
@@ -86,3 +88,8 @@ def test_upside_down_fails(skirt):
     """Broken where a skirt may be far wider at its waist than at its hem."""
     assert verdicts(target_of(*skirt, waist=1.37, hem=0.96), *skirt)["upright"] == "fail"
     assert verdicts(target_of(*skirt, waist=0.7, hem=0.85), *skirt)["upright"] == "pass"
+
+
+def test_the_hem_of_a_top_is_no_waist(skirt):
+    """Broken where a skirt whose waist is hidden is judged by the border at which it vanishes, over the hips."""
+    assert "upright" not in verdicts(target_of(*skirt, waist=1.37, hem=0.96, hidden=True), *skirt)

@@ -31,5 +31,8 @@ def test_a_curled_rim_hides_what_lies_ahead_of_it() -> None:
     """Fails if a place just inside the rim ended the hidden part; what is near such a place is seen, and measured."""
     surface = square()
     rim = Rim.between(surface.faces, surface.vertices[:, 1] == 1.0)
-    near_rim = np.array([[0.5, 0.993, 0.1], [0.5, 0.993, 0.005], [0.5, 0.9, 0.1]])
-    np.testing.assert_array_equal(rim.lies_ahead(surface, surface.closest(near_rim)), [True, False, False])
+    near_rim = np.array(
+        [[0.5, 0.993, 0.1], [0.5, 0.993, 0.005], [0.5, 0.9, 0.1], [0.5, 0.978, 0.06], [0.5, 0.978, 0.03]]
+    )
+    ahead = rim.lies_ahead(surface, surface.closest(near_rim))
+    np.testing.assert_array_equal(ahead, [True, False, False, True, False])
