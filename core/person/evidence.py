@@ -274,7 +274,10 @@ def _find_neckline(grid: UnrolledGrid, cells: _Cells) -> Ring:
 
 WAIST_FROM = 0.22
 """Station on the trunk [m below the neck joint] where waists begin: below the bust's middle."""
-WAIST_PRIOR = -26.0
+WAIST_BEND_COST = 2.4
+"""What a waist's ring, or the hem of a top over it, costs by each row up or down: a hem hangs level, and where half
+of it is not seen at all, three times `BEND_COST` keeps noise from drawing it aslant (of 0.8 to 3.2 best)."""
+WAIST_PRIOR = -19.0
 """Log-probability of a ring against none that the best one of noise and folds gains by itself, seen all around."""
 SHOWN_BELOW = (0.08, 0.2)
 """Least length of a leg's garment that shows below a long top [m], for tops that end above the knee and below it: what
@@ -299,8 +302,8 @@ def _find_waists(
     for sign in (1.0, -1.0):
         edge = cells[Limb.TRUNK].edge(sign, use_colours)
         edge[outside] = -50.0
-        ring = find_ring(edge, None, WARMTH)
-        shape = score_ring(cells[Limb.TRUNK].edge(sign), ring.rows)
+        ring = find_ring(edge, None, WARMTH, WAIST_BEND_COST)
+        shape = score_ring(cells[Limb.TRUNK].edge(sign), ring.rows, WAIST_BEND_COST)
         prior = WAIST_PRIOR * cells[Limb.TRUNK].seen_share(ring)
         found.append(Waist((Limb.TRUNK,), (ring,), sign > 0, ring.score + prior, shape + prior))
     edges, shown = (
@@ -310,8 +313,8 @@ def _find_waists(
     for limb, edge, plain in zip(LEGS, edges, shown, strict=True):
         stations = grids[limb].stations
         edge[(stations < 0.05) | (stations > lowest)] = -50.0
-        rings.append(find_ring(edge, None, WARMTH))
-        shapes.append(score_ring(plain, rings[-1].rows))
+        rings.append(find_ring(edge, None, WARMTH, WAIST_BEND_COST))
+        shapes.append(score_ring(plain, rings[-1].rows, WAIST_BEND_COST))
     end = float(np.mean([grids[limb].stations[ring.rows].mean() for limb, ring in zip(LEGS, rings, strict=True)]))
     above = spans[: max(int((end - TUBE_FROM) / TUBE_STEP), 0)]
     if not len(above) or above.mean() >= SPANNED:

@@ -71,10 +71,12 @@ class Ring:
         return np.asarray(np.clip(np.cumsum(count[:rows], axis=0), 0.0, 1.0))
 
 
-def find_ring(edge: np.ndarray, region: np.ndarray | None = None, warmth: float = 1.0) -> Ring:
+def find_ring(
+    edge: np.ndarray, region: np.ndarray | None = None, warmth: float = 1.0, bend_cost: float = BEND_COST
+) -> Ring:
     """Find the best closed ring on an unrolled limb.
 
-    A ring r(a) maximises sum over columns a of edge[r(a), a] + region gain - BEND_COST |r(a + 1) - r(a)|, with steps of
+    A ring r(a) maximises sum over columns a of edge[r(a), a] + region gain - bend_cost |r(a + 1) - r(a)|, with steps of
     at most `STEEPEST` rows and r closed. The best one through each row of the first column is found by dynamic
     programming, so the best of all is the true one, and their scores are a distribution over rings.
 
@@ -83,13 +85,14 @@ def find_ring(edge: np.ndarray, region: np.ndarray | None = None, warmth: float 
         region: Log-probability of each cell's being inside (smaller station) against beyond; a ring gains what lies
             on its right side. None: nothing is known.
         warmth: What scores are divided by for the probabilities of rings: above 1, evidence is believed less.
+        bend_cost: Log-probability that each row up or down costs.
     """
     gain = edge / CORRELATION
     if region is not None:
         before = np.cumsum(region, axis=0) - region
         gain = gain + 2.0 * before - region.sum(axis=0)
     gain = np.ascontiguousarray(gain)
-    scores, paths = _closed_paths(gain, BEND_COST / CORRELATION, STEEPEST)
+    scores, paths = _closed_paths(gain, bend_cost / CORRELATION, STEEPEST)
     best = int(scores.argmax())
     away = np.abs(paths - paths[best]).mean(axis=1) * STATION_STEP > APART
     second = float(scores[away].max()) if away.any() else -np.inf
@@ -97,15 +100,16 @@ def find_ring(edge: np.ndarray, region: np.ndarray | None = None, warmth: float 
     return Ring(paths[best], float(scores[best]), second, weights / weights.sum(), paths)
 
 
-def score_ring(edge: np.ndarray, rows: np.ndarray) -> float:
+def score_ring(edge: np.ndarray, rows: np.ndarray, bend_cost: float = BEND_COST) -> float:
     """Compute the log-probability of a given ring against none, as `find_ring` does without a region.
 
     Args:
         edge: Log-probability of an edge at each cell against none, shape [rows, ANGLES].
         rows: Row of the ring's first cell beyond, for each column, shape [ANGLES].
+        bend_cost: Log-probability that each row up or down costs.
     """
     bends = np.abs(np.diff(rows, append=rows[:1])).sum()
-    return float(edge[rows, np.arange(len(rows))].sum() - BEND_COST * bends) / CORRELATION
+    return float(edge[rows, np.arange(len(rows))].sum() - bend_cost * bends) / CORRELATION
 
 
 @njit(cache=True)

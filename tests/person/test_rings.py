@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from garmentq.core.body import JOINTS, Body, builtin_body
-from garmentq.core.person.evidence import find_rings, find_spans
+from garmentq.core.person.evidence import WAIST_BEND_COST, WARMTH, find_rings, find_spans
 from garmentq.core.person.features import describe_points
 from garmentq.core.person.limbs import Limb
 from garmentq.core.person.part import PARTS, Part
@@ -20,6 +20,7 @@ from garmentq.core.person.rings import (
     contrasts,
     edge_evidence,
     find_ring,
+    ridges,
     score_ring,
     step_heights,
 )
@@ -27,6 +28,7 @@ from garmentq.core.person.rules import predict_by_rules
 from garmentq.core.person.tone import skin_evidence
 from garmentq.core.person.unrolled import ANGLES, NECK_RADIUS, STATION_STEP, unroll
 from garmentq.core.scan.raw import RawScan
+from scipy.ndimage import gaussian_filter
 from scipy.spatial import cKDTree
 
 NECKLINE_AT = 0.05
@@ -110,6 +112,22 @@ def test_the_best_ring_is_the_best_of_all():
     turns = np.abs(np.diff(paths, axis=1, append=paths[:, :1])).sum(axis=1)
     scores = (edge[paths, np.arange(ANGLES)].sum(axis=1) - BEND_COST * turns) / 4.0
     assert ring.score == pytest.approx(scores.max())
+
+
+def test_a_waist_is_level_where_folds_drown_it():
+    """Broken where the folds of a half that shows no hem draw the ring aslant by more than 2 cm."""
+    row, columns = np.arange(80)[:, None], np.arange(ANGLES)
+    seen = columns < ANGLES // 2
+    errors = []
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        folds = gaussian_filter(rng.normal(size=(80, ANGLES)), 2.5, mode=("nearest", "wrap"))
+        offset = np.where((row < 40) & seen, 0.008, 0.0) + 0.002 * folds / folds.std()
+        edge = edge_evidence(step_heights(offset), ridges(rng.normal(size=(80, ANGLES))))
+        rings = (find_ring(edge, None, WARMTH, cost) for cost in (WAIST_BEND_COST, BEND_COST))
+        errors.append([np.abs(ring.rows[~seen] - 40).mean() for ring in rings])
+    waist, loose = np.median(errors, axis=0) * STATION_STEP
+    assert waist < 0.02 < loose
 
 
 @pytest.fixture(scope="module")
