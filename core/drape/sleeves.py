@@ -15,6 +15,10 @@ T-shirts droop by 12 degrees, and patterns for an A-pose by 30 to 60."""
 HANGING = np.radians(75.0)
 """Angle below the horizontal from which a tube is a leg's, or hangs along the trunk, and no sleeve's."""
 
+SUNK = 0.5
+"""Share of an arm's half thickness by which a cuff's upper end may lie below the arm's upper side as it is drafted. It
+must end above the arm's middle, to be pushed up, and welded and laid on the shoulders a T-shirt's came 2 cm lower."""
+
 RAISED = np.radians(45.0)
 """Angle above the arm from which a panel that ends in an opening of its own is no sleeve's: none is drafted for raised
 arms, and from the seams of a bodice's side panel to its armhole it is 60 degrees and more."""
@@ -26,9 +30,9 @@ def turn_sleeves(garment: Garment, body: Body, lift: float) -> tuple[np.ndarray,
     A sleeve is a group of sewn panels beyond one shoulder that ends in an open contour of its own; its axis runs from
     the middle of the seams by which it hangs to the middle of that contour. Sleeves near the arm's direction stay as
     they are, unless their upper end sinks below the middle of the arm, which would then come out through it and not
-    through the cuff. So do such as hang along the trunk, and panels whose opening lies above their seams, as the side
-    panels of a bodice with princess seams. A turned sleeve's seam with the armhole is as far open as the author's pose
-    differs from the T-pose, which welding spreads into the panels.
+    through the cuff: these are raised until it does not. So do such as hang along the trunk, and panels whose opening
+    lies above their seams, as the side panels of a bodice with princess seams. A turned sleeve's seam with the armhole
+    is as far open as the author's pose differs from the T-pose, which welding spreads into the panels.
 
     Args:
         garment: The sewn garment; where its nodes are does not matter.
@@ -59,14 +63,29 @@ def turn_sleeves(garment: Garment, body: Body, lift: float) -> tuple[np.ndarray,
             cap, cuff = (points.mean(axis=0) for points in ends)
             axis = cuff - cap
             droop = np.arctan2(-axis[1], side * axis[0])
-            sinks = float((ends[0] @ upward).max() - (ends[1] @ upward).max()) > lift + half
+            sinks = float((ends[0] @ upward).max() - (ends[1] @ upward).max()) > lift + SUNK * half
             if (abs(droop - arm) <= ON_THE_ARM and not sinks) or abs(droop) >= HANGING or arm - droop >= RAISED:
                 continue
-            turn = side * (droop - arm)
-            turned = plane_rotation(turn)
+            raised = max(droop - arm, _raise_above(ends, side, upward, lift)) if sinks else droop - arm
+            turned = plane_rotation(side * raised)
             rotation[group] = turned @ rotation[group]
             origin[group] = (origin[group] - cap) @ turned.T + cap
     return rotation, origin
+
+
+def _raise_above(ends: tuple[np.ndarray, np.ndarray], side: float, upward: np.ndarray, sunk: float) -> float:
+    """Return the least angle by which a sleeve is raised until its cuff's top is at most so far below its cap's [m].
+
+    A sleeve that is cut in one with a wide body narrows from below and from above: laid with its axis along the arm, it
+    lies below it. At most `RAISED`.
+    """
+    about = ends[0].mean(axis=0)
+    for angle in np.arange(0.0, RAISED, np.radians(1.0)):
+        along = plane_rotation(side * angle).T @ upward
+        cap, cuff = (((points - about) @ along).max() for points in ends)
+        if cap - cuff <= sunk:
+            return float(angle)
+    return float(RAISED)
 
 
 def _members(garment: Garment) -> list[np.ndarray]:
