@@ -274,10 +274,10 @@ def _find_neckline(grid: UnrolledGrid, cells: _Cells) -> Ring:
 
 WAIST_FROM = 0.22
 """Station on the trunk [m below the neck joint] where waists begin: below the bust's middle."""
-WAIST_BEND_COST = 2.4
+WAIST_BEND_COST = 1.6
 """What a waist's ring, or the hem of a top over it, costs by each row up or down: a hem hangs level, and where half
-of it is not seen at all, three times `BEND_COST` keeps noise from drawing it aslant (of 0.8 to 3.2 best)."""
-WAIST_PRIOR = -19.0
+of it is not seen at all, twice `BEND_COST` keeps folds from drawing it aslant."""
+WAIST_PRIOR = -22.0
 """Log-probability of a ring against none that the best one of noise and folds gains by itself, seen all around."""
 SHOWN_BELOW = (0.08, 0.2)
 """Least length of a leg's garment that shows below a long top [m], for tops that end above the knee and below it: what
