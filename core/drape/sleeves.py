@@ -79,10 +79,9 @@ def _raise_above(ends: tuple[np.ndarray, np.ndarray], side: float, upward: np.nd
     A sleeve that is cut in one with a wide body narrows from below and from above: laid with its axis along the arm, it
     lies below it. At most `RAISED`.
     """
-    about = ends[0].mean(axis=0)
     for angle in np.arange(0.0, RAISED, np.radians(1.0)):
         along = plane_rotation(side * angle).T @ upward
-        cap, cuff = (((points - about) @ along).max() for points in ends)
+        cap, cuff = ((points @ along).max() for points in ends)
         if cap - cuff <= sunk:
             return float(angle)
     return float(RAISED)
