@@ -29,10 +29,10 @@ def turn_sleeves(garment: Garment, body: Body, lift: float) -> tuple[np.ndarray,
 
     A sleeve is a group of sewn panels beyond one shoulder that ends in an open contour of its own; its axis runs from
     the middle of the seams by which it hangs to the middle of that contour. Sleeves near the arm's direction stay as
-    they are, unless their upper end sinks below the middle of the arm, which would then come out through it and not
-    through the cuff: these are raised until it does not. So do such as hang along the trunk, and panels whose opening
-    lies above their seams, as the side panels of a bodice with princess seams. A turned sleeve's seam with the armhole
-    is as far open as the author's pose differs from the T-pose, which welding spreads into the panels.
+    they are. So do such as hang along the trunk, and panels whose opening lies above their seams, as the side panels of
+    a bodice with princess seams. A sleeve whose upper end would sink to the middle of the arm, which would then come
+    out through it and not through the cuff, is raised until it does not. A turned sleeve's seam with the armhole is as
+    far open as the author's pose differs from the T-pose, which welding spreads into the panels.
 
     Args:
         garment: The sewn garment; where its nodes are does not matter.

@@ -51,7 +51,7 @@ def test_a_wide_drooping_sleeve_is_put_over_the_arm(scale: float) -> None:
     panels = tuple(replace(panel, translation=scale * panel.translation) for panel in shirt.panels)
     garment = mesh_pattern(replace(shirt, panels=panels).with_points(scale * shirt.points), 350)
     rotation, origin = turn_sleeves(garment, find_wearer().body, LIFT)
-    turned = np.abs(rotation - [panel.rotation[:2, :2] for panel in garment.pattern.panels]).max(axis=(1, 2)) > 0.05
+    turned = np.abs(rotation - [panel.rotation[:2, :2] for panel in garment.pattern.panels]).max(axis=(1, 2)) > 0.1
     assert [panel.label == "sleeve" for panel in garment.pattern.panels] == turned.tolist()
     of = garment.panel_of_uv
     height = (np.einsum("nij,nj->ni", rotation[of], garment.uv) + origin[of])[:, 1]

@@ -39,9 +39,8 @@ def target_of(vertices, faces, waist=1.0, hem=1.5, hidden=False):
 
 def verdicts(target, nodes, faces):
     """Return the verdict of each gate that judges how the scan is worn."""
-    metrics = measure_wear(target, Torso(*make_tube(0.15, 0.15, 0.0, 1.5)), nodes, faces, seed=0) | measure_upright(
-        target
-    )
+    metrics = measure_wear(target, Torso(*make_tube(0.15, 0.15, 0.0, 1.5)), nodes, faces, seed=0)
+    metrics |= measure_upright(target)
     return {gate.name: gate.verdict for gate in judge(metrics)}
 
 
