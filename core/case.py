@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from .recovery import Request
+from .segment import TOPS
 from .settings import RecoverySettings
 
 if TYPE_CHECKING:
@@ -68,6 +69,14 @@ class Case:
     def has_free_curves(self) -> bool:
         """Return whether the scan may shape the base pattern's curves: not those of a file, or of what is locked."""
         return self.request.template is None and not self.has_locked_panels
+
+    @property
+    def has_far_seams(self) -> bool:
+        """Return whether seams may begin too far from where the cloth has them to creep there.
+
+        So do those of the library's cuts, and those of a maker's top, which is graded in the stretch of its dressing.
+        """
+        return self.has_free_curves or (self.target.category in TOPS and not self.has_locked_panels)
 
     @property
     def has_locked_panels(self) -> bool:

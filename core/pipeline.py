@@ -181,7 +181,7 @@ def dress_template(case: Case, hooks: Hooks) -> Garment:
     """Dress the wearer in the case's base pattern, to be graded.
 
     A maker's own is eased where it would hang too low: its seams creep from where they lie, so they have to lie right;
-    those of the library slide.
+    those of tops and of the library slide.
     """
     is_eased = not case.has_free_curves and needs_easing(case.base, case.target.category)
     settings = DrapeSettings().eased() if is_eased else DrapeSettings()
@@ -274,7 +274,7 @@ def grade(case: Case, worn: Garment, hooks: Hooks) -> tuple[DartedGarment, tuple
     grading = grade_pattern(worn, case.target, case.body, hooks=hooks)
     for _ in range(GRADINGS - 1):
         grading = grade_pattern(grading.garment, case.target, case.body, hooks=hooks)
-    settings = SlideSettings().with_curves() if case.has_free_curves else SlideSettings()
+    settings = SlideSettings().by_newton(case.has_free_curves) if case.has_far_seams else SlideSettings()
     slid = slide_seams(grading.garment, case.target, case.body, case.base, settings=settings, hooks=hooks)
     found = DartedGarment(slid, case.base)
     if case.has_free_curves:

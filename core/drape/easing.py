@@ -5,13 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..pattern import Pattern, mesh_pattern, panel_area
-from ..segment import find_loops
+from ..segment import TOPS, find_loops
 from .stage import DrapeSettings
 from .waist import flat_length, waist_loop
-
-TOPS = ("tshirt", "long_sleeve_tshirt", "tank")
-"""Categories that hang from the shoulders and end above the legs: no seam round the trunk, nor a crotch, can hang too
-low."""
 
 FLARED = 0.7
 """Share of a full circle from which a skirt that flares so is not eased: where cloth weighs little, it floats. Halves
@@ -20,6 +16,8 @@ of a circle are 0.5."""
 
 def needs_easing(pattern: Pattern, category: str) -> bool:
     """Check whether a maker's base pattern is worn too long, its seams too low, unless it is eased (ADR 0056).
+
+    Tops are not: they have no seam round the trunk, nor a crotch, that could hang too low.
 
     Args:
         pattern: The base pattern.

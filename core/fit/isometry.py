@@ -22,12 +22,13 @@ SETTLED = 3e-4
 
 
 def steps_of(case: Case) -> IsometrySettings:
-    """Return how a case's pattern is fitted: by Gauss-Newton steps where its base pattern is the library's.
+    """Return how a case's pattern is fitted: by Gauss-Newton steps where its seams may be far from their places.
 
     On the registered cloth these come to rest in what the registration has for noise, from which creeping steps stay
-    away: a maker's own base pattern is fitted by those; what the library's is off is more than that noise.
+    away: a maker's own base pattern is fitted by those, unless it is a top (ADR 0067); what others are off is more than
+    that noise.
     """
-    return STEPS.by_newton() if case.has_free_curves else STEPS
+    return STEPS.by_newton() if case.has_far_seams else STEPS
 
 
 def fit_isometry(

@@ -91,7 +91,7 @@ class IsometrySettings:
     seen: float = 0.0
 
     def by_newton(self, curves: bool = False) -> IsometrySettings:
-        """Return the same by Gauss-Newton steps for a pattern of the library, the handles of curves free or not."""
+        """Return the same by Gauss-Newton steps, the handles of curves free or not."""
         return replace(
             self,
             newton=True,

@@ -43,9 +43,9 @@ class SlideSettings:
         )
     )
 
-    def with_curves(self) -> SlideSettings:
-        """Return the same with free handles of curves, by Gauss-Newton steps."""
-        return replace(self, isometry=self.isometry.by_newton(curves=True))
+    def by_newton(self, curves: bool = False) -> SlideSettings:
+        """Return the same by Gauss-Newton steps, the handles of curves free or not."""
+        return replace(self, isometry=self.isometry.by_newton(curves))
 
 
 def slide_seams(

@@ -8,11 +8,12 @@ from .misfit import find_remarks
 from .neck import NeckLines, unroll_neck
 from .noise import smooth_noise
 from .spikes import flatten_spikes
-from .target import CATEGORIES, CONTOUR_NAMES, Contour, Target, mark_hidden_border
+from .target import CATEGORIES, CONTOUR_NAMES, TOPS, Contour, Target, mark_hidden_border
 
 __all__ = [
     "CATEGORIES",
     "CONTOUR_NAMES",
+    "TOPS",
     "Contour",
     "NeckLines",
     "NoContour",

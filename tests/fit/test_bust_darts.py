@@ -82,7 +82,7 @@ def recut(wearer: WearerGeometry, true: Pattern) -> DartedGarment:
     scan = Scan(target.vertices, target.faces, name="tank.ply", sha256="")
     case = Case(request, scan, wearer, target, "tank", base, get_fabric("cotton_poplin"))
     graded = grade_pattern(drape_template(base, wearer, target), target, wearer.body).garment
-    settings = SlideSettings().with_curves()
+    settings = SlideSettings().by_newton(curves=True)
     slid = slide_seams(graded, target, wearer.body, base, settings=settings)
     return add_bust_darts(slid, graded, case, settings)
 

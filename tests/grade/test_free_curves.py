@@ -77,7 +77,7 @@ def test_the_cloth_tells_how_an_armhole_is_cut(worn, body, monkeypatch):
     assert flat < 0.5 * true
     kept, freed = (
         slide_seams(start, target, body, other, settings=settings).pattern
-        for settings in (SlideSettings(), SlideSettings().with_curves())
+        for settings in (SlideSettings(), SlideSettings().by_newton(curves=True))
     )
     assert depth(kept) < 0.4 * true
     assert depth(freed) > 0.55 * true
