@@ -48,9 +48,10 @@ SEED ?= 1
 fuzz: $(VENV)/.installed-test
 	FUZZ=$(FUZZ) SEED=$(SEED) $(BIN)/python -m pytest -n 0 tests/scan/test_mutated_files.py
 
-# Every production package with the hashes of its files, and the list of them as CycloneDX JSON.
+# Every production package with the hashes of its files, and the list of them as CycloneDX JSON. redis needs
+# async-timeout with Python before 3.11.3 (Debian 12 has 3.11.2): the lock has it for all.
 lock: $(VENV)/.installed
-	$(BIN)/python -m pip install --quiet --dry-run --ignore-installed --report $(VENV)/report.json -c constraints.txt $(if $(TORCH_INDEX),--extra-index-url $(TORCH_INDEX)) '.[postgres,s3]'
+	$(BIN)/python -m pip install --quiet --dry-run --ignore-installed --report $(VENV)/report.json -c constraints.txt $(if $(TORCH_INDEX),--extra-index-url $(TORCH_INDEX)) '.[postgres,s3]' async-timeout
 	$(BIN)/python deploy/supply.py lock $(VENV)/report.json > requirements.lock
 
 sbom: $(VENV)/.installed

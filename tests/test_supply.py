@@ -5,7 +5,11 @@ from __future__ import annotations
 import importlib.util
 import json
 import re
+from importlib.metadata import PackageNotFoundError, requires
 from pathlib import Path
+
+import pytest
+from packaging.requirements import Requirement
 
 ROOT = Path(__file__).parents[1]
 
@@ -35,6 +39,23 @@ def test_the_lock_pins_what_was_tested():
     assert names <= set(locked), names - set(locked)
     assert {n: locked[n].split("+")[0] for n in locked if n in tested} == {n: tested[n] for n in locked if n in tested}
     assert not {"pytest", "mypy", "ruff", "moto", "hypothesis", "schemathesis"} & set(locked), "no tools in production"
+
+
+@pytest.mark.parametrize("python", ["3.11.0", "3.11.15"])
+def test_every_patch_release_of_python_finds_what_it_needs(python):
+    """Broken where what a package asks of an earlier Python alone is not in the lock: it is installed without."""
+    locked = read_versions(ROOT / "requirements.lock")
+    asked = {}
+    for name in locked:
+        try:
+            lines = requires(name) or []
+        except PackageNotFoundError:  # of an extra that this environment has not
+            continue
+        for one in map(Requirement, lines):
+            if one.marker is None or one.marker.evaluate({"python_full_version": python, "extra": ""}):
+                asked[re.sub(r"[-_.]+", "-", one.name).lower()] = name
+    missing = {name: by for name, by in asked.items() if name not in locked and name != "torch"}
+    assert len(asked) > 50 and not missing
 
 
 def test_the_list_has_every_package():
