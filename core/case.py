@@ -92,8 +92,9 @@ class GradedDrape:
         garment: Its mesh, nodes at rest outside the wearer, contours named.
         drape: The equilibrium as the solver left it.
         warnings: What the user should know, one sentence each.
-        laid: The nodes on the target, where the sliding left them by Gauss-Newton steps [m], shape [node_count, 3];
-            None after other steps, and where hanging arms hide so much cloth that layers of it would lie in each other.
+        laid: The nodes on the target, where the sliding of a pattern with free curves left them [m], shape
+            [node_count, 3]; None for others, and where hanging arms hide so much cloth that layers of it would lie in
+            each other.
         base: The base pattern with the darts that the scan has shown; None: the case's.
         changes: These darts.
     """

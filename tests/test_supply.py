@@ -22,10 +22,15 @@ def load_supply():
     return module
 
 
+def normalise(name):
+    """Return a package's name as indexes compare it."""
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
 def read_versions(path):
     """Return name and version of each line that pins a package."""
     found = re.findall(r"^([A-Za-z0-9._-]+)==([^ \n]+)", path.read_text(encoding="utf-8"), re.MULTILINE)
-    return {re.sub(r"[-_.]+", "-", name).lower(): version for name, version in found}
+    return {normalise(name): version for name, version in found}
 
 
 def test_the_lock_pins_what_was_tested():
@@ -53,7 +58,7 @@ def test_every_patch_release_of_python_finds_what_it_needs(python):
             continue
         for one in map(Requirement, lines):
             if one.marker is None or one.marker.evaluate({"python_full_version": python, "extra": ""}):
-                asked[re.sub(r"[-_.]+", "-", one.name).lower()] = name
+                asked[normalise(one.name)] = name
     missing = {name: by for name, by in asked.items() if name not in locked and name != "torch"}
     assert len(asked) > 50 and not missing
 
