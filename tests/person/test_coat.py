@@ -15,6 +15,7 @@ from garmentq.core.person.colour import link_alike
 from garmentq.core.person.diffusion import link_points
 from garmentq.core.person.features import describe_points
 from garmentq.core.person.front import find_path
+from garmentq.core.person.looseness import LOOSE, MOST, loose_evidence, measure_looseness
 from garmentq.core.person.outfit import above_waist, rank_outfits, read_as
 from garmentq.core.person.points import sample_person
 from garmentq.core.person.rules import WaistShown, waist_evidence
@@ -105,6 +106,31 @@ def test_a_front_says_little_against_an_outer_layer_and_much_for_it():
     """Broken where a closed front rules a coat out, or two edges make one certain."""
     assert -2.0 < open_evidence(0.0) < -1.0
     assert 4.0 < open_evidence(200.0) < 7.0
+
+
+@pytest.mark.parametrize("height", [0.004, 0.03])
+def test_looseness_is_the_cloths_height_over_the_waist(height):
+    """Broken where another limb's cloth is measured, skin is, or a height in another unit."""
+    body = builtin_body("builtin:female,pose=A")
+    every, fit = np.arange(len(body.vertices)), Fit(body)
+    arms = np.abs(body.rest_vertices[:, 0]) > 0.25
+    raised = body.raised(np.where(arms, 0.05, height)).vertices
+    points = sample_person(RawScan(raised, body.faces, None, False, None, None, every, every), fit)
+    features = describe_points(points, fit)
+    dressed = np.tile(np.array(PARTS) == Part.UPPER, (len(points.positions), 1)).astype(float)
+    assert measure_looseness(features, dressed, body) == pytest.approx(height, abs=0.003)
+    bare = np.tile(np.array(PARTS) == Part.SKIN, (len(points.positions), 1)).astype(float)
+    assert measure_looseness(features, bare, body) is None
+
+
+def test_loose_cloth_speaks_for_an_outer_layer_and_close_cloth_against_it():
+    """Broken where the sign is turned round, nothing seen says something, or looseness alone makes one certain."""
+    close, even, loose, vast = (loose_evidence(offset) for offset in (0.004, LOOSE[0], 0.02, 0.5))
+    assert close < -2.0 < even + 1.0 < loose < vast == MOST
+    assert even == pytest.approx(0.0)
+    assert loose_evidence(0.0) == -MOST
+    assert loose_evidence(None) == 0.0
+    assert OUTER + vast < 0.0
 
 
 def test_a_path_runs_along_what_gains():
