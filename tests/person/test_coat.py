@@ -104,7 +104,7 @@ def test_below_a_jacket_one_cloth_is_one_piece():
 
 
 def test_a_front_says_little_against_an_outer_layer_and_much_for_it():
-    """Broken where a closed front rules a coat out, two edges make one certain, or half of that says nothing."""
+    """Broken where a closed front rules a coat out, two edges make one certain, or a clear front says little."""
     assert -2.0 < open_evidence(0.0) < -1.0
     assert open_evidence(16.0) < -0.5 < 1.5 < open_evidence(25.0)
     assert 4.0 < open_evidence(200.0) < 7.0
