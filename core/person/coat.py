@@ -76,12 +76,12 @@ def find_coat(points: PersonPoints, features: Features, posterior: np.ndarray, l
         links: Neighbours, as `link_alike` gives them where there are colours.
         body: The fitted body.
     """
-    prior = OUTER + loose_evidence(measure_looseness(features, posterior, body))
+    cloth = posterior[:, [PARTS.index(part) for part in GARMENTS]].sum(axis=1) > 0.5
+    prior = OUTER + loose_evidence(measure_looseness(features, cloth, body))
     edges = None if points.colours is None else find_front_edges(features, points.colours, body)
     if points.colours is None or edges is None:
         return Coat(prior if points.colours is None else prior + open_evidence(0.0))
     lab, sides = to_lab(points.colours), _place(edges, features.place, body)
-    cloth = posterior[:, [PARTS.index(part) for part in GARMENTS]].sum(axis=1) > 0.5
     over = tell_cloths(sides, lab, cloth, links)
     if over is None:
         return Coat(prior + open_evidence(0.0))

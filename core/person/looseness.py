@@ -7,7 +7,6 @@ import numpy as np
 from ..body import JOINTS, Body
 from .features import LENGTH, Features
 from .limbs import Limb
-from .part import GARMENTS, PARTS
 
 AROUND_WAIST = (-0.10, 0.25)
 """Heights between pelvis and neck joint, as shares of their distance, within which cloth is measured: the hollow
@@ -26,18 +25,17 @@ MOST = 2.0
 prior of an outer layer nobody is asked what he wears because of looseness alone."""
 
 
-def measure_looseness(features: Features, posterior: np.ndarray, body: Body) -> float | None:
+def measure_looseness(features: Features, cloth: np.ndarray, body: Body) -> float | None:
     """Return the median offset of the cloth around the waist [m], or None where too little of it is seen.
 
     Args:
         features: Description of the samples.
-        posterior: Of the parts, shape [n, part_count].
+        cloth: Whether each sample is cloth, shape [n].
         body: The fitted body.
     """
     place = features.place
     pelvis, neck = (float(body.rest_joints[JOINTS.index(name), 1]) for name in ("pelvis", "neck"))
     height = (place.rest[:, 1] - pelvis) / (neck - pelvis)
-    cloth = posterior[:, [PARTS.index(part) for part in GARMENTS]].sum(axis=1) > 0.5
     own = cloth & (place.limb == Limb.TRUNK) & (height > AROUND_WAIST[0]) & (height < AROUND_WAIST[1])
     return float(np.median(features.column("offset")[own])) * LENGTH if own.sum() >= LEAST else None
 

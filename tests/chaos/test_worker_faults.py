@@ -71,6 +71,11 @@ def ask(app, path: str):
     return asyncio.run(get())
 
 
+def left_folders(settings, job: str) -> list[Path]:
+    """Return the folders of a job's attempts that are still there."""
+    return list((settings.home / "work").glob(f"{job}-*"))
+
+
 @pytest.mark.slow
 def test_r1_killed_child(settings, database, queue_job, start_worker, marks):
     """Broken where a crash that the parent saw waits for the lease, begins anew, tells no signal or leaves files."""
@@ -82,11 +87,12 @@ def test_r1_killed_child(settings, database, queue_job, start_worker, marks):
         hold_gate(marks, STEPS)
         row = wait_ended(settings, job)
         # no attempt's folder stays; the last one's goes after the job's state is written, before this worker is killed
-        wait_for(lambda: not list((settings.home / "work").glob(f"{job}-*")))
+        wait_for(lambda: not left_folders(settings, job))
     assert (row.state, row.attempts, count_results(database, job)) == ("succeeded", 2, 1)
     assert [step for step, _ in steps(marks)] == [*range(8), *range(5, STEPS)], "from the last checkpoint on"
     [loss] = [event for event in read_events(database, job) if event.kind == "worker_lost"]
     assert "signal 9" in loss.data["reason"]
+    assert not left_folders(settings, job), "the killed attempt's folder must be gone"
 
 
 @SQLITE_BY_DAY
