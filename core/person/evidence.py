@@ -84,7 +84,8 @@ class PersonRings:
         ankles: The upper ends of the shoes, left and right, if there are shoes.
         neckline: The neck's opening.
         waists: Rings between upper and lower, the best first.
-        waists_by_shape: The same without colours: of one cloth above and below, they alone show where it ends.
+        waists_by_shape: The same without colours, on the trunk by broad edges: of one cloth above and below, they alone
+            show where it ends.
         tube: Share of the height below the crotch where cloth spans from leg to leg: near 1 for skirts.
         is_coloured: Whether colours counted for the waists.
         roughness: Noise of the ridges around the trunk, differences of curvature times 2 cm: what is lower is lost.
@@ -104,10 +105,13 @@ class PersonRings:
 
 @dataclass(frozen=True)
 class _Cells:
-    """What is measured on a limb's cells: step [m], ridge, contrast, offset [m], evidence for skin by its colour."""
+    """What is measured on a limb's cells: step [m], ridge within 12 mm and within 4 cm, contrast, offset [m], evidence
+    for skin by its colour.
+    """
 
     step: np.ndarray
     ridge: np.ndarray
+    broad_ridge: np.ndarray
     contrast: np.ndarray | None
     offset: np.ndarray
     is_near: np.ndarray
@@ -117,6 +121,10 @@ class _Cells:
         """Return the evidence for a garment's end whose side before (+1) or beyond (-1) is the higher."""
         contrast = self.contrast if use_colours else None
         return np.where(self.is_near, edge_evidence(sign * self.step, sign * self.ridge, contrast), 0.0)
+
+    def broad_edge(self, sign: float) -> np.ndarray:
+        """Return the same by shape, of ridges within 4 cm: placed less well, and not lost in noise and folds."""
+        return np.where(self.is_near, edge_evidence(sign * self.step, sign * self.broad_ridge), 0.0)
 
     def seen_share(self, ring: Ring) -> float:
         """Return the share of a ring's cells of which something is known: below a skirt, not those between the legs."""
@@ -197,8 +205,9 @@ def _measure(grid: UnrolledGrid, features: Features, colours: np.ndarray | None,
     if colours is not None:
         contrast = contrasts(np.stack([grid.spread(channel) for channel in colours.T], axis=2))
     ridge = ridges(grid.spread(features.column("curvature_12")))
+    broad_ridge = ridges(grid.spread(features.column("curvature_40")), BROAD_ROWS)
     spread = None if tone is None else grid.spread(tone)
-    return _Cells(step_heights(offset), ridge, contrast, offset, grid.is_near, spread)
+    return _Cells(step_heights(offset), ridge, broad_ridge, contrast, offset, grid.is_near, spread)
 
 
 def _find_pair(
@@ -277,6 +286,8 @@ WAIST_FROM = 0.22
 WAIST_BEND_COST = 1.6
 """What a waist's ring, or the hem of a top over it, costs by each row up or down: a hem hangs level, and where half
 of it is not seen at all, twice `BEND_COST` keeps folds from drawing it aslant."""
+BROAD_ROWS = 3
+"""Rows that the ridge of a waist by shape is compared over on either side, 2.4 cm, of curvature within 4 cm."""
 WAIST_PRIOR = -22.0
 """Log-probability of a ring against none that the best one of noise and folds gains by itself, seen all around."""
 SHOWN_BELOW = (0.08, 0.2)
@@ -292,6 +303,7 @@ def _find_waists(
 ) -> tuple[Waist, ...]:
     """Find rings between upper and lower: on the trunk with either side higher, on the legs with the upper over.
 
+    By shape, those of the trunk are looked for by their broad edges; with colours by sharp ones, which place them.
     `legs` are the station beyond which no long top ends [m], and where cloth spans between them (`find_spans`).
     """
     lowest, spans = legs
@@ -300,10 +312,11 @@ def _find_waists(
     crotch = trunk.stations[-1] - np.ptp(grids[LEGS[0]].stations) + 0.10
     outside = (trunk.stations < WAIST_FROM) | (trunk.stations > crotch)
     for sign in (1.0, -1.0):
-        edge = cells[Limb.TRUNK].edge(sign, use_colours)
+        broad = cells[Limb.TRUNK].broad_edge(sign)
+        edge = cells[Limb.TRUNK].edge(sign, True) if use_colours else broad.copy()
         edge[outside] = -50.0
         ring = find_ring(edge, None, WARMTH, WAIST_BEND_COST)
-        shape = score_ring(cells[Limb.TRUNK].edge(sign), ring.rows, WAIST_BEND_COST)
+        shape = score_ring(broad, ring.rows, WAIST_BEND_COST)
         prior = WAIST_PRIOR * cells[Limb.TRUNK].seen_share(ring)
         found.append(Waist((Limb.TRUNK,), (ring,), sign > 0, ring.score + prior, shape + prior))
     edges, shown = (

@@ -160,10 +160,15 @@ def step_heights(offset: np.ndarray) -> np.ndarray:
     return _around(correlate1d(offset, kernel, axis=0, mode="nearest", origin=0))
 
 
-def ridges(curvature: np.ndarray) -> np.ndarray:
-    """Compute how much more convex the row before each cell is than the row beyond it, shape as given."""
-    difference = correlate1d(curvature, np.array([0.5, 0.5, -0.5, -0.5]), axis=0, mode="nearest", origin=0)
-    return _around(difference)
+def ridges(curvature: np.ndarray, rows: int = 2) -> np.ndarray:
+    """Compute how much more convex the rows before each cell are than those beyond it, shape as given.
+
+    Args:
+        curvature: Mean of each cell, shape [rows, ANGLES].
+        rows: How many are compared on either side.
+    """
+    kernel = np.concatenate([np.full(rows, 1 / rows), np.full(rows, -1 / rows)])
+    return _around(correlate1d(curvature, kernel, axis=0, mode="nearest", origin=0))
 
 
 def _around(values: np.ndarray) -> np.ndarray:
