@@ -1,4 +1,4 @@
-"""Whether an outer layer is worn, and what of the cloth is its: by its front's edges, two colours, how it hangs."""
+"""Whether an outer layer is worn, and what of the cloth is its: by its front's edges, two colours, and looseness."""
 
 from __future__ import annotations
 
@@ -18,13 +18,9 @@ from .looseness import loose_evidence, measure_looseness
 from .part import GARMENTS, PARTS
 from .points import PersonPoints
 from .rules import ALIKE, BLOCKED, OVERLAP, two_piece_prior
-from .sleeves import measure_sleeves, sleeve_evidence
 
-OUTER = -3.0
-"""Log-odds of an outer layer before anything is seen: people are scanned indoors."""
-MOST = 2.0
-"""Log-odds at most that looseness and sleeves say together, either way: people wear looser shirts and dresses than
-simulated ones do, and with the prior of an outer layer nobody is asked what he wears because of these alone."""
+OUTER = -2.2
+"""Log-odds of an outer layer before anything is seen: one person in ten, as simulated ones wear them."""
 CLOSED = 0.25
 """Share of outer layers that do not show two edges: they are closed, or of the colour of what is below."""
 PANELLED = 0.003
@@ -71,7 +67,7 @@ class Coat:
 def find_coat(points: PersonPoints, features: Features, posterior: np.ndarray, links: Links, body: Body) -> Coat:
     """Find out whether an outer layer is worn, and where it is.
 
-    Without colours only looseness and sleeves tell: by shape alone a front's edges show no more than a shirt's folds.
+    Without colours only its looseness tells: by shape alone the edges of a front show no more than a shirt's folds.
 
     Args:
         points: The samples.
@@ -81,8 +77,7 @@ def find_coat(points: PersonPoints, features: Features, posterior: np.ndarray, l
         body: The fitted body.
     """
     cloth = posterior[:, [PARTS.index(part) for part in GARMENTS]].sum(axis=1) > 0.5
-    hangs = loose_evidence(measure_looseness(features, cloth, body)) + sleeve_evidence(measure_sleeves(features, cloth))
-    prior = OUTER + float(np.clip(hangs, -MOST, MOST))
+    prior = OUTER + loose_evidence(measure_looseness(features, cloth, body))
     edges = None if points.colours is None else find_front_edges(features, points.colours, body)
     if points.colours is None or edges is None:
         return Coat(prior if points.colours is None else prior + open_evidence(0.0))

@@ -316,7 +316,7 @@ def _find_waists(
         edge = cells[Limb.TRUNK].edge(sign, True) if use_colours else broad.copy()
         edge[outside] = -50.0
         ring = find_ring(edge, None, WARMTH, WAIST_BEND_COST)
-        shape = score_ring(broad, ring.rows, WAIST_BEND_COST)
+        shape = max(score_ring(e, ring.rows, WAIST_BEND_COST) for e in (broad, cells[Limb.TRUNK].edge(sign)))
         prior = WAIST_PRIOR * cells[Limb.TRUNK].seen_share(ring)
         found.append(Waist((Limb.TRUNK,), (ring,), sign > 0, ring.score + prior, shape + prior))
     edges, shown = (

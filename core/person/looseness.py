@@ -20,6 +20,10 @@ LOOSE = (0.0125, 3.4)
 likelihood ratio is. Fitted on 38 scans of simulated persons in an outer layer, whose median is 20 mm, and on 412
 without one (6 mm); of held-out designs alone 12.1 mm and 3.37, of those that networks are trained on 14.0 and 3.47."""
 
+SAYS = (-2.8, 1.2)
+"""Log-odds that it says at least and at most: people wear looser shirts and dresses than simulated ones do, and with
+the prior of an outer layer nobody is asked what he wears because of looseness alone."""
+
 
 def measure_looseness(features: Features, cloth: np.ndarray, body: Body) -> float | None:
     """Return the median offset of the cloth around the waist [m], or None where too little of it is seen.
@@ -39,7 +43,11 @@ def measure_looseness(features: Features, cloth: np.ndarray, body: Body) -> floa
 def loose_evidence(offset: float | None) -> float:
     """Compute the log-odds of an outer layer that the offset x of cloth around the waist is worth: p log(x / x0).
 
+    It is clipped to `SAYS`; x0, p = `LOOSE`. Where too little is seen it is 0.
+
     Args:
-        offset: x [m], or None, which says nothing. x0, p = `LOOSE`.
+        offset: x [m], or None.
     """
-    return 0.0 if offset is None else float(LOOSE[1] * np.log(max(offset, 1e-4) / LOOSE[0]))
+    if offset is None:
+        return 0.0
+    return float(np.clip(LOOSE[1] * np.log(max(offset, 1e-4) / LOOSE[0]), *SAYS))
