@@ -63,7 +63,7 @@ class Waist:
         rings: One for each.
         is_upper_over: Whether the upper garment hangs over the lower one; else it is tucked in.
         score: Log-probability against one garment over all.
-        by_shape: What of it is the shape's, at this very place.
+        by_shape: What of it is the shape's, at this very place: of the trunk by sharp or broad edges, the larger.
     """
 
     limbs: tuple[Limb, ...]
