@@ -61,7 +61,7 @@ def fit_pattern(
     material, locks, rotation = MaterialSettings(), drape.locks(case.settings), drape.drape.rotation
     held = find_held(garment.pattern, like, locks)
     isometric = fit_isometry(garment, registered, target, wearer.body, like, steps_of(case), hooks)
-    changed = change_panels(isometric, case, garment, registered, hooks)
+    changed = change_panels(isometric, case, drape, registered, hooks)
     if changed.changes:
         isometric, like, garment = changed.garment, changed.base, changed.graded
         held = find_held(garment.pattern, like, locks)

@@ -83,5 +83,19 @@ def lay_on_target(
     """
     coarse = mesh_pattern(garment.pattern, min(settings.vertices, len(registered)))
     fitted = coarse.at(resample(garment, registered, coarse))
-    strain = believed_strain(coarse, garment, settings.believed) @ hidden_folds(fitted, garment, registered)
-    return fitted, 0.5 * (strain + np.swapaxes(strain, 1, 2))
+    return fitted, strain_on_target(fitted, garment, registered, settings.believed)
+
+
+def strain_on_target(
+    laid: Garment, drape: Garment, registered: np.ndarray, believed: float = STEPS.believed
+) -> np.ndarray:
+    """Return by how much the cloth of a coarse mesh on the target is believed to be strained, shape [face_count, 2, 2].
+
+    Args:
+        laid: The coarse mesh, nodes on the target.
+        drape: A fine mesh of the same pattern, nodes at its drape.
+        registered: The fine mesh's nodes on the target [m], shape [node_count, 3].
+        believed: Strain of the drape up to which its cloth is believed.
+    """
+    strain = believed_strain(laid, drape, believed) @ hidden_folds(laid, drape, registered)
+    return np.asarray(0.5 * (strain + np.swapaxes(strain, 1, 2)))

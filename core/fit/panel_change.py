@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..case import Case
+from ..case import Case, GradedDrape
+from ..drape import DrapeSettings, drape_graded, hangs_in_sleeves
 from ..errors import Cancelled, GarmentqError
 from ..grade import LEAST_WIDTH, Isometry, PanelChange, SlideSettings, move_pattern, solve_isometry
 from ..hooks import SILENT, Hooks
@@ -17,8 +19,11 @@ from ..segment import name_contours
 from .dart_closing import asked_width, close_darts
 from .dart_cutting import CutGarment, cut_darts, relax_panels
 from .dart_search import propose_dart, relax_panel, rms_strain
-from .isometry import SETTLED, lay_on_target, steps_of
+from .isometry import SETTLED, lay_on_target, steps_of, strain_on_target
 from .wedge import wanted_strain
+
+if TYPE_CHECKING:
+    from ..simulate import SteadyRotation
 
 LEAST_STRAIN = 0.01
 """Root mean square over a panel of the strain that no flat shape of it takes, below which it gets no dart: woven cloth
@@ -48,7 +53,9 @@ class FittedPanels:
         garment: The coarse mesh of the fitted pattern, nodes on the target.
         base: The base pattern with the same panels and darts.
         strain: That the cloth of each face is believed to have, shape [face_count, 2, 2].
-        graded: The graded drape's mesh with its nodes, of the same panels and darts.
+        graded: A fine mesh of the same panels and darts, nodes at its drape: the graded one's, or with darts added
+            that of the pattern with them.
+        registered: The nodes of `graded` on the target [m], shape [node_count, 3].
         changes: What changed; empty where nothing did.
     """
 
@@ -56,31 +63,32 @@ class FittedPanels:
     base: Pattern
     strain: np.ndarray
     graded: Garment
+    registered: np.ndarray
     changes: tuple[PanelChange, ...] = ()
 
 
 def change_panels(
-    garment: Garment, case: Case, graded: Garment, registered: np.ndarray, hooks: Hooks = SILENT
+    garment: Garment, case: Case, drape: GradedDrape, registered: np.ndarray, hooks: Hooks = SILENT
 ) -> FittedPanels:
     """Close darts that the scan has no use for, and add those that its panels cannot be isometric without.
 
     Args:
         garment: The pattern as `fit_isometry` left it.
         case: The scan, the wearer and the base pattern; `keep_cut` and locked panels leave panels as they are.
-        graded: The graded drape.
+        drape: The graded drape.
         registered: Its nodes on the target [m], shape [node_count, 3].
         hooks: Cancellation.
 
     Returns:
         The fitted pattern; with nothing changed the one that was given, to the last digit.
     """
-    _, strain = lay_on_target(graded, registered)
-    found = FittedPanels(garment, case.base, strain, graded)
+    _, strain = lay_on_target(drape.garment, registered)
+    found = FittedPanels(garment, case.base, strain, drape.garment, registered)
     if case.settings.keep_cut or case.has_locked_panels:
         return found
     hooks.check()
     try:
-        return _add(_close(found, case), case)
+        return _add(_close(found, case), case, drape.drape.rotation)
     except Cancelled:
         raise
     except (GarmentqError, np.linalg.LinAlgError):  # changed panels that cannot be meshed or fitted are no better
@@ -109,8 +117,12 @@ def _close(found: FittedPanels, case: Case) -> FittedPanels:
     return replace(closed, changes=tuple(changes))
 
 
-def _add(found: FittedPanels, case: Case) -> FittedPanels:
-    """Add the darts that take enough strain and come out wide enough; one that does not is taken back."""
+def _add(found: FittedPanels, case: Case, rotation: SteadyRotation | None) -> FittedPanels:
+    """Add the darts that take enough strain and come out wide enough; one that does not is taken back.
+
+    What cloth is believed to be strained by is then that of a drape with them. Without them a skirt is compressed at
+    its waist, which hides half of what a dart takes in.
+    """
     wanted = wanted_strain(found.garment, found.strain)
     before = strains_of(found.garment, found.strain)
     proposals = [
@@ -124,7 +136,7 @@ def _add(found: FittedPanels, case: Case) -> FittedPanels:
     while proposals:
         cut = cut_darts(found.garment, wanted, found.base, tuple(proposals))
         names = {dart.panel for dart in cut.darts}
-        added = _relax(_refit(found, cut, case), case, names)
+        added = _relax(_drape_anew(_refit(found, cut, case), case, rotation), case, names)
         after = strains_of(added.garment, added.strain)
         changes: dict[int, list[PanelChange]] = {}
         for dart, number in zip(cut.darts, cut.owner, strict=True):
@@ -144,8 +156,16 @@ def _refit(found: FittedPanels, cut: CutGarment, case: Case) -> FittedPanels:
     """Return the panels with other darts, meshed anew and fitted to the target by isometry."""
     garment, strain = fit_cut(cut, found.garment, found.strain, case, _settings_of(case))
     fine = mesh_pattern(cut.pattern, len(found.graded.nodes))
-    graded = fine.at(cut.place(found.graded, found.graded.nodes, fine))
-    return FittedPanels(garment, cut.base, strain, graded, found.changes)
+    nodes, registered = (cut.place(found.graded, each, fine) for each in (found.graded.nodes, found.registered))
+    return FittedPanels(garment, cut.base, strain, fine.at(nodes), registered, found.changes)
+
+
+def _drape_anew(found: FittedPanels, case: Case, rotation: SteadyRotation | None) -> FittedPanels:
+    """Drape the panels on the wearer, and believe of their cloth on the target what that drape is strained by."""
+    start = move_pattern(found.graded, found.garment.pattern)
+    settings = DrapeSettings(apart=hangs_in_sleeves(case.target, case.body))
+    drape, _ = drape_graded(start, case.wearer, case.fabric, case.target, rotation=rotation, settings=settings)
+    return replace(found, strain=strain_on_target(found.garment, drape, found.registered), graded=drape)
 
 
 def fit_cut(

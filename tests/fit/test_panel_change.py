@@ -170,7 +170,7 @@ def fit_panels(folder: Path, true: str, base: str, keep_cut: bool | None = None)
     drape = drape_to_scan(case, clock)
     registered = METHODS["deform"].fit(case, drape, clock).meshes.detail
     fitted = fit_isometry(drape.garment, registered, case.target, case.body, case.base)
-    return change_panels(fitted, case, drape.garment, registered)
+    return change_panels(fitted, case, drape, registered)
 
 
 @pytest.mark.nightly
