@@ -118,7 +118,7 @@ def plan_bust_darts(garment: Garment, points: BustPoints) -> PlannedDart | None:
     nearest = np.linalg.norm(garment.nodes[garment.uv_node][:, None] - points.places[None], axis=2).argmin(axis=0)
     index, other = (int(each) for each in garment.panel_of_uv[nearest])
     mirror = mirror_of(garment, index)
-    if mirror is None or index != other:
+    if mirror is None or not mirror.source == mirror.target == other:
         return None
     left, right = garment.uv[nearest[0]], reflect_point(mirror, garment.uv[nearest[1]])
     own = garment.uv[garment.panel_of_uv == index]

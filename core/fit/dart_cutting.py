@@ -175,24 +175,23 @@ def cut_darts(garment: Garment, strain: np.ndarray, base: Pattern, planned: tupl
         garment: The flat panels, fitted to the cloth on the target.
         strain: Wanted strain of each face, shape [face_count, 2, 2].
         base: The base pattern.
-        planned: The darts, at most one of a panel.
+        planned: The darts, at most one of a panel and none of a panel's mirror image.
     """
     pattern, like = garment.pattern, base
     opened: dict[int, OpenPanel] = {}
     ends: dict[tuple[str, tuple[float, ...]], tuple[OpenPanel, Wedge]] = {}
     owners: dict[tuple[str, tuple[float, ...]], int] = {}
     for number, plan in enumerate(planned):
-        mirror = mirror_of(garment, plan.panel)
-        wedges = (plan.wedge,) if mirror is None else (plan.wedge, reflect(mirror, plan.wedge))
-        opened[plan.panel] = OpenPanel.of(relax_panel(garment, strain, plan.panel), wedges, plan.angle)
-        name = pattern.panels[plan.panel].name
-        for wedge in wedges:
-            edge, at = _find_mouth(pattern, name, wedge.mouth)
-            there = mean_value_coordinates(garment.pattern.panel(name).points, wedge.apex[None])[0]
-            like, _ = insert_dart(like, edge, at, there @ base.panel(name).points)
-            pattern, _ = insert_dart(pattern, edge, at, wedge.apex)
-            ends[name, tuple(wedge.apex)] = opened[plan.panel], wedge
-            owners[name, tuple(wedge.apex)] = number
+        for index, wedges in _wedges_of(garment, plan).items():
+            opened[index] = OpenPanel.of(relax_panel(garment, strain, index), wedges, plan.angle)
+            name = pattern.panels[index].name
+            for wedge in wedges:
+                edge, at = _find_mouth(pattern, name, wedge.mouth)
+                there = mean_value_coordinates(garment.pattern.panel(name).points, wedge.apex[None])[0]
+                like, _ = insert_dart(like, edge, at, there @ base.panel(name).points)
+                pattern, _ = insert_dart(pattern, edge, at, wedge.apex)
+                ends[name, tuple(wedge.apex)] = opened[index], wedge
+                owners[name, tuple(wedge.apex)] = number
     keys = [(dart.panel, tuple(dart.ends(pattern)[1])) for dart in find_darts(pattern)]
     darts = tuple(dart for dart, key in zip(find_darts(pattern), keys, strict=True) if key in ends)
     symmetry = find_symmetry(like)
@@ -222,6 +221,17 @@ def relax_panels(garment: Garment, strain: np.ndarray, base: Pattern, panels: se
     drawn = garment.pattern.with_points(points)
     drawn = drawn.with_points(symmetry.expand(symmetry.reduce(drawn.points)))
     return equalise_seams(drawn, like=base, symmetry=symmetry), _follow(base, garment.pattern, drawn)
+
+
+def _wedges_of(garment: Garment, plan: PlannedDart) -> dict[int, tuple[Wedge, ...]]:
+    """Return the wedges of a planned dart and of its mirror image, by the panel's index."""
+    mirror = mirror_of(garment, plan.panel)
+    if mirror is None:
+        return {plan.panel: (plan.wedge,)}
+    image = reflect(mirror, plan.wedge)
+    if mirror.target == plan.panel:
+        return {plan.panel: (plan.wedge, image)}
+    return {plan.panel: (plan.wedge,), mirror.target: (image,)}
 
 
 def _find_mouth(pattern: Pattern, panel: str, place: np.ndarray) -> tuple[EdgeRef, float]:

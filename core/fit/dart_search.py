@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,7 +56,7 @@ class Mouth:
 
 @dataclass(frozen=True)
 class PlannedDart:
-    """Describe a dart that is to be cut, with its mirror image where the panel is its own.
+    """Describe a dart that is to be cut, with its mirror image in this panel or another one.
 
     Attributes:
         panel: Index of the panel.
@@ -80,7 +81,8 @@ class Proposal(PlannedDart):
     """Describe a dart that takes strain.
 
     Attributes:
-        before, after: Root mean square of the panel's strain that no flat shape takes, without it and with it.
+        before, after: Root mean square of the strain that no flat shape takes, without it and with it, over the panel
+            and its mirror image.
     """
 
     before: float
@@ -105,13 +107,16 @@ def relax_panel(garment: Garment, strain: np.ndarray, index: int) -> FlatPanel:
     return FlatPanel.of(garment.uv[own], garment.uv_faces[faces] - first, strain[faces])
 
 
-def rms_strain(panel: FlatPanel, square: float) -> float:
-    """Return the root mean square over a panel of a strain whose square sums up to so much [m2]."""
-    return float(np.sqrt(max(square, 0.0) / np.abs(signed_areas(panel.uv[panel.faces])).sum()))
+def rms_strain(panels: Sequence[FlatPanel], square: float) -> float:
+    """Return the root mean square over panels of a strain whose square sums up to so much [m2]."""
+    area = sum(float(np.abs(signed_areas(panel.uv[panel.faces])).sum()) for panel in panels)
+    return float(np.sqrt(max(square, 0.0) / area))
 
 
 def propose_dart(garment: Garment, strain: np.ndarray, index: int) -> Proposal | None:
     """Find the dart that takes most of a panel's strain, by an exhaustive search over its mesh.
+
+    A panel and its mirror image get darts together, by what both take.
 
     Args:
         garment: The flat panels, fitted to the cloth on the target.
@@ -128,31 +133,39 @@ def propose_dart(garment: Garment, strain: np.ndarray, index: int) -> Proposal |
     if not places:
         return None
     wedges = [wedge for _, wedge in places]
-    loads = panel.loads(wedges)
+    loads, panels, is_apart = panel.loads(wedges), [panel], np.ones(len(wedges), dtype=bool)
     mirror = mirror_of(garment, index)
-    is_apart = np.ones(len(wedges), dtype=bool)
-    if mirror is not None:
-        images = [reflect(mirror, wedge) for wedge in wedges]
+    images = [] if mirror is None else [reflect(mirror, wedge) for wedge in wedges]
+    if mirror is not None and mirror.target == index:
         loads = loads + panel.loads(images)
         between = np.array([image.apex - wedge.apex for image, wedge in zip(images, wedges, strict=True)])
         is_apart = np.linalg.norm(between, axis=1) >= APART
-    angles, gains = panel.open(loads)
-    gains = np.where((angles > 0.0) & is_apart, gains, 0.0)
+    pull, stiffness = panel.respond(loads)
+    if mirror is not None and mirror.target != index:
+        other = relax_panel(garment, strain, mirror.target)
+        also = other.respond(other.loads(images))
+        panels, pull, stiffness = [panel, other], pull + also[0], stiffness + also[1]
+    gains = np.where((pull > 0.0) & is_apart, pull**2 / stiffness, 0.0)
     if gains.max() <= 0.0:
         return None
     apex = wedges[int(np.argmax(gains))].apex
     ends_there = np.array([np.array_equal(wedge.apex, apex) for wedge in wedges])
     turned = np.array([_off_warp(garment, index, wedge) for wedge in wedges])
     best = int(np.argmin(np.where(ends_there & (gains >= NEARLY * gains.max()), turned, np.inf)))
-    square = float(panel.left @ panel.left)
-    before, after = rms_strain(panel, square), rms_strain(panel, square - float(gains[best]))
-    return Proposal(index, places[best][0], wedges[best], float(angles[best]), before, after)
+    square = sum(float(each.left @ each.left) for each in panels)
+    before, after = rms_strain(panels, square), rms_strain(panels, square - float(gains[best]))
+    return Proposal(index, places[best][0], wedges[best], float(pull[best] / stiffness[best]), before, after)
 
 
 def mirror_of(garment: Garment, index: int) -> Mirror | None:
-    """Return how a panel is its own mirror image, or None where it is not."""
+    """Return how a panel is mirrored, to itself or to another one; None where it is not, or is another one's image."""
+    return next((mirror for mirror in find_symmetry(garment.pattern).mirrors if mirror.source == index), None)
+
+
+def is_image(garment: Garment, index: int) -> bool:
+    """Check whether a panel is the mirror image of another one, which stands for both."""
     mirrors = find_symmetry(garment.pattern).mirrors
-    return next((mirror for mirror in mirrors if mirror.source == mirror.target == index), None)
+    return any(mirror.target == index != mirror.source for mirror in mirrors)
 
 
 def reflect(mirror: Mirror, wedge: Wedge) -> Wedge:

@@ -18,7 +18,7 @@ from ..pattern.editing.partners import mirror_corners
 from ..segment import name_contours
 from .dart_closing import asked_width, close_darts
 from .dart_cutting import CutGarment, cut_darts, relax_panels
-from .dart_search import propose_dart, relax_panel, rms_strain
+from .dart_search import is_image, propose_dart, relax_panel, rms_strain
 from .isometry import SETTLED, lay_on_target, steps_of, strain_on_target
 from .wedge import wanted_strain
 
@@ -29,7 +29,7 @@ LEAST_STRAIN = 0.01
 """Root mean square over a panel of the strain that no flat shape of it takes, below which it gets no dart: woven cloth
 gives as much."""
 
-PROPOSED_SHARE = 0.45
+PROPOSED_SHARE = 0.4
 """Share of the sum of squared strain that a dart has to take for it to be tried. On panels that were cut without one
 the best dart takes 0.36 at most where it is open by `LEAST_ANGLE`, on those that were cut with one 0.5 to 0.7."""
 
@@ -128,7 +128,8 @@ def _add(found: FittedPanels, case: Case, rotation: SteadyRotation | None) -> Fi
     proposals = [
         one
         for index in range(len(found.garment.pattern.panels))
-        if (one := propose_dart(found.garment, wanted, index)) is not None
+        if not is_image(found.garment, index)
+        and (one := propose_dart(found.garment, wanted, index)) is not None
         and one.before > LEAST_STRAIN
         and one.share > PROPOSED_SHARE
         and one.angle > LEAST_ANGLE
@@ -139,12 +140,15 @@ def _add(found: FittedPanels, case: Case, rotation: SteadyRotation | None) -> Fi
         added = _relax(_drape_anew(_refit(found, cut, case), case, rotation), case, names)
         after = strains_of(added.garment, added.strain)
         changes: dict[int, list[PanelChange]] = {}
-        for dart, number in zip(cut.darts, cut.owner, strict=True):
-            strain = before[dart.panel], after[dart.panel]
-            width = dart.width(added.garment.pattern)
-            if width >= LEAST_WIDTH and 1.0 - (strain[1] / strain[0]) ** 2 >= KEPT_SHARE:
-                change = describe_dart(added.garment.pattern, dart, "added", width, strain)
-                changes.setdefault(number, []).append(change)
+        for number in range(len(proposals)):
+            darts = [dart for dart, owner in zip(cut.darts, cut.owner, strict=True) if owner == number]
+            widths = [dart.width(added.garment.pattern) for dart in darts]
+            square = [sum(each[name] ** 2 for name in {dart.panel for dart in darts}) for each in (before, after)]
+            if min(widths) >= LEAST_WIDTH and 1.0 - square[1] / square[0] >= KEPT_SHARE:
+                changes[number] = [
+                    describe_dart(added.garment.pattern, dart, "added", width, (before[dart.panel], after[dart.panel]))
+                    for dart, width in zip(darts, widths, strict=True)
+                ]
         if len(changes) == len(proposals):
             every = tuple(change for number in sorted(changes) for change in changes[number])
             return replace(added, changes=(*found.changes, *every))
@@ -220,7 +224,7 @@ def strains_of(garment: Garment, strain: np.ndarray) -> dict[str, float]:
     wanted, strains = wanted_strain(garment, strain), {}
     for index, panel in enumerate(garment.pattern.panels):
         flat = relax_panel(garment, wanted, index)
-        strains[panel.name] = rms_strain(flat, float(flat.left @ flat.left))
+        strains[panel.name] = rms_strain([flat], float(flat.left @ flat.left))
     return strains
 
 

@@ -134,17 +134,19 @@ class FlatPanel:
             found[rows, k] = _pack(strain, area[faces])
         return found
 
-    def open(self, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the angle [rad] at which each wedge leaves the least strain, and by how much that lowers its square.
+    def respond(self, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return how wedges work on the strain that is left: its square falls by 2 a p - a^2 s at an angle of a [rad].
 
         Args:
             loads: Of the wedges, shape [3 face_count, count].
+
+        Returns:
+            Pull p and stiffness s of each [m2], shape [count] each.
         """
         right = self.operator.T @ loads
         stiffness = (loads**2).sum(axis=0) - (right * self.factor.solve(right)).sum(axis=0)
         # Vertices on both sides of an open dart lie further apart without strain: what it loads is no strain of theirs.
-        pull = -loads.T @ self.left
-        return pull / stiffness, pull**2 / stiffness
+        return -loads.T @ self.left, stiffness
 
 
 def _pack(strain: np.ndarray, area: np.ndarray) -> np.ndarray:
