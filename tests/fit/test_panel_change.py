@@ -13,7 +13,7 @@ from garmentq.core.drape import WearerGeometry, drape_graded, drape_template, re
 from garmentq.core.fit import METHODS, fit_isometry
 from garmentq.core.fit.dart_closing import asked_width, close_darts
 from garmentq.core.fit.dart_cutting import cut_darts
-from garmentq.core.fit.dart_search import propose_dart, relax_panel, rms_strain
+from garmentq.core.fit.dart_search import is_image, propose_dart, relax_panel, rms_strain
 from garmentq.core.fit.panel_change import FittedPanels, change_panels
 from garmentq.core.fit.wedge import wanted_strain
 from garmentq.core.hooks import SILENT
@@ -28,6 +28,7 @@ from garmentq.core.pattern import (
     Severity,
     edge_length,
     find_faults,
+    find_symmetry,
     load_template,
     mesh_pattern,
     save_pattern,
@@ -60,9 +61,9 @@ def two_panels(dart: bool = False) -> Pattern:
     return pattern.with_points({"upper": points})
 
 
-def lay_on_cone(pattern: Pattern, apex: np.ndarray, angle: float) -> Garment:
+def lay_on_cone(pattern: Pattern, apex: np.ndarray, angle: float, vertices: int = 900) -> Garment:
     """Return a mesh whose upper panel lies on the cone of a dart of some angle, as near as a panel without one can."""
-    garment = mesh_pattern(pattern, 900)
+    garment = mesh_pattern(pattern, vertices)
     away = garment.uv - apex
     radius = np.linalg.norm(away, axis=1)
     turn = np.arctan2(away[:, 0], away[:, 1])  # 0 upwards; the dart opens downwards, at pi
@@ -113,6 +114,41 @@ def test_the_cone_of_a_dart_is_found_on_a_panel_without_one() -> None:
     opened = mesh.at(cut.place(garment, garment.nodes, mesh))
     left = relax_panel(opened, wanted_strain(opened, np.broadcast_to(np.eye(2), (len(mesh.faces), 2, 2))), 1)
     assert rms_strain([left], float(left.left @ left.left)) < 0.6 * found.before
+
+
+def mirrored_panels() -> Pattern:
+    """Return `two_panels` and their mirror image beside them."""
+    right = two_panels()
+    panels, seams = [], []
+    for side, sign in (("right", 1.0), ("left", -1.0)):
+        for panel in right.panels:
+            points = panel.points if sign > 0.0 else (panel.points * [-1.0, 1.0])[[1, 0, 3, 2]]
+            place = np.array([0.5 * sign, 0.0, 0.0])
+            panels.append(Panel(f"{panel.name}_{side}", points, panel.edges, translation=place))
+        seams.append(Seam(EdgeRef(f"lower_{side}", 2), EdgeRef(f"upper_{side}", 0)))
+    return Pattern("mirrored", tuple(panels), tuple(seams))
+
+
+def test_a_panel_and_its_mirror_image_get_darts_together() -> None:
+    """Breaks where one of them gets a dart alone, or where one side decides for both."""
+    pattern, apex = mirrored_panels(), np.array([0.19, 0.12])
+    garment = lay_on_cone(pattern, apex, ANGLE, 1800)
+    is_left = np.zeros(len(garment.nodes), dtype=bool)
+    is_left[garment.uv_node[garment.panel_of_uv >= 2]] = True
+    image = lay_on_cone(pattern, apex * [-1.0, 1.0], 0.5 * ANGLE, 1800)
+    garment = garment.at(np.where(is_left[:, None], image.nodes, garment.nodes))
+    strain = wanted_strain(garment, np.broadcast_to(np.eye(2), (len(garment.faces), 2, 2)))
+    index = [panel.name for panel in pattern.panels].index("upper_right")
+    assert [is_image(garment, k) for k in range(4)] == [False, False, True, True]
+    found = propose_dart(garment, strain, index)
+    assert found is not None
+    assert found.angle == pytest.approx(0.75 * ANGLE, rel=1 / 6)
+    cut = cut_darts(garment, strain, pattern, (found,))
+    assert {dart.panel for dart in cut.darts} == {"upper_right", "upper_left"}
+    assert cut.owner == (0, 0)
+    right, left = (dart.ends(cut.pattern)[1] for dart in sorted(cut.darts, key=lambda dart: dart.panel, reverse=True))
+    assert np.abs(right - left * [-1.0, 1.0]).max() < 1e-6
+    assert len(find_symmetry(cut.base).mirrors) == 2
 
 
 def test_a_flat_panel_gets_no_dart() -> None:
