@@ -145,7 +145,8 @@ def _add(found: FittedPanels, case: Case, rotation: SteadyRotation | None) -> Fi
             darts = [dart for dart, owner in zip(cut.darts, cut.owner, strict=True) if owner == number]
             widths = [dart.width(added.garment.pattern) for dart in darts]
             square = [sum(each[name] ** 2 for name in {dart.panel for dart in darts}) for each in (before, after)]
-            if min(widths) >= LEAST_WIDTH and 1.0 - square[1] / square[0] >= KEPT_SHARE:
+            is_wide = bool(darts) and min(widths) >= LEAST_WIDTH
+            if is_wide and square[1] <= (1.0 - KEPT_SHARE) * square[0]:
                 changes[number] = [
                     describe_dart(added.garment.pattern, dart, "added", width, (before[dart.panel], after[dart.panel]))
                     for dart, width in zip(darts, widths, strict=True)
