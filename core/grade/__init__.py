@@ -6,6 +6,7 @@ from .completion import complete_target
 from .cut_name import name_recovered, tell_cut
 from .dart_changes import LEAST_WIDTH, PanelChange
 from .distances import ContourMeasure, compare_contours, position_along
+from .edge_turn import EdgeTurn
 from .flattening import (
     FlatteningSettings,
     fit_control_points,
@@ -32,6 +33,7 @@ __all__ = [
     "Candidate",
     "Choice",
     "ContourMeasure",
+    "EdgeTurn",
     "FlatteningSettings",
     "GradeSettings",
     "Grading",

@@ -7,25 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..body import Body
-from ..mesh import ClosedCurve, rim_turns
 from ..pattern import Pattern, edge_length, equalise_seams
 from ..segment import Contour, Target
-
-NARROW, BROAD = 0.01, 0.02
-"""Standard deviations of the windows over which an edge's turn is summed [m]: one and two edges of a scan's mesh."""
-
-LEAST = np.radians(5.0)
-"""Turn from which an outline has a corner (`core/pattern/fairness.py`)."""
-
-SHARP = 0.7
-"""Least turn in the narrow window by that in the broad one: 1 at a corner, 0.5 on a curve that is wider than both."""
-
-CLEAR = 6.0
-"""Least turn of a corner by the median turn along its edge: four standard deviations of noise, which 50 independent
-windows, an edge's length, exceed once in 300 edges."""
-
-GAP = 0.08
-"""Least distance of two corners of one edge [m]: four of the broad window's widths."""
+from .edge_turn import EdgeTurn
 
 WORTH = 0.02
 """Change of a panel's width that is worth another base pattern: 5 mm of a quarter of the hip, as well as a corner's
@@ -104,43 +88,19 @@ def share_by_hems(base: Pattern, target: Target, body: Body) -> tuple[Pattern, t
 
 def find_share(contour: Contour, target: Target, body: Body) -> HemShare | None:
     """Find the two corners of a target's edge, one at each side; None where it has not just these two."""
-    turns = rim_turns(target.vertices[target.faces], target.faces, contour.vertices)
-    curve = ClosedCurve(target.vertices[contour.vertices])
-    arc, whole = curve.arc[:-1], float(curve.arc[-1])
-    places = np.arange(0.0, whole, NARROW / 4)
-    narrow, broad = (_turn(places, arc, whole, turns, width) for width in (NARROW, BROAD))
-    corners = _peaks(places, whole, np.abs(narrow), np.abs(broad))
+    edge = EdgeTurn.of_target(contour, target)
+    corners = edge.corners()
     if len(corners) != 2:
         return None
-    first, second = sorted(places[corners])
+    first, second = sorted(edge.places[corners])
     lateral = (body.joint("left_hip") - body.joint("right_hip")) * (1.0, 0.0, 1.0)
-    line = curve.at_shares(places / whole)
-    ahead, aside = line @ np.cross(lateral, (0.0, 1.0, 0.0)), line @ lateral
+    ahead, aside = edge.points @ np.cross(lateral, (0.0, 1.0, 0.0)), edge.points @ lateral
     if abs(np.diff(aside[corners])) < abs(np.diff(ahead[corners])):
         return None
-    between = (places > first) & (places < second)
-    share = float((second - first) / whole)
+    between = (edge.places > first) & (edge.places < second)
+    share = float((second - first) / edge.length)
     front = share if ahead[between].mean() > ahead[~between].mean() else 1.0 - share
-    return HemShare(contour.name, front, (float(narrow[corners[0]]), float(narrow[corners[1]])))
-
-
-def _turn(places: np.ndarray, arc: np.ndarray, whole: float, turns: np.ndarray, width: float) -> np.ndarray:
-    """Sum an edge's turns [rad] around places along it [m], each weighted by a Gaussian of its distance."""
-    away = (places[:, None] - arc[None] + whole / 2) % whole - whole / 2
-    return np.asarray(np.exp(-0.5 * (away / width) ** 2) @ turns)
-
-
-def _peaks(places: np.ndarray, whole: float, narrow: np.ndarray, broad: np.ndarray) -> list[int]:
-    """Return the places of the corners, the largest first."""
-    least = max(LEAST, CLEAR * float(np.median(narrow)))
-    found: list[int] = []
-    for place in np.argsort(-narrow):
-        if narrow[place] < least:
-            break
-        away = [abs((places[place] - places[other] + whole / 2) % whole - whole / 2) for other in found]
-        if all(gap > GAP for gap in away) and narrow[place] > SHARP * broad[place]:
-            found.append(int(place))
-    return found
+    return HemShare(contour.name, front, (float(edge.turn[corners[0]]), float(edge.turn[corners[1]])))
 
 
 def _lengths(base: Pattern, contour: str) -> dict[str, float]:

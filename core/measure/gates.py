@@ -149,6 +149,13 @@ RULES = (
         Product.PATTERN,
     ),
     Rule(
+        "edge_corners", _read("shape.edge_corner_deg"), 25.0, 60.0,
+        "The scan's hem or another edge has a corner of {value:.0f} degrees that the pattern's has not",
+        "seams may end there that the pattern lacks, as between gores; give a closer pattern with --template.",
+        "Right patterns lack 12 degrees at most, circles in place of eight gores 41 and 42; 60 is a slit or a point.",
+        Product.PATTERN,
+    ),
+    Rule(
         "contour_shape", _largest("shape.", "_mm"), 40.0, 100.0,
         "An open edge of the drape runs up to {value:.0f} mm away from the scan's",
         "look at neck, hem and cuffs in the report: a part is of another kind, or hangs another way; try --part.",

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
 from garmentq.core.measure import judge, measure_contour_shapes, measure_plausibility
-from garmentq.core.pattern import Garment, load_template, mesh_pattern
+from garmentq.core.mesh import ClosedCurve, vertex_normals
+from garmentq.core.pattern import Edge, EdgeRef, Garment, Panel, Pattern, Seam, load_template, mesh_pattern
 from garmentq.core.pattern.parts import CUTS, draft_cut
 from garmentq.core.segment import Contour, Target, find_loops
 
@@ -137,3 +138,54 @@ def test_patterns_beyond_human_measures_are_told() -> None:
     doll, giant = (shirt.with_points(scale * shirt.points) for scale in (0.2, 10.0))
     assert verdicts(measure_plausibility(doll))["plausible"] == "fail"
     assert verdicts(measure_plausibility(giant))["plausible"] != "pass"
+
+
+GORE = np.array([[0.0, 0.0], [0.5, 0.0], [0.31, 0.5], [0.19, 0.5]])
+"""A gore with a straight hem [m]: its sides stand out by 20.8 degrees, so that a hem turns by 41.6 at each seam."""
+GORES = 8
+
+
+def sew_gores() -> tuple[Garment, np.ndarray]:
+    """Return a skirt of gores and its nodes, each gore flat: a pyramid without a top."""
+    panels = tuple(Panel(f"gore_{k}", GORE, tuple(Edge() for _ in GORE)) for k in range(GORES))
+    seams = tuple(Seam(EdgeRef(f"gore_{k}", 1), EdgeRef(f"gore_{(k + 1) % GORES}", 3)) for k in range(GORES))
+    garment = mesh_pattern(Pattern("gores", panels, seams, symmetric=False), 2000)
+    half = np.pi / GORES
+    slope = (GORE[2, 0] - 0.25) / 0.25  # by how much narrower the top is
+    low, high = (0.25 * share / np.tan(half) for share in (1.0, slope))
+    rise = np.sqrt(0.5**2 - (low - high) ** 2)
+    nodes = np.zeros((len(garment.nodes), 3))
+    for k in range(GORES):
+        mine = garment.panel_of_uv == k
+        across, up = garment.uv[mine, 0] - 0.25, garment.uv[mine, 1] / 0.5
+        out, turn = low + up * (high - low), 2.0 * half * k
+        place = out[:, None] * [np.sin(turn), 0.0, np.cos(turn)] + across[:, None] * [np.cos(turn), 0.0, -np.sin(turn)]
+        nodes[garment.uv_node[mine]] = place + np.outer(up, [0.0, rise, 0.0])
+    return garment, nodes
+
+
+def hem_of(garment: Garment, nodes: np.ndarray) -> np.ndarray:
+    """Return the longer one of a skirt's two edges."""
+    return max(find_loops(garment.faces), key=lambda loop: np.linalg.norm(np.diff(nodes[loop], axis=0), axis=1).sum())
+
+
+@pytest.mark.parametrize(
+    ("cut", "noise", "expected"), [("gores", 0.0, "pass"), ("circle", 0.0, "doubtful"), ("circle", 0.003, None)]
+)
+def test_a_circle_cut_for_gores_does_not_pass(cut: str, noise: float, expected: str | None) -> None:
+    """Breaks where the corners of a hem are not looked for in the pattern, or noise is taken for them."""
+    gored, places = sew_gores()
+    hem = Contour("hem", hem_of(gored, places), 4.0)
+    seen = places + noise * np.random.default_rng(0).standard_normal(places.shape)
+    target = Target(seen, gored.faces, vertex_normals(seen, gored.faces), (hem,), (), "skirt")
+    garment, nodes = gored.at(places, (hem,)), places
+    if cut == "circle":
+        circle = mesh_pattern(load_template("skirt+skirt=full-circle"), 1500)
+        loop = hem_of(circle, circle.nodes)
+        nodes = circle.nodes.copy()
+        nodes[loop] = ClosedCurve(places[hem.vertices]).at_shares(np.arange(len(loop)) / len(loop))
+        garment = circle.at(nodes, (Contour("hem", loop, 4.0),))
+    found = measure_contour_shapes(garment, nodes, target, BODY)
+    assert verdicts(found).get("edge_corners") == expected
+    if expected == "doubtful":
+        assert found["shape.edge_corner_deg"] == pytest.approx(39.2, abs=1.5)  # the circle itself turns by 2.4
