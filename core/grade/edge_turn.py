@@ -77,7 +77,7 @@ class EdgeTurn:
         for place in np.argsort(-turn):
             if turn[place] < least:
                 break
-            if (self._apart(found)[place] > GAP).all() and turn[place] > SHARP * broad[place]:
+            if (self._apart(self.places[[place]], found) > GAP).all() and turn[place] > SHARP * broad[place]:
                 found.append(int(place))
         return found
 
@@ -86,10 +86,10 @@ class EdgeTurn:
 
         Where there is nothing else on the edge it is infinite.
         """
-        elsewhere = self.turn[(self._apart(corners) > GAP / 2).all(axis=1)]
+        elsewhere = self.turn[(self._apart(self.places, corners) > GAP / 2).all(axis=1)]
         return float(np.sqrt(np.mean(elsewhere**2))) if len(elsewhere) else float("inf")
 
-    def _apart(self, chosen: list[int]) -> np.ndarray:
-        """Return how far each place is from some of them along the edge [m], shape [count, len(chosen)]."""
-        away = self.places[:, None] - self.places[chosen][None]
+    def _apart(self, places: np.ndarray, chosen: list[int]) -> np.ndarray:
+        """Return how far arc lengths are from some of its places along the edge [m], shape [n, len(chosen)]."""
+        away = places[:, None] - self.places[chosen][None]
         return np.asarray(np.abs((away + self.length / 2) % self.length - self.length / 2))
