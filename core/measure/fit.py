@@ -72,18 +72,27 @@ class Reference:
         return ~self.rim.lies_ahead(self.surface, points)
 
     @cached_property
-    def centres(self) -> cKDTree:
-        """The middles of the truth's faces as a search tree."""
-        return cKDTree(self.surface.vertices[self.surface.faces].mean(axis=1))
+    def middles(self) -> np.ndarray:
+        """The middles of the truth's faces [m], shape [face_count, 3]."""
+        return np.asarray(self.surface.vertices[self.surface.faces].mean(axis=1))
 
     def crossing_distance(self, points: np.ndarray, reach: float) -> np.ndarray:
-        """Return how far points are from the truth's nearest face that crosses another [m]; inf out of reach."""
-        around = self.centres.query_ball_point(points, 2.0 * reach) if len(points) else []
-        near = np.unique(np.concatenate([np.zeros(0, int), *around])).astype(int)
-        crossing = near[self_intersections(self.surface.vertices, self.surface.faces[near])]
+        """Return how far points are from the truth's nearest face that crosses another [m]; more than reach beyond it.
+
+        A face that crosses one whose middle lies within reach has its own no further off than reach and both radii, so
+        of a fine scan no others are looked at.
+        """
+        if not len(points):
+            return np.zeros(0)
+        away = cKDTree(points).query(self.middles, distance_upper_bound=2.0 * reach)[0]
+        near = np.flatnonzero(away <= 2.0 * reach)
+        away, middles, faces = away[near], self.middles[near], self.surface.faces[near]
+        radius = np.linalg.norm(self.surface.vertices[faces] - middles[:, None], axis=2).max(axis=1, initial=0.0)
+        may_cross = away <= reach + radius + radius[away <= reach].max(initial=0.0)
+        crossing = self_intersections(self.surface.vertices, faces[may_cross])
         if not len(crossing):
             return np.full(len(points), np.inf)
-        return np.asarray(cKDTree(self.centres.data[crossing]).query(points)[0])
+        return np.asarray(cKDTree(middles[may_cross][crossing]).query(points)[0])
 
     @cached_property
     def cloud(self) -> VertexCloud:

@@ -37,9 +37,11 @@ def intersecting_pairs(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     corners = np.ascontiguousarray(vertices[faces])
     low, high = face_boxes(vertices, faces)
     axis = int(np.argmax(high.max(axis=0) - low.min(axis=0)))
-    order = np.argsort(low[:, axis], kind="stable").astype(np.int64)
-    found = _sweep(corners, np.ascontiguousarray(faces, dtype=np.int64), low, high, order, axis)
-    return np.asarray(found)
+    order = np.argsort(low[:, axis], kind="stable")
+    axes = [axis, (axis + 1) % 3, (axis + 2) % 3]
+    low, high = low[order][:, axes], high[order][:, axes]  # in the order of the sweep, which reads them one by one
+    found = order[_sweep(corners[order], np.asarray(faces, dtype=np.int64)[order], low, high)]
+    return np.stack([found.min(axis=1), found.max(axis=1)], axis=1)
 
 
 def face_boxes(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -87,29 +89,27 @@ def undo_crossings(
 
 
 @njit(cache=True)
-def _sweep(corners, faces, low, high, order, axis):
-    """Test every pair of overlapping boxes; boxes come in ascending order of their lower end along the axis."""
+def _sweep(corners, faces, low, high):
+    """Test every pair of overlapping boxes, which come in ascending order of `low[:, 0]`."""
     pairs = np.zeros((64, 2), np.int64)
     count = 0
-    for a in range(order.shape[0]):
-        i = order[a]
-        for b in range(a + 1, order.shape[0]):
-            j = order[b]
-            if low[j, axis] > high[i, axis]:
+    for i in range(low.shape[0]):
+        y, z = low[i, 1], low[i, 2]
+        x_end, y_end, z_end = high[i]
+        for j in range(i + 1, low.shape[0]):
+            if low[j, 0] > x_end:
                 break
-            apart = False
-            for k in range(3):
-                if low[j, k] > high[i, k] or low[i, k] > high[j, k]:
-                    apart = True
-            if apart or _adjacent(faces[i], faces[j]):
+            if (low[j, 1] > y_end) | (y > high[j, 1]) | (low[j, 2] > z_end) | (z > high[j, 2]):
+                continue
+            if _adjacent(faces[i], faces[j]):
                 continue
             if _crosses(corners[i], corners[j]) or _crosses(corners[j], corners[i]):
                 if count == pairs.shape[0]:
                     larger = np.zeros((2 * count, 2), np.int64)
                     larger[:count] = pairs
                     pairs = larger
-                pairs[count, 0] = min(i, j)
-                pairs[count, 1] = max(i, j)
+                pairs[count, 0] = i
+                pairs[count, 1] = j
                 count += 1
     return pairs[:count]
 
