@@ -14,6 +14,7 @@ from ..pattern import Pattern, edge_length, list_templates, load_template, name_
 from ..pattern.parts import CUTS, Bodice, Cut, Neckline, draft_cut, half_neck
 from ..segment import Target
 from .cut_search import search_cuts
+from .hem_gores import HemGores, find_gores
 from .neckline import NecklineFit, NecklineFits, fit_necklines
 from .sleeve_length import fit_sleeve
 from .trunk_curvature import TrunkCurvature
@@ -89,9 +90,9 @@ def choose_cut(target: Target, body: Body, parts: Mapping[str, str] | None = Non
         TemplateMissing: where there is no template for the category.
         PartUnknown, PartsConflict: where the user's parts are none, or cannot be sewn to each other.
     """
-    wanted, fits = dict(parts or {}), fit_necklines(target, body)
+    wanted, fits, gores = dict(parts or {}), fit_necklines(target, body), find_gores(target)
     found: dict[str, tuple[int, Candidate, Cut]] = {}
-    for one in _rank_cuts(target, body, wanted):
+    for one in _rank_cuts(target, body, wanted, gores):
         for named, line in _with_necklines(one.cut, fits, wanted):
             name = name_cut(one.template, named)
             candidate = Candidate(name, math.hypot(one.misfit, line or 0.0), one.girths, line)
@@ -99,15 +100,17 @@ def choose_cut(target: Target, body: Body, parts: Mapping[str, str] | None = Non
     (_, chosen, cut), *others = found.values()
     others.sort(key=lambda each: (each[0], each[1].misfit))
     name, candidates = chosen.template, (chosen, *(candidate for _, candidate, _ in others))[:KEPT]
-    notes = tuple(
+    notes = [
         f"A {target.category} has no {part}; '{part}={word}' was left out."
         for part, word in wanted.items()
         if not cut.has_place_for(part)
-    )
+    ]
+    if gores is not None and cut.sweep is None:
+        notes.append(gores.tell(cut))
     measures = outgrown_measures(body)
     usual = cut == CUTS.get(name) and measures is None
     pattern = load_template(name) if usual else draft_cut(cut, measures, name)
-    return Choice(name, pattern, candidates, notes)
+    return Choice(name, pattern, candidates, tuple(notes))
 
 
 @dataclass(frozen=True)
@@ -121,18 +124,20 @@ class _Ranked:
     girths: float | None = None
 
 
-def _rank_cuts(target: Target, body: Body, wanted: Mapping[str, str]) -> list[_Ranked]:
+def _rank_cuts(target: Target, body: Body, wanted: Mapping[str, str], gores: HemGores | None) -> list[_Ranked]:
     """Rank the cuts but for their necklines, the chosen one first.
 
     Templates by their contours (`rank_templates`), with the sleeves that reach as far as the scan's (`fit_sleeve`); of
     those with the fewest contours missing, then, every cut by its girths (`search_cuts`), where the scan shows them. A
     dress whose cloth is curved across the waist has a seam there (`has_curved_waist`): girths do not tell it.
+    Gores that the user chose flare as those that the scan's hem shows.
     """
     ranked, templates = [], rank_templates(target, list(CUTS))
     curved = CUTS[templates[0][0]].has_place_for("waist") and has_curved_waist(TrunkCurvature.of(target, body))
     for template, missing, misfit in templates:
         fixed = {part: word for part, word in wanted.items() if CUTS[template].has_place_for(part)}
         cut = CUTS[template].choose(fixed)
+        cut = cut if gores is None else gores.flare(cut)
         cut = sew_waist(cut, wanted) if curved else cut
         ranked.append(_Ranked(template, cut if "sleeve" in fixed else fit_sleeve(target, body, cut), missing, misfit))
     least = ranked[0].missing

@@ -35,10 +35,6 @@ NEAR = 0.04
 """How far from a corner of the scan's edge the drape's is looked for [m]: a drape hangs aside by as much, and corners
 of one edge are twice as far apart."""
 
-MOST_SPREAD = np.radians(2.5)
-"""Turn that an edge may have elsewhere, by its root mean square, for its corners to be believed [rad]: simulated scans
-have 0.0 to 1.5 on hems, cut or noisy ones 10 to 40, and teeth of up to 260 degrees."""
-
 MM = 1e3
 
 
@@ -59,7 +55,7 @@ def measure_contour_shapes(garment: Garment, nodes: np.ndarray, target: Target, 
         of the two lines of the neck, unrolled. `shape.NAME_mm` of any other contour: the largest distance along the
         limb or trunk that it goes round. `shape.edge_corner_deg`: of the corners that the scan's other edges have in
         their cloth, by how much the pattern's edge turns less within `NEAR` of it, the most; 0 where they have none.
-        Edges that turn by more than `MOST_SPREAD` elsewhere, as cut and noisy ones do, say nothing.
+        Edges that turn elsewhere, too, as cut and noisy ones do, say nothing.
         What either has not is left out.
     """
     found: dict[str, float | None] = {}
@@ -143,7 +139,7 @@ def _missed_corners(garment: Garment, nodes: np.ndarray, target: Target, contour
     """
     seen = EdgeTurn.of_target(contour, target)
     corners = seen.corners()
-    if seen.spread(corners) > MOST_SPREAD:
+    if not seen.is_clear(corners):
         return []
     loop = next(own.vertices for own in garment.contours if own.name == contour.name)
     ours, missed = EdgeTurn.of(nodes[loop], _flat_turns(garment, loop)), [0.0]

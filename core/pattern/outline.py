@@ -124,8 +124,8 @@ def mirror(outline: Outline, swap: bool = True) -> Outline:
             Stroke(
                 _flip(ends[i]),
                 tuple(_flip(h) for h in s.handles[::-1]),
-                _other_side(s.label) if swap else s.label,
-                _other_side(s.contour) if swap else s.contour,
+                other_side(s.label) if swap else s.label,
+                other_side(s.contour) if swap else s.contour,
                 None if s.notch is None else 1.0 - s.notch,
             )
         )
@@ -141,7 +141,8 @@ def walk_back(outline: Outline) -> tuple[Stroke, ...]:
     )
 
 
-def _other_side(text: str) -> str:
+def other_side(text: str) -> str:
+    """Return a label with left and right exchanged."""
     swapped = {"left": "right", "right": "left"}
     return ".".join(swapped.get(word, word) for word in text.split("."))
 

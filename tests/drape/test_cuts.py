@@ -47,7 +47,7 @@ def draw_cuts() -> tuple[str, ...]:
     names: dict[str, None] = {}
     while len(names) < DRAWN:
         stem = str(rng.choice(list(CUTS)))
-        open_parts = [part for part in PARTS if part != "bodice" and CUTS[stem].has_place_for(part)]
+        open_parts = [part for part in PARTS if part not in ("bodice", "gores") and CUTS[stem].has_place_for(part)]
         changed = rng.permutation(open_parts)[: rng.integers(1, 6)]
         choices = {str(part): str(rng.choice([str(choice) for choice in PARTS[part]])) for part in changed}
         name = name_cut(stem, CUTS[stem].choose(choices))
@@ -88,6 +88,10 @@ def hang(name: str, gender: str, poses: tuple[str, ...]) -> None:
         "dress+neckline=v,skirt=half-circle,waist=seam",
         pytest.param("sleeved_dress+sleeve_head=set-in,shaping=princess", marks=pytest.mark.nightly),
         "dress+shaping=princess,skirt=gored,waist=seam",
+        "skirt+skirt=gored,gores=8",
+        pytest.param("pencil_skirt+skirt=gored,gores=10", marks=pytest.mark.nightly),
+        pytest.param("dress+skirt=gored,gores=8,waist=seam", marks=pytest.mark.nightly),
+        pytest.param("dress+skirt=gored,gores=12,waist=seam", marks=pytest.mark.nightly),
         "sleeved_dress+shaping=darts,skirt=straight,waist=seam",
         pytest.param("pencil_skirt+shaping=darts", marks=pytest.mark.nightly),
         "pencil_skirt+skirt=tiered",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -27,6 +28,7 @@ from garmentq.core.pattern.parts import (
     Collar,
     Cuff,
     Cut,
+    Gores,
     Legs,
     Neckline,
     PartsConflict,
@@ -70,6 +72,11 @@ def many_cuts() -> dict[str, Cut]:
     found |= {f"back {kind}": Cut(Bodice.BOXY, back_neckline=kind) for kind in Neckline}
     for skirt, panels, band in product(Skirt, (2, 4), Waistband):
         found[f"{skirt} {panels} {band}"] = Cut(skirt=skirt, panels=panels, waistband=band)
+    for gores, band, sweep in product(Gores, Waistband, (None, 5.0)):
+        found[f"{gores} gores {band} {sweep}"] = Cut(skirt=Skirt.GORED, gores=gores, sweep=sweep, waistband=band)
+    for gores, bodice, shaping in product(Gores, (Bodice.SHIFT, Bodice.STRAPLESS), Shaping):
+        cut = Cut(bodice, skirt=Skirt.GORED, gores=gores, waist=Waist.SEAM, shaping=shaping)
+        found[f"{bodice} {gores} gores {shaping}"] = cut
     for skirt, panels, bodice in product(Skirt, (2, 4), (Bodice.BOXY, Bodice.SHIFT)):
         found[f"{bodice} seam {skirt} {panels}"] = Cut(bodice, skirt=skirt, panels=panels, waist=Waist.SEAM)
     found |= {f"{legs} {band} legs": Cut(legs=legs, waistband=band) for legs, band in product(Legs, Waistband)}
@@ -170,6 +177,33 @@ def test_circle_skirts_are_rings():
         assert sum(panel_area(p) for p in pattern.panels) == pytest.approx(ring, rel=1e-3)
 
 
+@pytest.mark.parametrize("gores", ["4", "6", "8", "10", "12"])
+@pytest.mark.parametrize("stem", ["skirt", "pencil_skirt", "dress"])
+def test_equal_gores_stand_around_the_wearer(gores, stem):
+    """Breaks where one is of another shape or place, left and right differ, or the waist is not all of their edges."""
+    parts = {"skirt": "gored", "gores": gores, **({"waist": "seam"} if stem == "dress" else {})}
+    cut = replace(CUTS[stem].choose(parts), sweep=4.0)
+    pattern = draft_cut(cut, CURVY)
+    skirt = [panel for panel in pattern.panels if any(edge.contour == "hem" for edge in panel.edges)]
+    assert len(skirt) == int(gores)
+    assert np.ptp([panel_area(panel) for panel in skirt]) < 1e-12
+    turned = np.degrees([np.arctan2(panel.rotation[0, 2], panel.rotation[2, 2]) for panel in skirt])
+    np.testing.assert_allclose(np.diff(turned) % 360.0, 360.0 / int(gores))
+    assert {mirror.target for mirror in find_symmetry(pattern).mirrors} | {
+        mirror.source for mirror in find_symmetry(pattern).mirrors
+    } == set(range(len(pattern.panels)))
+    upper = sum(edge_length(panel, i) for panel in skirt for i in range(len(panel.edges)) if is_upper(panel, i))
+    ease = 0.10 if stem == "dress" else 0.02
+    assert upper == pytest.approx(CURVY.waist + ease)
+    assert find_cut(name_cut(stem, cut)) == replace(cut, sweep=None)
+
+
+def is_upper(panel, i):
+    """Return whether an edge of a gore runs across at its upper end."""
+    start, end = panel.points[i], panel.points[(i + 1) % len(panel.points)]
+    return start[1] == end[1] == panel.points[:, 1].max()
+
+
 @pytest.mark.parametrize("legs", ["tapered", "flared", "wide"])
 def test_legs_differ_below_the_seat_only(legs):
     """Breaks where a wider hem moves the waist, or the back is no longer solved to fit the front."""
@@ -212,6 +246,9 @@ def test_parts_that_are_none_are_refused(text):
         Cut(Bodice.SHIFT, skirt=Skirt.FULL_CIRCLE),
         Cut(Bodice.BOXY, waistband=Waistband.BAND),
         Cut(skirt=Skirt.A_LINE, panels=3),
+        Cut(skirt=Skirt.A_LINE, gores=Gores.EIGHT),
+        Cut(Bodice.SHIFT, skirt=Skirt.GORED, gores=Gores.EIGHT, waist=Waist.SEAM, shaping=Shaping.DARTS),
+        Cut(Bodice.SHIFT, skirt=Skirt.GORED, waist=Waist.SEAM),
     ],
 )
 def test_parts_that_cannot_be_sewn_are_refused(cut):

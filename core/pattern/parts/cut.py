@@ -119,6 +119,16 @@ class Skirt(StrEnum):
     PLEATED = "pleated"
 
 
+class Gores(StrEnum):
+    """Of how many gores a gored skirt is cut all around, as many in front as behind."""
+
+    FOUR = "4"
+    SIX = "6"
+    EIGHT = "8"
+    TEN = "10"
+    TWELVE = "12"
+
+
 class Legs(StrEnum):
     """Legs by the line of their seams from the thigh down."""
 
@@ -144,10 +154,6 @@ class Waistband(StrEnum):
     BAND = "band"
 
 
-GORES = 6
-"""Panels of a gored skirt all around: a centre and two side gores in front and behind."""
-
-
 @dataclass(frozen=True)
 class Cut:
     """Describe how a garment is cut; `parts.draft_cut` drafts it.
@@ -158,6 +164,8 @@ class Cut:
         sleeve: Of each arm.
         skirt: Below the waist.
         panels: Panels of a skirt all around, 2 or 4; see `panels_around`.
+        gores: Of a gored skirt.
+        sweep: Whole angle of a gored skirt's gores laid side by side [rad]; None: as one is usually cut.
         legs: Below the waist instead of a skirt, in one piece with a bodice where there is one.
         waistband: Of a skirt or legs without a bodice.
         waist: Whether a bodice and its skirt are cut in one piece or sewn to each other.
@@ -187,11 +195,18 @@ class Cut:
     collar: Collar = Collar.NONE
     cuff: Cuff = Cuff.NONE
     sleeve_pieces: SleevePieces = SleevePieces.ONE
+    gores: Gores = Gores.SIX
+    sweep: float | None = None
 
     @property
     def panels_around(self) -> int:
         """Return the number of a skirt's panels all around, gores counted."""
-        return GORES if self.skirt is Skirt.GORED else self.panels
+        return int(self.gores) if self.skirt is Skirt.GORED else self.panels
+
+    @property
+    def has_equal_gores(self) -> bool:
+        """Check whether a skirt's gores are all alike; six usually are a centre and two side gores on each face."""
+        return self.skirt is Skirt.GORED and (self.gores is not Gores.SIX or self.sweep is not None)
 
     @property
     def category(self) -> str:
@@ -219,7 +234,7 @@ class Cut:
         return "long_sleeve_tshirt" if self.sleeve is Sleeve.LONG else "tshirt"
 
     def choose(self, parts: dict[str, str]) -> Cut:
-        """Return the cut with other choices for some of its parts; measures of a neckline that changes are dropped.
+        """Return the cut with other choices for some of its parts; what belongs to a former choice is dropped.
 
         Args:
             parts: Names of choices by names of parts: `{"neckline": "v"}`.
@@ -227,12 +242,11 @@ class Cut:
         Raises:
             PartUnknown: where there is no such part, or no such choice of it.
         """
-        changed: dict[str, Any] = {}
-        for part, word in parts.items():
-            changed[part] = _choice(part, word)
-            if changed[part] != getattr(self, part):
-                changed |= _DROPPED.get(part, {})
-        return replace(self, **changed)
+        chosen: dict[str, Any] = {part: _choice(part, word) for part, word in parts.items()}
+        dropped: dict[str, Any] = {}
+        for part, choice in chosen.items():
+            dropped |= _DROPPED.get(part, {}) if choice != getattr(self, part) else {}
+        return replace(self, **{**dropped, **chosen})
 
     def has_place_for(self, part: str) -> bool:
         """Check whether a garment of the cut's kind can have another choice of a part: trousers have no neckline."""
@@ -244,6 +258,8 @@ class Cut:
             return self.bodice is Bodice.NONE
         if part == "shaping":
             return self.legs is Legs.NONE
+        if part == "gores":
+            return self.skirt is not Skirt.NONE
         if part == "yoke":
             return self.bodice is not Bodice.NONE or self.skirt is not Skirt.NONE
         return part not in PARTS or str(getattr(self, part)) != "none"
@@ -264,14 +280,16 @@ PARTS: dict[str, type[StrEnum]] = {
     "collar": Collar,
     "cuff": Cuff,
     "sleeve_pieces": SleevePieces,
+    "gores": Gores,
 }
 """The parts of a cut by name, each with its choices."""
 
 _DROPPED: dict[str, dict[str, Any]] = {
     "neckline": {"neck_depth": None},
     "back_neckline": {"back_depth": None},
+    "skirt": {"gores": Gores.SIX, "sweep": None},
 }
-"""Measures that belong to a part's former choice."""
+"""What belongs to a part's former choice."""
 
 
 def _choice(part: str, word: str) -> StrEnum:

@@ -101,7 +101,7 @@ def half_neck(cut: Cut, measures: BodyMeasures | None = None) -> float:
 
 def _divide(pattern: Pattern, cut: Cut) -> Pattern:
     """Return waist and hem of a skirt without a band more control points, so that grading can open it to a circle."""
-    if cut.waistband is Waistband.BAND or cut.skirt in SWEEP:
+    if cut.waistband is Waistband.BAND or cut.skirt in SWEEP or cut.has_equal_gores:
         return pattern
     if cut.panels == 4:
         return divide_edges(pattern, {"hem"}, 2)

@@ -9,12 +9,16 @@ seam is that dart drawn on to the middle of the shoulder, and below the waist, w
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import accumulate
 
 from ..outline import Outline, Stroke, cut_stroke, mirror, smooth, unfold, unfold_closed, walk_back
-from .cut import Cut, PartsConflict, Shaping
+from .cut import Cut, PartsConflict, Shaping, Skirt
 
 MIDDLE_SHARE = 0.46
 """Share of a quarter of the waist between the middle and its dart, in bodice and skirt: they meet at a waist seam."""
+
+SIDES = ("", ".side", ".side2")
+"""What the labels of the pieces of a quarter of the waist have between face and side, from the middle."""
 
 DART_SHARE = 0.6
 """Share of the surplus at the waist that the dart takes; the side seam takes the rest."""
@@ -30,6 +34,20 @@ GODET = 0.05
 """By how much each princess seam of a dress is wider at the hem than at the hip [m]."""
 
 
+def share_waist(cut: Cut) -> tuple[float, ...]:
+    """Return the shares of a quarter of the waist between the ends of what is sewn there, from the middle to the side.
+
+    Darts, princess seams and six gores leave two; equal gores end where they do.
+    """
+    if cut.has_equal_gores:
+        wide = 4.0 / cut.panels_around
+        first = wide / 2 if cut.panels_around % 4 else wide  # with an odd number on each face one is in the middle
+        return (first, *[wide] * round((1.0 - first) / wide))
+    if cut.shaping is not Shaping.NONE or cut.skirt is Skirt.GORED:
+        return (MIDDLE_SHARE, 1.0 - MIDDLE_SHARE)
+    return (1.0,)
+
+
 @dataclass(frozen=True)
 class Waistline:
     """Describe half a front or back at the waist, from the middle to the side.
@@ -38,17 +56,19 @@ class Waistline:
         middle: Length between the middle and the dart [m].
         dart: The dart's intake [m].
         side: Length between the dart and the side seam [m].
+        shares: Of what has no dart, between the ends of what is sewn there.
     """
 
     middle: float
     dart: float
     side: float
+    shares: tuple[float, ...] = (1.0,)
 
     @classmethod
     def of(cls, cut: Cut, wide: float, waist: float) -> Waistline:
         """Return the line of a quarter that is `wide` where it is not shaped and `waist` round the waist [m]."""
         if cut.shaping is Shaping.NONE:
-            return cls(waist, 0.0, 0.0)
+            return cls(waist, 0.0, 0.0, share_waist(cut))
         dart = min(max(DART_SHARE * (wide - waist), DART_RANGE[0]), DART_RANGE[1])
         return cls(MIDDLE_SHARE * waist, dart, (1.0 - MIDDLE_SHARE) * waist)
 
@@ -65,7 +85,11 @@ class Waistline:
     def strokes(self, face: str, low: float, apex: float) -> tuple[Stroke, ...]:
         """Draw the waist from the middle to the side at a height, a dart in it that ends at another [m]."""
         if not self.dart:
-            return (Stroke((self.half, low), label=f"waist.{face}.left"),)
+            ends = accumulate(self.shares)
+            return tuple(
+                Stroke((self.half * end, low), label=f"waist.{face}{part}.left")
+                for end, part in zip(ends, SIDES, strict=False)
+            )
         return (
             Stroke((self.middle, low), label=f"waist.{face}.left"),
             Stroke((self.centre, apex), label=f"dart.{face}.left"),

@@ -9,7 +9,7 @@ Patternmaking for Fashion Design), each wider than what it is gathered into.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 from ..measures import BodyMeasures
@@ -18,7 +18,6 @@ from ..outline import (
     Point,
     Stroke,
     arc_handles,
-    cut_stroke,
     length,
     mirror,
     place_panel,
@@ -28,9 +27,11 @@ from ..outline import (
     walk_back,
 )
 from ..pattern import Panel
-from .cut import Bodice, Cut, PartsConflict, Shaping, Skirt, Waistband, Yoke
+from .cut import Bodice, Cut, Gores, PartsConflict, Shaping, Skirt, Waistband, Yoke
+from .gores import Gore, draw_gores
 from .pleats import draw_pleats, yoke_strokes
-from .shaping import MIDDLE_SHARE, Waistline
+from .shaping import Waistline, share_waist
+from .upper_edge import UpperEdge
 
 BAND = 0.04
 """Width of a waistband [m]: as stiff as two layers of cloth, and it still follows the waist."""
@@ -61,32 +62,6 @@ DARTED = (Skirt.STRAIGHT, Skirt.PENCIL, Skirt.A_LINE)
 """Skirts that darts shape; others are wider below the waist than any body."""
 
 
-@dataclass(frozen=True)
-class UpperEdge:
-    """Describe what a skirt's upper edge is.
-
-    Attributes:
-        name: What the seam is called by that holds it; empty where the edge is open.
-        quarter: Length of a quarter of what it is sewn to [m].
-        divided: Whether that quarter is cut where a dart ends.
-        height: Above the feet [m].
-    """
-
-    name: str
-    quarter: float
-    divided: bool
-    height: float
-
-    def strokes(self, face: str, start: Point, stroke: Stroke) -> list[Stroke]:
-        """Return a stroke that begins at the side seam [m] as half of the edge, divided as what it is sewn to is."""
-        if not self.name:
-            return [replace(stroke, contour="waist")]
-        if not self.divided:
-            return [replace(stroke, label=f"{self.name}.{face}.left")]
-        labels = (f"{self.name}.{face}.side.left", f"{self.name}.{face}.left")
-        return list(cut_stroke(start, stroke, 1.0 - MIDDLE_SHARE, labels))
-
-
 def draw_skirt(cut: Cut, m: BodyMeasures) -> list[Panel]:
     """Draw the panels of a skirt, of its hip yoke and of its waistband; below a bodice, of a skirt to be sewn to it.
 
@@ -97,21 +72,22 @@ def draw_skirt(cut: Cut, m: BodyMeasures) -> list[Panel]:
     _check(cut)
     waist = half_waist(cut, m) / 2
     name = "band" if cut.waistband is Waistband.BAND else "waist" if cut.bodice is not Bodice.NONE else ""
-    divided = cut.shaping is not Shaping.NONE or cut.skirt is Skirt.GORED
-    edge = UpperEdge(name, waist, divided, m.waist_height)
+    edge = UpperEdge(name, waist, m.waist_height, share_waist(cut))
     panels = []
     if cut.waistband is Waistband.BAND:
-        panels = [draw_band(face, waist, edge.height, edge.divided) for face in ("front", "back")]
+        panels = [draw_band(face, waist, edge.height, edge.shares) for face in ("front", "back")]
     if cut.yoke is Yoke.HIP:
         low = waist + YOKE_REACH * ((m.hip + 0.04) / 4 - waist)
         panels = [_hip_yoke(face, edge, low, cut.skirt) for face in ("front", "back")] + panels
-        edge = UpperEdge("hipyoke", low, False, edge.height - YOKE_DEPTH)
+        edge = UpperEdge("hipyoke", low, edge.height - YOKE_DEPTH)
     if cut.skirt in SWEEP:
         return _circle(SWEEP[cut.skirt], edge) + panels
     if cut.skirt is Skirt.TIERED:
         return _tiers(edge) + panels
     if cut.skirt is Skirt.PLEATED:
         return draw_pleats(edge.quarter, edge.height) + panels
+    if cut.has_equal_gores:
+        return draw_gores(edge, Gore.of(cut, edge.quarter, m)) + panels
     if cut.skirt is Skirt.GORED:
         return _six_gores(edge, cut, m) + panels
     return (_two_panels if cut.panels == 2 else _four_panels)(edge, cut, m) + panels
@@ -120,6 +96,8 @@ def draw_skirt(cut: Cut, m: BodyMeasures) -> list[Panel]:
 def _check(cut: Cut) -> None:
     """Check that a skirt's parts have what they are sewn to."""
     sewn = cut.waistband is Waistband.BAND or cut.bodice is not Bodice.NONE
+    if cut.skirt is not Skirt.GORED and cut.gores is not Gores.SIX:
+        raise PartsConflict("gores are a gored skirt's; choose skirt=gored.")
     if cut.panels not in (2, 4):
         raise PartsConflict(f"a skirt of {cut.panels} panels is not drafted; choose 2 or 4.")
     if cut.skirt in (*SWEEP, Skirt.TIERED, Skirt.PLEATED) and cut.panels != 2:
@@ -135,8 +113,11 @@ def _check(cut: Cut) -> None:
     if cut.bodice is Bodice.NONE and cut.yoke.faces:
         raise PartsConflict(f"a yoke={cut.yoke} is a bodice's; choose yoke=hip.")
     if cut.bodice is not Bodice.NONE:
-        if cut.skirt is Skirt.GORED and cut.shaping is Shaping.NONE:
-            raise PartsConflict("gores meet a bodice's darts or princess seams; add shaping=darts or shaping=princess.")
+        if cut.skirt is Skirt.GORED and cut.has_equal_gores != (cut.shaping is Shaping.NONE):
+            raise PartsConflict(
+                "six gores meet a bodice's darts or princess seams, others none; choose shaping=darts or "
+                "shaping=princess with gores=6, or gores=8."
+            )
         return
     if cut.shaping is Shaping.PRINCESS:
         raise PartsConflict("princess seams begin at the shoulders; of a skirt choose skirt=gored, or shaping=darts.")
@@ -309,7 +290,7 @@ def _tiers(edge: UpperEdge) -> list[Panel]:
             )
             outline = unfold_closed(Outline((0.0, -high), strokes))
             panels.append(place_panel(f"tier{number}_{face}", outline, above.height))
-        above = UpperEdge(f"tier{number}", wide, False, above.height - high)
+        above = UpperEdge(f"tier{number}", wide, above.height - high)
     return panels
 
 
@@ -355,9 +336,9 @@ def _cubic_arc(angle: float) -> float:
     return length(Outline(start, (Stroke(end, arc_handles(start, end, angle), label="arc"),)), "arc")
 
 
-def draw_band(face: str, half: float, height: float, divided: bool = False) -> Panel:
-    """Draw half a waistband, `half` to each side of the middle [m]; its seam is cut at the centre, and at darts."""
-    edge = UpperEdge("band", half, divided, height)
+def draw_band(face: str, half: float, height: float, shares: tuple[float, ...] = (1.0,)) -> Panel:
+    """Draw half a waistband, `half` to each side of the middle [m]; its seam is cut at the centre, darts and gores."""
+    edge = UpperEdge("band", half, height, shares)
     down = edge.strokes(face, (half, 0.0), Stroke((0.0, 0.0)))
     out = Outline((0.0, 0.0), walk_back(Outline((half, 0.0), tuple(down))))
     strokes = (

@@ -1,0 +1,69 @@
+"""The number and the flare of a skirt's gores, read from its hem."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from garmentq.core.grade.hem_gores import HemGores, find_gores
+from garmentq.core.mesh import vertex_normals
+from garmentq.core.pattern import mesh_pattern
+from garmentq.core.pattern.parts import CUTS, Cut, Gores, Skirt, draft_cut
+from garmentq.core.segment import Contour, Target
+from garmentq.core.segment.loop import find_loops
+
+
+def stand_up(cut: Cut) -> Target:
+    """Return a skirt of flat gores that stand around the wearer, a pyramid without a top, with its hem named."""
+    pattern = draft_cut(cut)
+    garment = mesh_pattern(pattern, 2500)
+    nodes = np.zeros((len(garment.nodes), 3))
+    for index, panel in enumerate(pattern.panels):
+        mine = garment.panel_of_uv == index
+        (hem, low), (top, high) = (np.abs(panel.points[k]) for k in (0, 3))
+        apothems = np.array([hem, top]) / np.tan(np.pi / len(pattern.panels))
+        down = np.abs(garment.uv[mine, 1]) / (low - high)
+        out = apothems[1] + down * (apothems[0] - apothems[1])
+        place = out[:, None] * panel.rotation[:, 2] + garment.uv[mine, :1] * panel.rotation[:, 0]
+        fall = np.sqrt((low - high) ** 2 - (apothems[0] - apothems[1]) ** 2)
+        nodes[garment.uv_node[mine]] = place - np.outer(down, [0.0, fall, 0.0])
+    loops = find_loops(garment.faces)
+    loop = min(loops, key=lambda each: nodes[each, 1].mean())
+    return Target(nodes, garment.faces, vertex_normals(nodes, garment.faces), (Contour("hem", loop, 3.0),), (), "skirt")
+
+
+def gored(gores: Gores, sweep: float) -> Cut:
+    """Return a skirt of so many gores that flare by an angle in all [rad]."""
+    return Cut(skirt=Skirt.GORED, gores=gores, sweep=sweep)
+
+
+@pytest.mark.parametrize(("gores", "sweep"), [(Gores.SIX, 4.0), (Gores.EIGHT, 5.5), (Gores.TWELVE, 5.5)])
+def test_a_hem_tells_number_and_flare_of_its_gores(gores: Gores, sweep: float) -> None:
+    """Breaks where a corner is missed or met twice, or the draft's sides do not flare by what it is asked for."""
+    found = find_gores(stand_up(gored(gores, sweep)))
+    assert found is not None and found.gores is gores
+    assert found.sweep == pytest.approx(sweep, rel=0.02)
+
+
+def test_other_hems_show_no_gores() -> None:
+    """Breaks where four panels, a noisy hem or one that is not trusted are taken for gores."""
+    assert find_gores(stand_up(gored(Gores.FOUR, 3.0))) is None
+    target = stand_up(gored(Gores.EIGHT, 5.5))
+    noise = 0.003 * np.random.default_rng(0).standard_normal(target.vertices.shape)
+    assert find_gores(replace(target, vertices=target.vertices + noise)) is None
+    (hem,) = target.contours
+    assert find_gores(replace(target, contours=(replace(hem, trusted=False),))) is None
+    assert find_gores(replace(target, contours=())) is None
+
+
+def test_only_as_many_gores_are_flared_and_the_parts_are_told() -> None:
+    """Breaks where another skirt takes the angle, or a dress is told parts that cannot be sewn."""
+    seen = HemGores(Gores.EIGHT, 5.5)
+    eight = CUTS["skirt"].choose({"skirt": "gored", "gores": "8"})
+    assert seen.flare(eight) == replace(eight, sweep=5.5)
+    assert seen.flare(CUTS["skirt"]) == CUTS["skirt"]
+    assert seen.flare(eight.choose({"gores": "6"})).sweep is None
+    assert "--part skirt=gored,gores=8'" in seen.tell(CUTS["skirt"]) and "315 degrees" in seen.tell(CUTS["skirt"])
+    parts = seen.tell(CUTS["dress"]).split("--part ")[1].split("'")[0]
+    assert draft_cut(CUTS["dress"].choose(dict(word.split("=") for word in parts.split(","))))
