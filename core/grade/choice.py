@@ -11,7 +11,7 @@ from ..body import Body
 from ..drape import outgrown_measures
 from ..errors import BadInput
 from ..pattern import Pattern, edge_length, list_templates, load_template, name_cut
-from ..pattern.parts import CUTS, Bodice, Cut, Neckline, draft_cut, half_neck
+from ..pattern.parts import CUTS, Bodice, Cut, Neckline, Skirt, draft_cut, half_neck
 from ..segment import Target
 from .cut_search import search_cuts
 from .hem_gores import HemGores, find_gores
@@ -105,7 +105,7 @@ def choose_cut(target: Target, body: Body, parts: Mapping[str, str] | None = Non
         for part, word in wanted.items()
         if not cut.has_place_for(part)
     ]
-    if gores is not None and cut.sweep is None:
+    if gores is not None and cut.skirt is not Skirt.NONE and not gores.is_cut(cut):
         notes.append(gores.tell(cut))
     measures = outgrown_measures(body)
     usual = cut == CUTS.get(name) and measures is None

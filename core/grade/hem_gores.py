@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..pattern.parts import Bodice, Cut, Gores, Skirt
+from ..pattern.parts import Bodice, Cut, Gores, Shaping, Skirt
 from ..segment import Target
 from .edge_turn import EdgeTurn
 
@@ -14,8 +14,8 @@ LEAST = 6
 """Corners from which a skirt is gored: four are where side and centre seams of a skirt of four panels end."""
 
 EVEN = 0.5
-"""Least ratio of two gores' widths at the hem, and of two corners, of one skirt: a centre gore is wider than its
-neighbours by a half at most, and a hole's corners, or a slit's, are of other sizes."""
+"""Least ratio of two gores' widths at the hem, and of two corners, of one skirt: below it something else made them, as
+slits or a torn edge do."""
 
 
 @dataclass(frozen=True)
@@ -30,10 +30,13 @@ class HemGores:
     gores: Gores
     sweep: float
 
+    def is_cut(self, cut: Cut) -> bool:
+        """Check whether a cut has as many gores."""
+        return cut.skirt is Skirt.GORED and cut.gores is self.gores
+
     def flare(self, cut: Cut) -> Cut:
-        """Return a cut whose skirt has as many gores with them flared alike; others as they are."""
-        fits = cut.skirt is Skirt.GORED and cut.gores is self.gores
-        return replace(cut, sweep=self.sweep) if fits else cut
+        """Return a cut with as many gores with them flared alike; others, and gores below darts, as they are."""
+        return replace(cut, sweep=self.sweep) if self.is_cut(cut) and cut.shaping is Shaping.NONE else cut
 
     def tell(self, cut: Cut) -> str:
         """Return one sentence for the user, who is given a cut without them, with the parts that draft them."""
