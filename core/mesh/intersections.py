@@ -34,13 +34,13 @@ def intersecting_pairs(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     if len(faces) == 0:
         return np.zeros((0, 2), dtype=np.int64)
     vertices = np.asarray(vertices, dtype=np.float64)
-    corners = np.ascontiguousarray(vertices[faces])
     low, high = face_boxes(vertices, faces)
     axis = int(np.argmax(high.max(axis=0) - low.min(axis=0)))
     order = np.argsort(low[:, axis], kind="stable")
     axes = [axis, (axis + 1) % 3, (axis + 2) % 3]
     low, high = low[order][:, axes], high[order][:, axes]  # in the order of the sweep, which reads them one by one
-    found = order[_sweep(corners[order], np.asarray(faces, dtype=np.int64)[order], low, high)]
+    ordered = np.asarray(faces, dtype=np.int64)[order]
+    found = order[_sweep(vertices[ordered], ordered, low, high)]
     return np.stack([found.min(axis=1), found.max(axis=1)], axis=1)
 
 

@@ -12,24 +12,14 @@ from garmentq.core.pattern import mesh_pattern
 from garmentq.core.pattern.parts import CUTS, Cut, Gores, Skirt, draft_cut
 from garmentq.core.segment import Contour, Target
 from garmentq.core.segment.loop import find_loops
+from standing_gores import stand_gores
 
 
 def stand_up(cut: Cut) -> Target:
-    """Return a skirt of flat gores that stand around the wearer, a pyramid without a top, with its hem named."""
-    pattern = draft_cut(cut)
-    garment = mesh_pattern(pattern, 2500)
-    nodes = np.zeros((len(garment.nodes), 3))
-    for index, panel in enumerate(pattern.panels):
-        mine = garment.panel_of_uv == index
-        (hem, low), (top, high) = (np.abs(panel.points[k]) for k in (0, 3))
-        apothems = np.array([hem, top]) / np.tan(np.pi / len(pattern.panels))
-        down = np.abs(garment.uv[mine, 1]) / (low - high)
-        out = apothems[1] + down * (apothems[0] - apothems[1])
-        place = out[:, None] * panel.rotation[:, 2] + garment.uv[mine, :1] * panel.rotation[:, 0]
-        fall = np.sqrt((low - high) ** 2 - (apothems[0] - apothems[1]) ** 2)
-        nodes[garment.uv_node[mine]] = place - np.outer(down, [0.0, fall, 0.0])
-    loops = find_loops(garment.faces)
-    loop = min(loops, key=lambda each: nodes[each, 1].mean())
+    """Return a skirt that stands by itself, with its hem named."""
+    garment = mesh_pattern(draft_cut(cut), 2500)
+    nodes = stand_gores(garment)
+    loop = min(find_loops(garment.faces), key=lambda each: nodes[each, 1].mean())
     return Target(nodes, garment.faces, vertex_normals(nodes, garment.faces), (Contour("hem", loop, 3.0),), (), "skirt")
 
 

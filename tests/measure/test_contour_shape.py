@@ -13,6 +13,7 @@ from garmentq.core.mesh import ClosedCurve, vertex_normals
 from garmentq.core.pattern import Edge, EdgeRef, Garment, Panel, Pattern, Seam, load_template, mesh_pattern
 from garmentq.core.pattern.parts import CUTS, draft_cut
 from garmentq.core.segment import Contour, Target, find_loops
+from standing_gores import stand_gores
 
 BODY = builtin_body("builtin:female,height=1.70")
 
@@ -146,22 +147,11 @@ GORES = 8
 
 
 def sew_gores() -> tuple[Garment, np.ndarray]:
-    """Return a skirt of gores and its nodes, each gore flat: a pyramid without a top."""
+    """Return a skirt of gores and where its nodes are as it stands."""
     panels = tuple(Panel(f"gore_{k}", GORE, tuple(Edge() for _ in GORE)) for k in range(GORES))
     seams = tuple(Seam(EdgeRef(f"gore_{k}", 1), EdgeRef(f"gore_{(k + 1) % GORES}", 3)) for k in range(GORES))
     garment = mesh_pattern(Pattern("gores", panels, seams, symmetric=False), 2000)
-    half = np.pi / GORES
-    slope = (GORE[2, 0] - 0.25) / 0.25  # by how much narrower the top is
-    low, high = (0.25 * share / np.tan(half) for share in (1.0, slope))
-    rise = np.sqrt(0.5**2 - (low - high) ** 2)
-    nodes = np.zeros((len(garment.nodes), 3))
-    for k in range(GORES):
-        mine = garment.panel_of_uv == k
-        across, up = garment.uv[mine, 0] - 0.25, garment.uv[mine, 1] / 0.5
-        out, turn = low + up * (high - low), 2.0 * half * k
-        place = out[:, None] * [np.sin(turn), 0.0, np.cos(turn)] + across[:, None] * [np.cos(turn), 0.0, -np.sin(turn)]
-        nodes[garment.uv_node[mine]] = place + np.outer(up, [0.0, rise, 0.0])
-    return garment, nodes
+    return garment, stand_gores(garment)
 
 
 def hem_of(garment: Garment, nodes: np.ndarray) -> np.ndarray:

@@ -19,7 +19,7 @@ LENGTH = 0.54
 HIP_EASE = 0.05
 """Ease of its girth at the hip [m]: an A-line one's."""
 
-SWEEP = 1.7
+USUAL_SWEEP = 1.7
 """Whole angle of a skirt's gores laid side by side [rad] where no scan shows it: the hem is 1.7 m wide, as that of an
 A-line skirt of four panels."""
 
@@ -40,7 +40,7 @@ class Gore:
     def of(cls, cut: Cut, quarter: float, m: BodyMeasures) -> Gore:
         """Return a gore of a cut whose waist's quarter is so long [m]."""
         count = cut.panels_around
-        sweep = SWEEP if cut.sweep is None else cut.sweep
+        sweep = USUAL_SWEEP if cut.sweep is None else cut.sweep
         slope, top = math.tan(sweep / count / 2), 2 * quarter / count
         hip_line = m.hip_height - m.waist_height
         hip = max(top - slope * hip_line, (m.hip + HIP_EASE) / count / 2)

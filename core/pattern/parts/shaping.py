@@ -48,6 +48,11 @@ def share_waist(cut: Cut) -> tuple[float, ...]:
     return (1.0,)
 
 
+def label_pieces(name: str, face: str, count: int) -> list[str]:
+    """Return what the pieces of the left half of a face's seam are called, from the middle to the side."""
+    return [f"{name}.{face}{part}.left" for part in SIDES[:count]]
+
+
 @dataclass(frozen=True)
 class Waistline:
     """Describe half a front or back at the waist, from the middle to the side.
@@ -85,11 +90,9 @@ class Waistline:
     def strokes(self, face: str, low: float, apex: float) -> tuple[Stroke, ...]:
         """Draw the waist from the middle to the side at a height, a dart in it that ends at another [m]."""
         if not self.dart:
-            ends = accumulate(self.shares)
-            return tuple(
-                Stroke((self.half * end, low), label=f"waist.{face}{part}.left")
-                for end, part in zip(ends, SIDES, strict=False)
-            )
+            labels = label_pieces("waist", face, len(self.shares))
+            ends = zip(accumulate(self.shares), labels, strict=True)
+            return tuple(Stroke((self.half * end, low), label=label) for end, label in ends)
         return (
             Stroke((self.middle, low), label=f"waist.{face}.left"),
             Stroke((self.centre, apex), label=f"dart.{face}.left"),

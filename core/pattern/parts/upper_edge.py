@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from ..outline import Point, Stroke, cut_stroke
-from .shaping import SIDES
+from .shaping import label_pieces
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class UpperEdge:
 
     def labels(self, face: str) -> list[str]:
         """Return what the pieces of the left half of a face are called, from the middle to the side."""
-        return [f"{self.name}.{face}{part}.left" for part, _ in zip(SIDES, self.shares, strict=False)]
+        return label_pieces(self.name, face, len(self.shares))
 
     def strokes(self, face: str, start: Point, stroke: Stroke) -> list[Stroke]:
         """Return a stroke that begins at the side seam [m] as half of the edge, divided as what it is sewn to is."""
