@@ -238,6 +238,6 @@ def _judge(stage: Stage, state: State, now: Moment, tally: _Tally, begun: float)
     """Return a frame's nodes outside the wearer, and its verdict."""
     faces = stage.worn.garment.faces
     nodes = stage.deliver(state.nodes, now)
-    (depth, pinched), crossed = pinched_depth(nodes, faces, now.surface), len(self_intersections(nodes, faces))
+    deep, crossed = pinched_depth(nodes, faces, now.surface), len(self_intersections(nodes, faces))
     seconds = time.process_time() - begun
-    return nodes, Verdict(tally.converged, depth, crossed, tally.steps, tally.factors, seconds, pinched)
+    return nodes, Verdict(tally.converged, deep.free, crossed, tally.steps, tally.factors, seconds, deep.way)

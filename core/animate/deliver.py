@@ -67,8 +67,8 @@ def take_outside(nodes: np.ndarray, skin: ExposedSurface, scene: Scene) -> np.nd
         moved = (nodes != before).any(axis=1)
         singles, sheets = moved.copy(), moved[cloth.faces].any(axis=1)
         singles[own[distance < 0.0]] = sheets[middles[depth < 0.0]] = True
-    free, pinched = pinched_depth(nodes, cloth.faces, skin) if low > LEFT else (0.0, 0.0)
-    if free > LEFT or LEFT < pinched < HOPELESS:
+    deep = pinched_depth(nodes, cloth.faces, skin) if low > LEFT else None
+    if deep is not None and (deep.free > LEFT or LEFT < deep.way < HOPELESS):
         for origin in (start, nodes):
             through = untangle_outside(
                 project_outside(origin, skin, cloth.faces), skin, cloth.faces, allowed=LEFT, limit=LEFT

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from copy import copy
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -55,6 +57,7 @@ class ExposedSurface:
         self, vertices: np.ndarray, faces: np.ndarray, splits: int = SPLITS, near: np.ndarray | None = None
     ) -> None:
         self._solid, self._near = Solid(vertices, faces), near
+        self._strict: ExposedSurface | None = None
         self._surface = TriangleSurface(*self._keep_open(splits))
         self.vertices, self.faces = self._surface.vertices, self._surface.faces
         self.normals = self._surface.face_normals
@@ -67,7 +70,20 @@ class ExposedSurface:
     @cached_property
     def whole(self) -> ExposedSurface:
         """Return the same skin with the faces that creases cut kept or dropped whole, as their middles are."""
+        if self._strict is not None:
+            return self._strict.whole.sparing_pinched()
         return ExposedSurface(self._solid.vertices, self._solid.faces, splits=0, near=self._near)
+
+    def sparing_pinched(self) -> ExposedSurface:
+        """Return the same skin for cloth that may stay where the body's parts pinch it: there it counts as outside.
+
+        The distance of such a point is half of what its way to skin in the open exceeds that to swallowed skin by: how
+        far it can move and stay pinched.
+        """
+        other = copy(self)
+        other.__dict__.pop("whole", None)
+        other._strict = self
+        return other
 
     @cached_property
     def swallowed(self) -> TriangleSurface | None:
@@ -145,9 +161,32 @@ class ExposedSurface:
         """
         if self._is_cut:
             inside = points[self.contains(points)]
-            return inside, self.closest(inside).distance
+            way = self.closest(inside).distance
+            if self._strict is not None:
+                free = ~self.pinch(inside, way)[0]
+                inside, way = inside[free], way[free]
+            return inside, way
         distance, _ = self.measure(points)
         return points[distance < 0.0], -distance[distance < 0.0]
+
+    def pinch(self, inside: np.ndarray, way: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Find which points inside the body its parts pinch.
+
+        Pinched is what is nearer to skin that another part of the body swallows than to skin in the open: it lies
+        between parts that run into each other, where no place is outside of both.
+
+        Args:
+            inside: Points [m], shape [n, 3].
+            way: Their distances to the skin in the open [m], shape [n].
+
+        Returns:
+            Which are pinched, shape [n], and their depths below swallowed skin [m], infinite where there is none.
+        """
+        swallowed = self.swallowed
+        if swallowed is None or not len(inside):
+            return np.zeros(len(inside), dtype=bool), np.full(len(inside), np.inf)
+        depth = swallowed.distance(inside)
+        return depth < way, depth
 
     def closest(self, points: np.ndarray) -> Closest:
         """Find the closest points of the skin in the open to points [m], shape [n, 3]."""
@@ -179,7 +218,12 @@ class ExposedSurface:
         # Below a nanometre the difference of two positions of about 1 m has no direction left in float64.
         far = distance > 1e-9
         gradient[far] = offset[far] * (sign[far] / distance[far])[:, None]
-        return sign * distance, gradient
+        signed = sign * distance
+        if self._strict is not None:
+            inside = np.flatnonzero(signed < 0.0)
+            pinched, depth = self.pinch(points[inside], distance[inside])
+            signed[inside[pinched]] = 0.5 * (distance[inside] - depth)[pinched]
+        return signed, gradient
 
 
 def _beside_creases(vertices: np.ndarray, faces: np.ndarray, bare: np.ndarray) -> np.ndarray:
@@ -211,23 +255,32 @@ def penetration_depth(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface
     return float(_depths(nodes, faces, skin)[1].max(initial=0.0))
 
 
-def pinched_depth(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface) -> tuple[float, float]:
-    """Return the greatest depth of a garment in a body where it has a way out, and where the body's parts pinch it [m].
+class PinchedDepth(NamedTuple):
+    """How deep a garment is in a body [m], 0 where it is not.
 
-    Pinched is what is inside and nearer to skin that another part of the body swallows than to skin in the open: it
-    lies between parts that run into each other, where no place is outside of both.
+    Attributes:
+        free: Greatest way to skin in the open of what has one.
+        way: The same of what the body's parts pinch (`ExposedSurface.pinch`).
+        pinched: Greatest distance of that from the nearer part's skin: how far flesh has to yield to it.
+    """
+
+    free: float
+    way: float
+    pinched: float
+
+
+def pinched_depth(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface) -> PinchedDepth:
+    """Measure how deep a garment is in a body where it has a way out, and where the body's parts pinch it.
 
     Args:
         nodes: Garment positions [m], shape [node_count, 3].
         faces: Garment faces, shape [face_count, 3].
         skin: The body.
     """
-    inside, depth = _depths(nodes, faces, skin)
-    swallowed = skin.swallowed
-    if swallowed is None or not len(inside):
-        return float(depth.max(initial=0.0)), 0.0
-    pinched = swallowed.distance(inside) < depth
-    return float(depth[~pinched].max(initial=0.0)), float(depth[pinched].max(initial=0.0))
+    inside, way = _depths(nodes, faces, skin)
+    pinched, depth = skin.pinch(inside, way)
+    found = (way[~pinched], way[pinched], depth[pinched])
+    return PinchedDepth(*(float(each.max(initial=0.0)) for each in found))
 
 
 def _depths(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface) -> tuple[np.ndarray, np.ndarray]:

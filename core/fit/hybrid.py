@@ -131,8 +131,9 @@ def fit_pattern(
         if len(drapes) > 1:
             drapes.sort(key=lambda drape: (not drape.converged, problem.loss.value(drape.nodes)))
         rest = drapes[0]
-    simulation = project_outside(rest.nodes, wearer.exposed, recovered.faces)
-    simulation = untangle_outside(simulation, wearer.exposed, recovered.faces)
+    skin = wearer.exposed.sparing_pinched()
+    simulation = project_outside(rest.nodes, skin, recovered.faces)
+    simulation = untangle_outside(simulation, skin, recovered.faces)
     hooks.progress("fit", 0.98, "comparing both registrations")
     detail = refitted if first is None else find_nearer(first, refitted, case, wearer, hooks)
     return Fit(

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..body import ExposedSurface, penetration_depth
+from ..body import ExposedSurface
 from ..mesh import (
     Closest,
     Rim,
@@ -25,6 +25,7 @@ from ..segment import Contour
 from .chamfer import VertexCloud, chamfer_and_normals, meshing_floor, orientation
 from .contours import contour_rms
 from .crossings import count_crossings
+from .penetration import measure_penetration
 
 SURFACE_SAMPLES = 50_000
 """Samples per direction: the RMS of a sampled distance then scatters by less than 1 %."""
@@ -128,7 +129,7 @@ def measure_fit(garment: Garment, meshes: Meshes, truth: Reference) -> dict[str,
             found |= {prefix + name: value for name, value in draped.items()}
     graded = _measure_place(garment, meshes.graded, truth)
     graded |= count_crossings(meshes.graded, garment.faces, truth.skin)
-    graded["body_penetration_mm"] = _penetration(meshes.graded, garment.faces, truth.skin)
+    graded |= measure_penetration(meshes.graded, garment.faces, truth.skin)
     found |= {f"graded.{name}": value for name, value in graded.items()}
     return dict(sorted(found.items()))
 
@@ -184,8 +185,7 @@ def _measure_mesh(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict
     found["flipped_faces"] = float(count_flipped(nodes, faces, truth))
     found |= count_crossings(nodes, faces, truth.skin)
     found["min_angle_deg"] = float(np.degrees(np.quantile(corner_angles(nodes, faces).min(axis=1), 0.01)))
-    found["body_penetration_mm"] = _penetration(nodes, faces, truth.skin)
-    return found
+    return found | measure_penetration(nodes, faces, truth.skin)
 
 
 def _measure_place(garment: Garment, nodes: np.ndarray, truth: Reference) -> dict[str, float | None]:
@@ -210,7 +210,3 @@ def count_flipped(vertices: np.ndarray, faces: np.ndarray, truth: Reference) -> 
     against = centres[there][orientation(cosines[there]) * cosines[there] < 0.0]
     edge = float(np.linalg.norm(vertices[faces] - vertices[np.roll(faces, 1, axis=1)], axis=2).mean())
     return int(np.sum(truth.crossing_distance(against, edge) >= edge))
-
-
-def _penetration(nodes: np.ndarray, faces: np.ndarray, skin: ExposedSurface | None) -> float | None:
-    return None if skin is None else MM * penetration_depth(nodes, faces, skin)

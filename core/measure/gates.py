@@ -176,6 +176,12 @@ RULES = (
         "Under 1 mm nothing shows in a render; scans touch their bodies up to 5 mm deep, more is a misplaced body.",
     ),
     Rule(
+        "pinched", _read("pinched_mm"), 5.0, 25.0,
+        "Parts of the body that run into each other hold cloth up to {value:.1f} mm inside both",
+        "give a body whose limbs do not lie in each other, or fit it anew; the cloth between them is a guess.",
+        "Thighs and arms that touch yield by some millimetres, true cloth lies 3 mm deep there; 25 mm is a wrong pose.",
+    ),
+    Rule(
         "flips", _percent_of_faces("flipped_faces"), 0.5, 3.0,
         "{value:.2f} % of the faces point against the scan",
         "look for inside-out folds in the error map; a higher --vertices resolves tight folds better.",

@@ -78,11 +78,47 @@ def test_depth_between_parts_that_run_into_each_other_is_told_apart():
     middle = skin.swallowed.vertices[skin.swallowed.faces].mean(axis=1)
     deepest = middle[[skin.closest(middle).distance.argmax()]]
     faces = np.zeros((0, 3), dtype=int)
-    free, pinched = pinched_depth(deepest - 1e-4, faces, skin)
-    assert free == 0.0 and pinched > 2e-3
+    found = pinched_depth(deepest - 1e-4, faces, skin)
+    assert found.free == 0.0 and found.way > 2e-3 and found.pinched < 2e-4
     inside = body.joint("neck")[None] * [1.0, 0.9, 1.0]
-    free, pinched = pinched_depth(inside, faces, skin)
-    assert free > 0.03 and pinched == 0.0
+    found = pinched_depth(inside, faces, skin)
+    assert found.free > 0.03 and found.way == found.pinched == 0.0
+
+
+def test_what_parts_pinch_is_spared_and_nothing_else() -> None:
+    """Broken where cloth that may stay between two parts is sent out, or cloth that has a way out may stay inside.
+
+    On the axis, 4 cm inside both balls, the crease is 8 cm away: pinched. What is inside one ball is not where its own
+    skin in the open is nearer than the other's skin.
+    """
+    skin = ExposedSurface(*two_balls())
+    points = np.array([[0.06, 0.0, 0.0], [0.05, 0.01, 0.0], [0.01, 0.09, 0.0], [-0.08, 0.0, 0.0], [0.06, 0.0, 0.3]])
+    distance, sparing = skin.measure(points)[0], skin.sparing_pinched()
+    spared = sparing.measure(points)[0]
+    pinched = np.array([True, True, False, False, False])
+    np.testing.assert_array_equal(spared[~pinched], distance[~pinched])
+    assert (distance[pinched] < -0.06).all()
+    # to the other ball's skin 4 cm, to the crease 8: it stays pinched for 2 cm
+    np.testing.assert_allclose(spared[0], 0.5 * (0.08 - 0.04), atol=1e-3)
+    assert (spared[pinched] > 0.0).all()
+    for one in (sparing, sparing.whole):
+        inside, way = one.depths(points)
+        np.testing.assert_array_equal(inside, points[[2, 3]])
+        assert (way > 0.0).all()
+    assert len(skin.depths(points)[0]) == len(skin.whole.depths(points)[0]) == 4
+
+
+def test_a_spared_point_stays_spared_as_far_as_its_distance_says() -> None:
+    """Broken where the distance of a pinched point is more than it can move: a watch would ask too late."""
+    sparing = ExposedSurface(*two_balls()).sparing_pinched()
+    generator = np.random.default_rng(6)
+    points = np.array([0.06, 0.0, 0.0]) + generator.uniform(-1.0, 1.0, (300, 3)) * [0.03, 0.07, 0.07]
+    distance = sparing.measure(points)[0]
+    way = generator.normal(size=points.shape)
+    way *= (0.99 * np.abs(distance) / np.linalg.norm(way, axis=1))[:, None]
+    kept = distance > 0.0
+    assert 50 < kept.sum() < 300
+    assert (sparing.measure(points + way)[0][kept] > 0.0).all()
 
 
 def test_a_surface_asked_near_cloth_is_the_whole_one_there() -> None:

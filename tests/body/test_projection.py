@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from garmentq.core.body import ExposedSurface, penetration_depth, project_outside
+from garmentq.core.body import ExposedSurface, penetration_depth, pinched_depth, project_outside
 from garmentq.core.mesh import self_intersections
 from nearest_skin import signed_distance
 
@@ -116,3 +116,26 @@ def test_a_point_at_the_clearance_behind_a_crease_leaves() -> None:
     inside = inside[np.abs(skin.measure(inside)[0] + 1e-3) < 1e-9]
     assert len(inside)
     assert skin.measure(project_outside(inside, skin))[0].min() > -1e-9
+
+
+def test_cloth_that_limbs_pinch_is_not_torn_to_the_rims(thighs):
+    """Breaks where cloth between both limbs is sent out of both, one node in front and the next behind.
+
+    A sheet that goes around one limb, on its skin, passes through the other, 4 mm deep where the limbs meet: the rims
+    of the crease are 17 mm away, before it and behind.
+    """
+    flat, faces = sheet(25, 0.19)
+    turn = flat[:, 0] / 0.0795
+    nodes = np.stack([0.0795 * np.cos(turn) - 0.078, flat[:, 1], 0.0795 * np.sin(turn)], axis=1)
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
+
+    def longest(points):
+        before, after = (np.linalg.norm(at[edges[:, 0]] - at[edges[:, 1]], axis=1) for at in (nodes, points))
+        return (after / before).max()
+
+    depth = pinched_depth(nodes, faces, thighs)
+    assert depth.way > 1e-2 and 1e-4 < depth.pinched < 3e-3
+    torn = project_outside(nodes, thighs, faces)
+    kept = project_outside(nodes, thighs.sparing_pinched(), faces)
+    assert longest(torn) > 2.0 and longest(kept) < 1.6
+    assert pinched_depth(kept, faces, thighs).free < 5e-4

@@ -15,6 +15,7 @@ GOOD = {
     "surface_rms_mm.t2s": 1.5,
     "seam_mismatch_mm": 0.05,
     "body_penetration_mm": 0.0,
+    "pinched_mm": 2.0,
     "flipped_faces": 4.0,
     "self_intersecting_faces": 10.0,
     "graded.self_intersecting_faces": 10.0,
@@ -65,6 +66,7 @@ def test_a_good_result_passes_every_gate() -> None:
         ("shape__hem_mm", "contour_shape", 60.0, 150.0),
         ("pattern__beyond_human", "plausible", 1.2, 10.0),
         ("body_penetration_mm", "penetration", 2.0, 8.0),
+        ("pinched_mm", "pinched", 8.0, 30.0),
         ("flipped_faces", "flips", 100.0, 400.0),
         ("self_intersecting_faces", "self_intersections", 100.0, 400.0),
         ("drape__residual", "drape_residual", 15.0, 500.0),
@@ -91,6 +93,7 @@ def test_a_pattern_dressed_anew_may_be_as_stretched_as_the_scan() -> None:
 def test_what_was_not_measured_is_not_judged() -> None:
     """Fails if a missing number passed for a good one."""
     assert "penetration" not in verdicts(body_penetration_mm=None)
+    assert "pinched" not in verdicts(pinched_mm=None)
     assert judge({}) == ()
 
 
