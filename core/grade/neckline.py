@@ -41,6 +41,10 @@ SAGGING = 1.5
 """A line with corners is square as long as its misfit is below this many of the round one's: the lower edge of a square
 sags, and is 1.3 of it then. Round lines behind, which have corners at the side neck points, have 2.3 and more."""
 
+SHALLOW = 2.0 * AROUND
+"""Depth up to which corners within the cloth do not tell a square [m]: they lie as near to the side neck points, where
+round lines end in a corner, and the windows of both are one. A shallow round line behind had 52 degrees there."""
+
 POINTED = np.radians(75.0)
 """Turn in the middle within the cloth from which a line is a V: V-necks of nine drapes have 83 to 134 degrees, round
 ones at most 33, 60 with 2 mm of noise."""
@@ -180,7 +184,8 @@ def _told_by_cloth(
     """Return the line whose corners are plain within the cloth, though it hangs nearly round; None where none is."""
     if turns is None:
         return None
-    if turns.corner > max(CORNERED, ALONE * turns.middle) and square.misfit < SAGGING * rounded.misfit:
+    cornered = turns.corner > max(CORNERED, ALONE * turns.middle) and square.throat.depth > SHALLOW
+    if cornered and square.misfit < SAGGING * rounded.misfit:
         return square
     if turns.middle > max(POINTED, ALONE * turns.corner) and pointed.misfit < BULGING * rounded.misfit:
         return pointed

@@ -154,6 +154,15 @@ def test_a_square_neckline_may_sag(sag, kind):
         assert fits.front[0].misfit > CLEAR * fits.front[1].misfit  # by their lines alone it would be round
 
 
+@pytest.mark.parametrize(("depth", "kind"), [(0.03, Neckline.CREW), (0.06, Neckline.SQUARE)])
+def test_corners_beside_the_side_neck_points_make_no_square(depth, kind):
+    """Broken where a shallow back, flat with tight ends as drapes show it, is square by corners that are its ends'."""
+    at = np.linspace(0.0, 0.5 * np.pi, 200)
+    line = np.stack([0.087 * np.cos(at) ** (2.0 / 3.0), depth * np.sin(at) ** (2.0 / 3.0)], axis=1)
+    ranked = _rank(line, Neckline.CREW, _Turns(np.radians(5.0), np.radians(52.0)))
+    assert ranked[0].throat.kind is kind
+
+
 def test_the_base_pattern_gets_the_corner_where_the_scan_has_it():
     """Breaks where the V lands in the back, or keeps the template's depth instead of the scan's proportion."""
     for front, back, name in (
