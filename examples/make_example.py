@@ -1,7 +1,8 @@
 """Make the example's scan: a T-shirt draped on a body by a simulator that is not ours; a developer's script.
 
-Run it after `pip install garmentq[develop]` as `python examples/make_example.py` (three minutes on one core); the demo
-itself needs nothing of it. It writes `pattern.json` (the truth), `body.ply` and `garment.ply` into `examples/data`.
+Run it after `pip install garmentq[develop]` as `python examples/make_example.py` (a quarter of an hour on one core);
+the demo itself needs nothing of it. It writes `pattern.json` (the truth), `body.ply` and `garment.ply` into
+`examples/data`.
 
 What it does: draft a boxy V-neck T-shirt by other measures and lines than the shipped template's, dress a built-in
 body in it, let the VBD solver of the `newton` package (a vertex at a time, in float32, with its own contact and
@@ -55,16 +56,20 @@ THICKNESS = 4.0e-3
 CONTACT = 1.0e4
 """Stiffness of a node's contact [N/m]: where the shirt hangs from the shoulders, 2 N on a node sink it by 0.2 mm."""
 
-STEP = 1.0 / 200.0
-"""Time step [s]."""
-SWEEPS = 8
+STEP = 1.0 / 2000.0
+"""Time step [s]. A sweep carries a force from a node to the next: where the membrane is stiff beside the nodes' inertia
+over a step, few sweeps leave it soft. With steps of 1/200 s and 8 sweeps the neckline came to rest 34 % longer than it
+is cut, a hundredth of the faces stretched by as much; so it is 3 %, and 2 %."""
+SWEEPS = 6
 """Sweeps of the solver over all nodes in a step."""
+REPORT = 0.1
+"""Simulated time between two lines of the report [s]."""
 LOWERING = 0.8
 """Time in which the arms sink from the T-pose, in which one is dressed, to the A-pose [s]."""
 DURATION = 2.8
 """Simulated time [s]: two seconds at rest, after which nothing moves faster than a few mm/s."""
-CALM = 0.985
-"""Share of the velocity kept in a step; still air, and the friction inside the cloth, stop the swinging in 0.3 s."""
+CALM = 0.33
+"""Time in which still air, and the friction inside the cloth, take the velocity to its e-th part [s]."""
 
 
 def draft_tee() -> Pattern:
@@ -186,6 +191,7 @@ def simulate(model: newton.Model, mesh: newton.Mesh, body: Body, duration: float
     pipeline = newton.CollisionPipeline(model, soft_contact_gap=2 * THICKNESS)
     contacts, control = pipeline.contacts(), model.control()
     now, then = model.state(), model.state()
+    kept = np.exp(-STEP / CALM)
     for step in range(round(duration / STEP)):
         share = min((step + 1) * STEP / LOWERING, 1.0)
         if step * STEP < LOWERING:
@@ -197,8 +203,8 @@ def simulate(model: newton.Model, mesh: newton.Mesh, body: Body, duration: float
         solver.step(now, then, control, contacts, STEP)
         now, then = then, now
         velocity = now.particle_qd.numpy()
-        now.particle_qd.assign(CALM * velocity)
-        if step % 20 == 0:
+        now.particle_qd.assign(kept * velocity)
+        if step % round(REPORT / STEP) == 0:
             speed = np.linalg.norm(velocity, axis=1)
             print(f"at {step * STEP:.1f} s: median {np.median(speed):.4f}, largest {speed.max():.3f} m/s", flush=True)
     return now.particle_q.numpy().astype(np.float64)

@@ -30,11 +30,8 @@ FREE = 0.2
 """Distance up to which something else that was scanned shows that a border without anything near it is a free edge [m]:
 a wide skirt's hem hangs that far from the legs. Beyond, the scan ends there and not the garment."""
 
-OVER = (Part.HAIR, Part.OTHER)
-"""What lies over clothes wherever they meet: a neckline below long hair is not seen."""
-
 LEVEL = 2e-3
-"""Step between two garments that tells which lies on the other [m]: the thickness of cloth and a scan's noise."""
+"""Step at a border that tells which side lies on the other [m]: the thickness of cloth and a scan's noise."""
 
 WAISTBAND = (0.04, 0.03)
 """Height over the hip joints from which on a border of two garments is more likely a waistband than a hem, and how
@@ -140,7 +137,9 @@ def _compare(
 def _judge(name: str, part: Part, sides: _Sides) -> FoundContour:
     worn = np.isin(sides.beyond, GARMENTS)
     covered = worn.mean() > 0.5 and _lies_below(part, sides.beyond[worn], sides.step[worn], sides.level)
-    covered |= bool(np.isin(sides.beyond, OVER).mean() > 0.5)
+    # hair lies over clothes; of what else is none, that over which a garment stands out may be its own inside
+    over = (sides.beyond == Part.HAIR) | ((sides.beyond == Part.OTHER) & (sides.step < LEVEL))
+    covered |= bool(over.mean() > 0.5)
     step = np.where(worn, np.abs(sides.step), sides.step)  # a garment's edge is seen from either side
     shown = not covered and is_shown(step, sides.contrast)
     return FoundContour(name, contour_confidence(step, sides.contrast), not shown)
