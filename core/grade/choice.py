@@ -129,7 +129,7 @@ def _rank_cuts(target: Target, body: Body, wanted: Mapping[str, str], gores: Hem
 
     Templates by their contours (`rank_templates`), with the sleeves that reach as far as the scan's (`fit_sleeve`); of
     those with the fewest contours missing, then, every cut by its girths (`search_cuts`), where the scan shows them. A
-    dress whose cloth is curved across the waist has a seam there (`has_curved_waist`): girths do not tell it.
+    dress or jumpsuit whose cloth is curved across the waist has a seam there (`has_curved_waist`): girths do not tell.
     Gores that the user chose flare as those that the scan's hem shows.
     """
     ranked, templates = [], rank_templates(target, list(CUTS))

@@ -1,4 +1,4 @@
-"""Find the line across front and back at which a bodice and a skirt were sewn together: there the cloth is curved."""
+"""Find the line at which a bodice and a skirt or legs were sewn together: there the cloth is curved."""
 
 from __future__ import annotations
 

@@ -98,6 +98,8 @@ def hang(name: str, gender: str, poses: tuple[str, ...]) -> None:
         "skirt+skirt=full-circle,yoke=hip",
         "trousers+legs=wide,waistband=band",
         "skirt+skirt=pleated,yoke=hip",
+        "sleeved_jumpsuit+legs=wide,waist=seam",
+        pytest.param("jumpsuit+waist=seam", marks=pytest.mark.nightly),
         "tank+bodice=strapless",
         pytest.param("dress+bodice=strapless", marks=pytest.mark.nightly),
         "long_sleeve_tshirt+sleeve_head=set-in,sleeve_pieces=two",

@@ -88,6 +88,8 @@ def many_cuts() -> dict[str, Cut]:
     for kind, face in product(Neckline, (Yoke.BACK, Yoke.FRONT)):
         found[f"{kind} {face} yoke"] = Cut(Bodice.SKIMMING, kind, kind, yoke=face)
     found["suit stand"] = Cut(Bodice.SHIFT, legs=Legs.STRAIGHT, collar=Collar.STAND)
+    for bodice, legs, sleeve in product(tuple(Bodice)[1:], tuple(Legs)[1:], (Sleeve.NONE, Sleeve.SHORT)):
+        found[f"{bodice} {legs} {sleeve} suit seam"] = Cut(bodice, legs=legs, sleeve=sleeve, waist=Waist.SEAM)
     for sleeve, head in product(Sleeve, SleeveHead):
         found[f"{sleeve} {head} cuff"] = Cut(Bodice.SHIFT, sleeve=sleeve, sleeve_head=head, cuff=Cuff.BAND)
     for sleeve, head, yoke in product(Sleeve, SleeveHead, tuple(Yoke)[:-1]):

@@ -166,9 +166,9 @@ class Cut:
         panels: Panels of a skirt all around, 2 or 4; see `panels_around`.
         gores: Of a gored skirt.
         sweep: Whole angle of a gored skirt's gores laid side by side [rad]; None: as one is usually cut.
-        legs: Below the waist instead of a skirt, in one piece with a bodice where there is one.
+        legs: Below the waist instead of a skirt.
         waistband: Of a skirt or legs without a bodice.
-        waist: Whether a bodice and its skirt are cut in one piece or sewn to each other.
+        waist: Whether a bodice and its skirt or legs are cut in one piece or sewn to each other.
         sleeve_head: How each sleeve meets the bodice.
         shaping: Of bodice and skirt at the waist.
         yoke: Across the back of a bodice, its front or both, or around the hips above a skirt.
@@ -253,7 +253,7 @@ class Cut:
         if part in ("neckline", "back_neckline", "sleeve", "sleeve_head", "sleeve_pieces", "collar", "cuff"):
             return self.bodice is not Bodice.NONE
         if part == "waist":
-            return self.bodice is not Bodice.NONE and self.skirt is not Skirt.NONE
+            return self.bodice is not Bodice.NONE and (self.skirt is not Skirt.NONE or self.legs is not Legs.NONE)
         if part == "waistband":
             return self.bodice is Bodice.NONE
         if part == "shaping":

@@ -25,7 +25,7 @@ from .cut import (
     Waistband,
     Yoke,
 )
-from .legs import draw_legs, draw_suit
+from .legs import draw_legs, draw_suit, draw_suit_legs
 from .skirts import SWEEP, draw_skirt
 from .tops import draw_shoulder, draw_top
 
@@ -73,25 +73,27 @@ def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None =
             raise PartsConflict("a yoke and a sleeve of two pieces would cut one armhole in three; leave one out.")
     if cut.bodice is Bodice.NONE and (cut.collar is not Collar.NONE or cut.sleeve_head is not SleeveHead.FLAT):
         raise PartsConflict("a collar and a sleeve's head need a bodice; choose one, or leave them out.")
-    if cut.waist is Waist.SEAM and (cut.bodice is Bodice.NONE or cut.skirt is Skirt.NONE):
-        raise PartsConflict("a waist seam joins a bodice and a skirt; choose both, or waist=none.")
+    if cut.waist is Waist.SEAM and not cut.has_place_for("waist"):
+        raise PartsConflict("a waist seam joins a bodice and a skirt or legs; choose both, or waist=none.")
     if cut.bodice is Bodice.NONE:
         panels = draw_skirt(cut, m) if cut.legs is Legs.NONE else draw_legs(cut, m)
     else:
-        panels = draw_top(cut, m) if cut.legs is Legs.NONE else draw_suit(cut, m)
+        in_one = cut.legs is not Legs.NONE and cut.waist is Waist.NONE
+        panels = draw_suit(cut, m) if in_one else draw_top(cut, m)
     if cut.waist is Waist.SEAM:
-        panels += [_below(panel) for panel in draw_skirt(cut, m)]
+        below = draw_skirt(cut, m) if cut.legs is Legs.NONE else draw_suit_legs(cut, m)
+        panels += [_below(panel, "skirt" if cut.legs is Legs.NONE else "leg") for panel in below]
     pattern = sew_by_label(name or category, category, panels)
     return _divide(pattern, cut) if category == "skirt" else pattern
 
 
-def _below(panel: Panel) -> Panel:
-    """Name a skirt's panel and seams apart from the bodice's that it is sewn to."""
+def _below(panel: Panel, kind: str) -> Panel:
+    """Name a skirt's or a leg's panel and seams apart from the bodice's that it is sewn to."""
     edges = tuple(
-        replace(edge, label=f"skirt.{edge.label}") if edge.label and not edge.label.startswith("waist.") else edge
+        replace(edge, label=f"{kind}.{edge.label}") if edge.label and not edge.label.startswith("waist.") else edge
         for edge in panel.edges
     )
-    return replace(panel, name=f"skirt_{panel.name}", label="skirt", edges=edges)
+    return replace(panel, name=f"{kind}_{panel.name}", label=kind, edges=edges)
 
 
 def half_neck(cut: Cut, measures: BodyMeasures | None = None) -> float:

@@ -17,7 +17,7 @@ from ..outline import Outline, Point, Stroke, length, mirror, place_panel, smoot
 from ..pattern import Panel
 from .collars import collar_stand
 from .cut import Collar, Cut, Legs, PartsConflict, Waistband
-from .skirts import draw_band
+from .skirts import draw_band, half_waist
 from .tops import FACES, Shoulder, draw_shoulder
 
 CREASE_FROM_MIDDLE = 0.12
@@ -154,39 +154,54 @@ def _leg(
 def draw_suit(cut: Cut, m: BodyMeasures) -> list[Panel]:
     """Draw front and back of each half of a suit in one piece, from the shoulder to the ankle, and its sleeves.
 
-    Allowances: waist + 16 cm and hip + 12 cm (it is stepped into through the neck, and bent in), crotch 4 cm below the
-    body's, so that the trunk can bend; straight legs of 47 cm at the knee and 42 cm at the hem, others differ from
-    these as trousers' do. Side seams are one curve; the back's fork is lowered until the inseams are equal.
+    Allowances: waist + 16 cm (it is stepped into through the neck), `_draw_halves`.
+    """
+    shoulder = draw_shoulder(cut, m)
+    panels = _draw_halves(cut, m, shoulder)
+    if cut.collar is Collar.STAND:
+        panels += collar_stand(shoulder.neck, shoulder.necklines, m.nape_height)
+    return panels + shoulder.sleeves(cut, m.nape_height)
+
+
+def draw_suit_legs(cut: Cut, m: BodyMeasures) -> list[Panel]:
+    """Draw front and back of each leg of a suit below its waist seam, as long there as the bodice is."""
+    return _draw_halves(cut, m, half_waist(cut, m) / 2)
+
+
+def _draw_halves(cut: Cut, m: BodyMeasures, above: Shoulder | float) -> list[Panel]:
+    """Draw front and back of both halves of a suit, up to the shoulder or to a waist whose quarter is so long [m].
+
+    Allowances: hip + 12 cm (it is bent in), crotch 4 cm below the body's, so that the trunk can bend; straight legs of
+    47 cm at the knee and 42 cm at the hem, others differ from these as trousers' do. Side seams are one curve; the
+    back's fork is lowered until the inseams are equal.
     """
     from scipy.optimize import brentq
 
     if cut.legs is Legs.SHORT:
-        raise PartsConflict("short legs are not cut in one with a bodice; choose straight, tapered, flared or wide.")
-    shoulder = draw_shoulder(cut, m)
+        raise PartsConflict("short legs are not cut with a bodice; choose straight, tapered, flared or wide.")
     knee, hem = (own - usual for own, usual in zip(ROUND_LEG[cut.legs], ROUND_LEG[Legs.STRAIGHT], strict=True))
     wider = (knee / 8, hem / 8)
-    front = _half_suit(m, 0, m.hip / 16 - 0.01, 0.0, shoulder, wider)
+    front = _half_suit(m, 0, m.hip / 16 - 0.01, 0.0, above, wider)
     wanted = length(front, "inseam.0")
 
     def back(drop: float) -> Outline:
-        return _half_suit(m, 1, m.hip / 8 - 0.025, drop, shoulder, wider)
+        return _half_suit(m, 1, m.hip / 8 - 0.025, drop, above, wider)
 
     drop = brentq(lambda moved: length(back(moved), "inseam.0") - wanted, -0.05, 0.15, xtol=1e-12)
     panels = []
     for side, outline in (("front", front), ("back", back(drop))):
         panels.append(place_panel(f"{side}_left", outline, m.nape_height))
         panels.append(place_panel(f"{side}_right", mirror(outline), m.nape_height))
-    if cut.collar is Collar.STAND:
-        panels += collar_stand(shoulder.neck, shoulder.necklines, m.nape_height)
-    return panels + shoulder.sleeves(cut, m.nape_height)
+    return panels
 
 
 def _half_suit(
-    m: BodyMeasures, face: int, fork: float, fork_drop: float, shoulder: Shoulder, wider: tuple[float, float]
+    m: BodyMeasures, face: int, fork: float, fork_drop: float, above: Shoulder | float, wider: tuple[float, float]
 ) -> Outline:
     """Draw the left half of a suit's front (0) or back (1) around the leg's middle, 13 cm from the body's.
 
-    `wider` is how far each side seam stands out at knee and hem from a straight leg's [m].
+    `above` is what its waist goes on into, or a quarter of the waist to which it is sewn [m]; `wider` is how far each
+    side seam stands out at knee and hem from a straight leg's [m].
     """
     base, side = m.nape_height, FACES[face]
     hip, waist, crotch = m.hip_height + 0.04 - base, m.waist_height - base, m.crotch_height - 0.04 - base
@@ -196,13 +211,16 @@ def _half_suit(
         (0.245 + wider[1], ankle),
         (0.25 + wider[0], knee),
         ((m.hip + 0.12) / 4, m.hip_height - base),
-        ((m.waist + 0.16) / 4, waist),
-        shoulder.under,
     ]
-    upper = shoulder.strokes(face)
+    if isinstance(above, Shoulder):
+        sides += [((m.waist + 0.16) / 4, waist), above.under]
+        upper, centre = above.strokes(face), [Stroke((0.0, waist), label=f"centre.{side}.0")]
+    else:
+        sides.append((above, waist))
+        upper, centre = [Stroke((0.0, waist), label=f"waist.{side}.left")], []
     inner = (0.015 - wider[0], knee)
     strokes = (
-        Stroke((0.0, waist), label=f"centre.{side}.0"),
+        *centre,
         Stroke((0.0, hip), label=f"centre.{side}.1"),
         Stroke(
             fork_tip,
