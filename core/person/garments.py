@@ -80,7 +80,8 @@ def cut_garment_of(person: PersonSurface, separation: Separation, part: Part, ho
         raise PartNotWorn(f"Nothing of {whole.name} is {part.word}; correct the labels file, or name another garment.")
     hooks.check()
     own = label == part
-    garment, contours, holes = cut_part(whole, own & ~find_inner_side(whole, own, separation.body), separation.body)
+    inner = find_inner_side(whole, own, separation.body, label == Part.OTHER)
+    garment, contours, holes = cut_part(whole, own & ~inner, separation.body)
     hidden = _mark_hidden(garment, contours, found[0].contours)
     hidden |= mark_covered(garment, holes, whole.vertices[np.isin(label, GARMENTS) & (label != part)])
     garment = replace(garment, hidden=hidden)

@@ -28,23 +28,25 @@ FACING = 0.3
 Of a person whose insides have a label of their own 86 % are found so, and 0.3 % of the outer side."""
 
 
-def find_inner_side(whole: Scan, own: np.ndarray, body: Body) -> np.ndarray:
+def find_inner_side(whole: Scan, own: np.ndarray, body: Body, other: np.ndarray | None = None) -> np.ndarray:
     """Find the inner side of a garment's cloth, as far as it is seen through an opening, bool, shape [vertex_count].
 
     A piece that faces the skin is an inner side where it goes around the wearer, and the outer side of the same cloth
     lies within `THICKNESS`, farther from the skin, for more than `LEAST` of it. A recovery is of one sheet: with both,
-    the sheet turns inward at the hem, and its contours lie up inside the garment.
+    the sheet turns inward at the hem, and its contours lie up inside the garment. Of an inner side in another colour a
+    part may pass for nothing that is known, so a piece goes on there.
 
     Args:
         whole: The person's surface.
         own: The garment's vertices, bool, shape [vertex_count].
         body: The wearer.
+        other: Vertices of nothing that is known, bool, shape [vertex_count], or None.
     """
     normals = vertex_normals(whole.vertices, whole.faces)
     edges = HalfEdges.of(whole.faces, len(whole.vertices))
     smooth = edges.adjacency @ normals + normals
     normals = smooth / np.maximum(np.linalg.norm(smooth, axis=1, keepdims=True), 1e-12)
-    mine = np.flatnonzero(own)
+    mine = np.flatnonzero(own if other is None else own | other)
     feet = TriangleSurface(body.vertices, body.faces).closest(whole.vertices[mine])
     away = whole.vertices[mine] - feet.foot
     height = np.linalg.norm(away, axis=1)
@@ -56,7 +58,7 @@ def find_inner_side(whole: Scan, own: np.ndarray, body: Body) -> np.ndarray:
     for number, row in enumerate(asked):
         near = np.array(tree.query_ball_point(whole.vertices[mine[row]], THICKNESS))
         opposite = normals[mine[near]] @ normals[mine[row]] < -FACING
-        backed[number] = bool((opposite & (height[near] > height[row])).any())
+        backed[number] = bool((opposite & own[mine[near]] & (height[near] > height[row])).any())
     turned = np.zeros(len(whole.vertices), bool)
     turned[mine[facing]] = True
     linked = turned[edges.tail] & turned[edges.head]
@@ -66,4 +68,4 @@ def find_inner_side(whole: Scan, own: np.ndarray, body: Body) -> np.ndarray:
     mean = np.stack([np.bincount(piece, turned * normals[:, axis], count) for axis in range(3)], axis=1)
     size = np.bincount(piece, turned, count)
     around = np.linalg.norm(mean, axis=1) <= AROUND * size
-    return np.asarray(turned & (shown & around)[piece])
+    return np.asarray(own & turned & (shown & around)[piece])

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from garmentq.core.body import builtin_body
 from garmentq.core.grade import choose_cut, find_proportions
-from garmentq.core.grade.neckline import CLEAR, CORNER, _rank, _Turns, fit_necklines
+from garmentq.core.grade.neckline import CLEAR, CORNER, _curvature_beside, _rank, _Turns, fit_necklines
+from garmentq.core.mesh import rim_turns
 from garmentq.core.pattern import edge_points, load_template
 from garmentq.core.pattern.parts import Neckline, Throat, corner_turn, neckline_points
 from garmentq.core.segment import Contour, Target, unroll_neck
@@ -152,6 +153,27 @@ def test_a_square_neckline_may_sag(sag, kind):
     assert fits is not None and fits.front[0].throat.kind is kind
     if sag:
         assert fits.front[0].misfit > CLEAR * fits.front[1].misfit  # by their lines alone it would be round
+
+
+def test_dents_beside_a_contour_do_not_turn_it():
+    """Broken where the curvature of dents is added to a contour's turn and not taken off, as Gauss and Bonnet say.
+
+    The flat ring's inner rim is a circle of 6 cm, which turns by 2 pi; two rows of it are dented by 3 mm.
+    """
+    around, rows = 60, 12
+    turn, out = np.meshgrid(2 * np.pi * np.arange(around) / around, np.linspace(0.06, 0.12, rows), indexing="xy")
+    vertices = np.stack([out * np.cos(turn), out * np.sin(turn), 0.0 * out], axis=-1).reshape(-1, 3)
+    first = np.arange(around * (rows - 1))
+    right = first - first % around + (first + 1) % around
+    faces = np.concatenate(
+        [np.stack([first, first + around, right], 1), np.stack([right, first + around, right + around], 1)]
+    )
+    vertices[: 2 * around, 2] += 3e-3 * np.random.default_rng(8).standard_normal(2 * around)
+    rim = np.arange(around)
+    dented = rim_turns(vertices[faces], faces, rim)
+    target = Target(vertices, faces, vertices, (), (), "tshirt")
+    assert abs(dented.sum() + 2 * np.pi) > np.radians(30.0)
+    assert (dented + _curvature_beside(target, rim)).sum() == pytest.approx(-2 * np.pi, abs=1e-9)
 
 
 @pytest.mark.parametrize(("depth", "kind"), [(0.03, Neckline.CREW), (0.06, Neckline.SQUARE)])
