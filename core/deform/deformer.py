@@ -49,7 +49,7 @@ def deform(
     Args:
         garment: The graded drape; its contours are matched with the target's by name.
         target: The surface to be reached.
-        body: The wearer's exposed skin; the result lies outside it.
+        body: The wearer's exposed skin; the result lies outside it, but for what the body's parts pinch.
         settings: Weights and steps.
         hooks: Progress under the name `deform`, and cancellation at every step.
 

@@ -42,8 +42,13 @@ class WearerGeometry:
 
     @cached_property
     def exposed(self) -> ExposedSurface:
-        """Return the exposed skin of the wearer's own mesh: what every delivered mesh is cleared of and measured by."""
+        """Return the exposed skin of the wearer's own mesh: what delivered meshes are cleared of and measured by."""
         return ExposedSurface.of(self.body)
+
+    @cached_property
+    def sparing_pinched(self) -> ExposedSurface:
+        """Return the same skin for meshes on the scan, which may stay where the wearer's parts pinch them."""
+        return self.exposed.sparing_pinched()
 
     @cached_property
     def way(self) -> Way:

@@ -54,6 +54,7 @@ TITLES = {
     "self_intersecting_faces": "Faces that intersect others",
     "min_angle_deg": "Smallest angle (1 %) [°]",
     "body_penetration_mm": "Deepest inside the body [mm]",
+    "pinched_mm": "Deepest between parts of the body that run into each other [mm]",
     "seam_mismatch_mm": "Largest seam mismatch [mm]",
     "vertices": "Vertices",
     "faces": "Faces",
