@@ -71,9 +71,10 @@ class ExposedSurface:
     def whole(self) -> ExposedSurface:
         """Return the same skin with the faces that creases cut kept or dropped whole, as their middles are."""
         if self._strict is not None:
-            return self._strict.whole.sparing_pinched()
+            return self._strict.whole.sparing_pinched
         return ExposedSurface(self._solid.vertices, self._solid.faces, splits=0, near=self._near)
 
+    @cached_property
     def sparing_pinched(self) -> ExposedSurface:
         """Return the same skin for cloth that may stay where the body's parts pinch it: there it counts as outside.
 
@@ -81,13 +82,15 @@ class ExposedSurface:
         far it can move and stay pinched.
         """
         other = copy(self)
-        other.__dict__.pop("whole", None)
+        other.__dict__.pop("whole", None)  # its own spares, too
         other._strict = self
         return other
 
     @cached_property
     def swallowed(self) -> TriangleSurface | None:
         """Return the skin of parts that run into each other, where it lies inside; None where there is none."""
+        if self._strict is not None:
+            return self._strict.swallowed
         solid = self._solid
         inside = ~self._bare
         return TriangleSurface(solid.vertices, solid.faces[inside]) if inside.any() else None

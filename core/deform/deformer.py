@@ -77,7 +77,7 @@ def deform(
         x = eased if crossing(eased, faces).sum() <= max(allowed, crossing(x, faces).sum()) else x
     hooks.progress("deform", 0.9, "clearance")
     if settings.clear_body:
-        body = body.sparing_pinched()
+        body = body.sparing_pinched
         watch = Watch(faces, body.whole, settings.body_margin)
         x = clear_body(x, gradient, areas, watch, ease=settings.polish_iterations > 0)
         x = x if penetration_depth(x, faces, body) <= CLEAR else project_outside(x, body, faces)

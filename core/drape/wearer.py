@@ -46,11 +46,6 @@ class WearerGeometry:
         return ExposedSurface.of(self.body)
 
     @cached_property
-    def sparing_pinched(self) -> ExposedSurface:
-        """Return the same skin for meshes on the scan, which may stay where the wearer's parts pinch them."""
-        return self.exposed.sparing_pinched()
-
-    @cached_property
     def way(self) -> Way:
         """Return the frames in which the wearer takes the pose."""
         return Way.of(self.body, self.exposed)

@@ -91,8 +91,8 @@ def fit_pattern(
             estimate_body_offset(replace(coarse, scene=coarse.scene.with_folds_held()), wearer, hooks)
         )
         coarse = replace(coarse, scene=coarse.scene.with_body(wearer.grid))
-        registered = project_outside(registered, wearer.sparing_pinched, refitted.faces)
-        registered = untangle_outside(registered, wearer.sparing_pinched, refitted.faces)
+        registered = project_outside(registered, wearer.exposed.sparing_pinched, refitted.faces)
+        registered = untangle_outside(registered, wearer.exposed.sparing_pinched, refitted.faces)
         refitted = refitted.at(registered)
         graded = project_outside(graded, wearer.exposed, refitted.faces)  # it was draped on the body as guessed
     bending: tuple[FabricEstimate, ...] = ()
@@ -131,8 +131,8 @@ def fit_pattern(
         if len(drapes) > 1:
             drapes.sort(key=lambda drape: (not drape.converged, problem.loss.value(drape.nodes)))
         rest = drapes[0]
-    simulation = project_outside(rest.nodes, wearer.sparing_pinched, recovered.faces)
-    simulation = untangle_outside(simulation, wearer.sparing_pinched, recovered.faces)
+    simulation = project_outside(rest.nodes, wearer.exposed.sparing_pinched, recovered.faces)
+    simulation = untangle_outside(simulation, wearer.exposed.sparing_pinched, recovered.faces)
     hooks.progress("fit", 0.98, "comparing both registrations")
     detail = refitted if first is None else find_nearer(first, refitted, case, wearer, hooks)
     return Fit(

@@ -80,9 +80,9 @@ def fit_inverse(
     contact, pins = SelfContact.of(topology), pin_waist(fine, target)
     scene = Scene(topology, found, wearer.grid, pins, rotation, self_contact=contact)
     drape = equilibrium(scene, fine.nodes, hooks=hooks)
-    nodes = project_outside(drape.nodes, wearer.sparing_pinched, fine.faces)
+    nodes = project_outside(drape.nodes, wearer.exposed.sparing_pinched, fine.faces)
     return InverseFit(
-        garment=fine.at(untangle_outside(nodes, wearer.sparing_pinched, fine.faces)),
+        garment=fine.at(untangle_outside(nodes, wearer.exposed.sparing_pinched, fine.faces)),
         graded=resample(garment, garment.nodes, fine),
         descent=descent,
         fabric=found,

@@ -109,8 +109,9 @@ def fit_necklines(target: Target, body: Body) -> NecklineFits | None:
     lines = unroll_neck(target.vertices[contour.vertices], body)
     if lines is None:
         return None
+    rim = _Rim.of(target, contour)
     front, back = (
-        _turns_in_cloth(target, contour, middle, polyline_length(line))
+        rim.turns_around(middle, polyline_length(line))
         for line, middle in zip((lines.front, lines.back), lines.middles, strict=True)
     )
     return NecklineFits(_rank(lines.front, Neckline.BOAT, front), _rank(lines.back, Neckline.CREW, back))
@@ -127,35 +128,50 @@ class _Turns:
     corner: float
 
 
-def _turns_in_cloth(target: Target, contour: Contour, middle: np.ndarray, length: float) -> _Turns | None:
-    """Sum a contour's turns within its surface around its middle and aside, positive in a V; None where it is bridged.
+@dataclass(frozen=True)
+class _Rim:
+    """Describe a neck contour within its surface.
 
-    Args:
-        target: The surface.
-        contour: Its neck.
-        middle: The middle of the front, or of the back [m], shape [3].
-        length: From there to the side neck point [m].
+    Attributes:
+        points: Its vertices [m], shape [n, 3].
+        turns: By how much it turns at each within the surface, positive in a V [rad], shape [n].
+        bridged: Whether the way to each from the one before is no border of the surface, shape [n].
     """
-    loop = contour.vertices
-    points = target.vertices[loop]
-    nearest = int(np.linalg.norm(points - middle, axis=1).argmin())
-    loop = np.roll(loop, -nearest)
-    arc = ClosedCurve(target.vertices[loop]).arc
-    at, whole = arc[:-1], arc[-1]
-    away = np.minimum(at, whole - at)
-    edges = HalfEdges.of(target.faces, len(target.vertices))
-    along = {*zip(edges.tail[edges.border].tolist(), edges.head[edges.border].tolist(), strict=True)}
-    bridged = np.array([(int(a), int(b)) not in along for a, b in zip(np.roll(loop, 1), loop, strict=True)])
-    if bridged[away < 2.0 * AROUND].any():
-        return None
-    turns = -rim_turns(target.vertices[target.faces], target.faces, loop) - _curvature_beside(target, loop)
-    apart = np.abs(at[:, None] - at)
-    summed = np.exp(-0.5 * (np.minimum(apart, whole - apart) / AROUND) ** 2) @ turns
-    near, far = (share * length for share in CORNERS)
-    sides = [(near < way) & (way < far) for way in (at, whole - at)]
-    seen = not any(bridged[side].any() for side in sides)
-    corner = min(float(summed[side].max(initial=0.0)) for side in sides) if seen else np.nan
-    return _Turns(float(summed[0]), corner)
+
+    points: np.ndarray
+    turns: np.ndarray
+    bridged: np.ndarray
+
+    @classmethod
+    def of(cls, target: Target, contour: Contour) -> _Rim:
+        """Measure a target's contour."""
+        loop = contour.vertices
+        edges = HalfEdges.of(target.faces, len(target.vertices))
+        along = {*zip(edges.tail[edges.border].tolist(), edges.head[edges.border].tolist(), strict=True)}
+        bridged = np.array([(int(a), int(b)) not in along for a, b in zip(np.roll(loop, 1), loop, strict=True)])
+        turns = -rim_turns(target.vertices[target.faces], target.faces, loop) - _curvature_beside(target, loop)
+        return cls(target.vertices[loop], turns, bridged)
+
+    def turns_around(self, middle: np.ndarray, length: float) -> _Turns | None:
+        """Sum the turns around a middle and aside of it; None where the contour is bridged there.
+
+        Args:
+            middle: The middle of the front, or of the back [m], shape [3].
+            length: From there to the side neck point [m].
+        """
+        nearest = int(np.linalg.norm(self.points - middle, axis=1).argmin())
+        points, turns, bridged = (np.roll(each, -nearest, axis=0) for each in (self.points, self.turns, self.bridged))
+        arc = ClosedCurve(points).arc
+        at, whole = arc[:-1], arc[-1]
+        if bridged[np.minimum(at, whole - at) < 2.0 * AROUND].any():
+            return None
+        apart = np.abs(at[:, None] - at)
+        summed = np.exp(-0.5 * (np.minimum(apart, whole - apart) / AROUND) ** 2) @ turns
+        near, far = (share * length for share in CORNERS)
+        sides = [(near < way) & (way < far) for way in (at, whole - at)]
+        seen = not any(bridged[side].any() for side in sides)
+        corner = min(float(summed[side].max(initial=0.0)) for side in sides) if seen else np.nan
+        return _Turns(float(summed[0]), corner)
 
 
 def _curvature_beside(target: Target, loop: np.ndarray) -> np.ndarray:

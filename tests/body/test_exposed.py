@@ -93,7 +93,7 @@ def test_what_parts_pinch_is_spared_and_nothing_else() -> None:
     """
     skin = ExposedSurface(*two_balls())
     points = np.array([[0.06, 0.0, 0.0], [0.05, 0.01, 0.0], [0.01, 0.09, 0.0], [-0.08, 0.0, 0.0], [0.06, 0.0, 0.3]])
-    distance, sparing = skin.measure(points)[0], skin.sparing_pinched()
+    distance, sparing = skin.measure(points)[0], skin.sparing_pinched
     spared = sparing.measure(points)[0]
     pinched = np.array([True, True, False, False, False])
     np.testing.assert_array_equal(spared[~pinched], distance[~pinched])
@@ -110,7 +110,7 @@ def test_what_parts_pinch_is_spared_and_nothing_else() -> None:
 
 def test_a_spared_point_stays_spared_as_far_as_its_distance_says() -> None:
     """Broken where the distance of a pinched point is more than it can move: a watch would ask too late."""
-    sparing = ExposedSurface(*two_balls()).sparing_pinched()
+    sparing = ExposedSurface(*two_balls()).sparing_pinched
     generator = np.random.default_rng(6)
     points = np.array([0.06, 0.0, 0.0]) + generator.uniform(-1.0, 1.0, (300, 3)) * [0.03, 0.07, 0.07]
     distance = sparing.measure(points)[0]

@@ -285,29 +285,31 @@ def test_rigid_motion_and_mirror_change_no_metric(swollen) -> None:
         assert reflected[name] == pytest.approx(value, rel=slack, abs=1e-6), name
 
 
-def test_depth_where_two_parts_overlap_is_the_way_out_of_both() -> None:
-    """Breaks if the depth is that to skin which the other part swallows, 25 mm away: the crease is 66 mm away."""
+POINT = np.zeros((0, 3), dtype=np.int64)
+"""The faces of a garment that is one point."""
+
+
+@pytest.fixture(scope="module")
+def two_parts() -> ExposedSurface:
+    """Two balls of 10 cm, 15 cm apart: on the axis between them 25 mm inside both, the crease 66 mm away."""
     one = trimesh.creation.icosphere(4, 0.1)
     other = one.copy()
     other.apply_translation([0.15, 0.0, 0.0])
     both = trimesh.util.concatenate([one, other])
-    point = np.array([[0.075, 0.0, 0.0]])
-    depth = penetration_depth(
-        point, np.zeros((0, 3), dtype=np.int64), ExposedSurface(np.array(both.vertices), np.array(both.faces))
-    )
+    return ExposedSurface(np.array(both.vertices), np.array(both.faces))
+
+
+def test_depth_where_two_parts_overlap_is_the_way_out_of_both(two_parts) -> None:
+    """Breaks if the depth is that to skin which the other part swallows, 25 mm away: the crease is 66 mm away."""
+    depth = penetration_depth(np.array([[0.075, 0.0, 0.0]]), POINT, two_parts)
     assert depth == pytest.approx(np.sqrt(0.1**2 - 0.075**2), rel=0.02)
 
 
-def test_what_two_parts_pinch_is_no_penetration() -> None:
+def test_what_two_parts_pinch_is_no_penetration(two_parts) -> None:
     """Breaks if cloth between two parts counts as left inside by its way out, 66 mm, or what is pinched is not told."""
-    one = trimesh.creation.icosphere(4, 0.1)
-    other = one.copy()
-    other.apply_translation([0.15, 0.0, 0.0])
-    both = trimesh.util.concatenate([one, other])
-    skin, none = ExposedSurface(np.array(both.vertices), np.array(both.faces)), np.zeros((0, 3), dtype=np.int64)
-    between = measure_penetration(np.array([[0.075, 0.0, 0.0]]), none, skin)
+    between = measure_penetration(np.array([[0.075, 0.0, 0.0]]), POINT, two_parts)
     assert between["body_penetration_mm"] == 0.0 and between["pinched_mm"] == pytest.approx(25.0, rel=0.02)
-    inside = measure_penetration(np.array([[-0.05, 0.0, 0.0]]), none, skin)
+    inside = measure_penetration(np.array([[-0.05, 0.0, 0.0]]), POINT, two_parts)
     assert inside["body_penetration_mm"] == pytest.approx(50.0, rel=0.02) and inside["pinched_mm"] is None
 
 

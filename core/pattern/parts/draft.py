@@ -81,8 +81,8 @@ def draft_cut(cut: Cut, measures: BodyMeasures | None = None, name: str | None =
         in_one = cut.legs is not Legs.NONE and cut.waist is Waist.NONE
         panels = draw_suit(cut, m) if in_one else draw_top(cut, m)
     if cut.waist is Waist.SEAM:
-        below = draw_skirt(cut, m) if cut.legs is Legs.NONE else draw_suit_legs(cut, m)
-        panels += [_below(panel, "skirt" if cut.legs is Legs.NONE else "leg") for panel in below]
+        kind, draw = ("skirt", draw_skirt) if cut.legs is Legs.NONE else ("leg", draw_suit_legs)
+        panels += [_below(panel, kind) for panel in draw(cut, m)]
     pattern = sew_by_label(name or category, category, panels)
     return _divide(pattern, cut) if category == "skirt" else pattern
 

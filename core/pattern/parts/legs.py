@@ -154,7 +154,7 @@ def _leg(
 def draw_suit(cut: Cut, m: BodyMeasures) -> list[Panel]:
     """Draw front and back of each half of a suit in one piece, from the shoulder to the ankle, and its sleeves.
 
-    Allowances: waist + 16 cm (it is stepped into through the neck), `_draw_halves`.
+    Allowances: waist + 16 cm (it is stepped into through the neck), below it those of `_draw_halves`.
     """
     shoulder = draw_shoulder(cut, m)
     panels = _draw_halves(cut, m, shoulder)
