@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from ..motion import Recording
 from ..verdict import Gate, Verdict
 from .animation import Animation
 
 DEPTH_MM = 2.0
 """Depth in the body that passes in any frame [mm]: in motion nothing of it is seen."""
+
+LIMBS = ("left_hip", "right_hip", "left_shoulder", "right_shoulder", "spine3")
+"""Joints without which a whole limb, or the trunk, does not move as the motion does: garments lie otherwise there."""
 
 
 def measure_animation(animation: Animation) -> dict[str, float | None]:
@@ -68,4 +72,20 @@ def judge_animation(metrics: dict[str, float | None]) -> tuple[Gate, ...]:
             if crossed == 0
             else f"Up to {crossed:.0f} faces pass through others in a frame (frames.json names them).",
         ),
+    )
+
+
+def judge_motion(recording: Recording) -> Gate:
+    """Judge whether a motion moves every limb and the trunk: what its skeleton lacks stays stiff."""
+    missing = recording.missing()
+    verdict = Verdict.FAIL if any(name in LIMBS for name in missing) else Verdict.DOUBTFUL
+    return Gate(
+        "motion",
+        verdict if missing else Verdict.PASS,
+        float(len(missing)),
+        0.0,
+        f"The motion's skeleton was not understood at {', '.join(missing)}: these stay stiff; name its joints as "
+        "docs/animate.md says."
+        if missing
+        else "The motion moves the trunk and every limb.",
     )

@@ -11,7 +11,7 @@ from ..verdict import Gate
 from ..wear import Worn
 from .animation import STAGE, Animation, animate
 from .clearing import clear_motion
-from .measured import judge_animation, measure_animation
+from .measured import judge_animation, judge_motion, measure_animation
 from .settings import AnimateSettings
 
 
@@ -75,7 +75,7 @@ def move_worn(worn: Worn, recording: Recording, name: str, settings: AnimateSett
         animation=animation,
         motion=name,
         metrics=metrics,
-        gates=judge_animation(metrics),
+        gates=(judge_motion(recording), *judge_animation(metrics)),
         warnings=tuple(warnings),
         stage_seconds=clock.seconds,
         cpu_seconds=clock.total,

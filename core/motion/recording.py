@@ -6,8 +6,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..body import JOINTS
+
 MOST_FRAMES = 100_000
 """Poses at most: 13 minutes at 120 Hz."""
+
+BODILY = tuple(
+    name
+    for name in JOINTS
+    if name not in ("left_collar", "right_collar", "left_foot", "right_foot", "left_hand", "right_hand", "neck")
+)
+"""Joints without which a limb, the trunk or the head stays stiff. Collars, necks, toes and fingers are missing from good
+skeletons too: what hangs on them follows the next joint."""
 
 
 @dataclass(frozen=True)
@@ -33,3 +43,8 @@ class Recording:
     root: np.ndarray | None
     loops: bool = False
     notes: tuple[str, ...] = ()
+
+    def missing(self) -> tuple[str, ...]:
+        """Return the joints of limbs and trunk that the skeleton lacks, so that they stay stiff in every pose."""
+        known = {name for name, has in zip(JOINTS, self.known, strict=True) if has}
+        return tuple(name for name in BODILY if name not in known)

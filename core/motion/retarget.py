@@ -75,7 +75,7 @@ def _world_turns(recording: Recording, body: Body) -> np.ndarray:
         side, _, part = name.partition("_")
         if part in CHILD and recording.bones[joint].any():
             own = unit(body.rest_joints[JOINTS.index(f"{side}_{CHILD[part]}")] - body.rest_joints[joint])
-            aligned[joint] = _least_turn(own, recording.bones[joint])
+            aligned[joint] = least_turn(own, recording.bones[joint])
         elif part in LIKE_PARENT:
             aligned[joint] = aligned[parent]
         if recording.known[joint]:
@@ -85,7 +85,7 @@ def _world_turns(recording: Recording, body: Body) -> np.ndarray:
     return world
 
 
-def _least_turn(start: np.ndarray, end: np.ndarray) -> np.ndarray:
+def least_turn(start: np.ndarray, end: np.ndarray) -> np.ndarray:
     """Return the least rotation [3, 3] of one unit vector into another."""
     axis, cosine = np.cross(start, end), float(np.clip(start @ end, -1.0, 1.0))
     size = float(np.linalg.norm(axis))

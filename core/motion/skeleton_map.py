@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..body import JOINTS
 from ..mesh import unit
 from .errors import MotionForeign
-from .joint_names import find_joints
+from .joint_names import Found, find_joints
+from .joint_tree import JointTree
+from .posed import Posed
 from .recording import Recording
-from .retarget import CHILD
+from .retarget import CHILD, least_turn
+from .unused_joints import tell_unused
+from .upward import Sampled, find_up
 
 UPRIGHT = 0.7
 """Least cosine between trunk and legs of a pose in which a person stands: 45 degrees."""
@@ -26,75 +28,81 @@ UNITS = {"metres": 1.0, "decimetres": 10.0, "inches": 100.0 / 2.54, "centimetres
 LEGS = (0.62, 1.1)
 """Length from hip to ankle of grown persons of 1.4 to 2.2 m [m]; the units that are in use lie further apart."""
 
-LISTED = 8
-"""Unknown joints that are named; the others are counted."""
-
-
-@dataclass(frozen=True)
-class Posed:
-    """Describe a foreign skeleton in motion, in the file's unit and axes.
-
-    Attributes:
-        names: Of its joints.
-        parents: Index of each joint's parent, -1 for the root.
-        offsets: From the parent in the rest pose, shape [joint_count, 3].
-        turns: Rotation of each joint in the world, shape [n, joint_count, 3, 3].
-        root: Place of the root, shape [n, 3].
-    """
-
-    names: tuple[str, ...]
-    parents: tuple[int, ...]
-    offsets: np.ndarray
-    turns: np.ndarray
-    root: np.ndarray
-
-    def places(self, turns: np.ndarray) -> np.ndarray:
-        """Return the joints of one pose (rotations in the world, [joint_count, 3, 3]), the root at 0."""
-        found = np.zeros_like(self.offsets)
-        for joint, parent in enumerate(self.parents):
-            if parent >= 0:
-                found[joint] = found[parent] + turns[parent] @ self.offsets[joint]
-        return found
+SAMPLES = 200
+"""Poses of a motion that are looked at for where up is."""
 
 
 def map_skeleton(posed: Posed, rate: float) -> Recording:
     """Return the recording of a foreign skeleton.
 
-    The rest pose is that of the offsets; where nobody stands so (joints with turned axes), the first pose. Up goes from
-    the feet to the chest and the left side from the right hip to the left one.
+    The rest pose is that of the offsets, turned as what lies above the pelvis is where that does not turn; where nobody
+    stands so (joints with turned axes), the first pose in which somebody does. The left side is from the right hip to the left one; up is
+    judged over rest pose and motion (`find_up`).
 
     Raises:
         MotionForeign: where hips and knees are not found, or no pose stands upright.
     """
-    found = find_joints(posed.names, posed.parents)
-    missing = [name for name in ("left_hip", "right_hip", "left_knee", "right_knee") if name not in found]
-    if missing:
-        raise MotionForeign(f"no {', '.join(missing)} among '{', '.join(posed.names[:12])}'. {MotionForeign().message}")
     plain = np.tile(np.eye(3), (len(posed.names), 1, 1))
-    for rest in (plain, posed.turns[0]):
-        places = {name: posed.places(rest)[index] for name, index in found.items()}
+    found = find_joints(JointTree(posed.names, posed.parents, posed.places(plain)), posed.still())
+    missing = [name for name in ("left_hip", "right_hip", "left_knee", "right_knee") if name not in found.at]
+    if missing or "pelvis" not in found.at:
+        lacking = ", ".join(missing) or "joint that both legs branch from"
+        raise MotionForeign(f"no {lacking} among '{', '.join(posed.names[:12])}'. {MotionForeign().message}")
+    pelvis = found.at["pelvis"]
+    above = posed.turn_above(pelvis)
+    poses = _spread(posed)
+    for rest in (plain if above is None else np.tile(above, (len(posed.names), 1, 1)), *posed.turns[poses]):
+        places = _places(posed, found, rest)
         if _stands(places):
             break
     else:
-        raise MotionForeign(f"neither the rest pose nor the first pose stands upright. {MotionForeign().message}")
-    axes = _axes(places)
-    known = np.array([name in found for name in JOINTS])
-    turns = np.tile(np.eye(3), (len(posed.root), 24, 1, 1))
+        raise MotionForeign(f"neither the rest pose nor any pose stands upright. {MotionForeign().message}")
+    leg = _leg_length(places)
+    if not leg > 0:
+        raise MotionForeign(f"the legs have no length. {MotionForeign().message}")
+    axes, way = _axes(places), posed.way(pelvis)
+    up = find_up(axes[1], _sample(posed, found, way / leg))
+    world = axes @ least_turn(up.direction, axes[1])
+    known = np.array([name in found.at for name in JOINTS])
+    turns = np.tile(np.eye(3), (len(way), 24, 1, 1))
     for joint, name in enumerate(JOINTS):
-        if name in found:
-            turns[:, joint] = axes @ posed.turns[:, found[name]] @ rest[found[name]].T @ axes.T
+        if name in found.at:
+            carried = found.carried[name]
+            turns[:, joint] = world @ posed.turns[:, carried] @ rest[carried].T @ axes.T
+    notes = (*_tell_names(found, posed), *found.notes, up.note, _tell_unit(leg), *tell_unused(posed, found))
+    return Recording(rate, turns, known, _bones(places, axes), way @ world.T / leg, notes=notes)
+
+
+def _sample(posed: Posed, found: Found, way: np.ndarray) -> Sampled:
+    """Return how a person is held in poses spread over the motion; `way` is the pelvis' in legs' lengths, [n, 3]."""
+    uprights, joints = [], []
+    for pose in _spread(posed):
+        places = _places(posed, found, posed.turns[pose])
+        uprights.append(unit(_trunk(places) + _up_of_legs(places)))
+        joints.append((np.array(list(places.values())) - places["pelvis"]) / _leg_length(places) + way[pose])
+    return Sampled(np.array(uprights), np.array(joints))
+
+
+def _spread(posed: Posed) -> np.ndarray:
+    """Return the indices of poses spread over a motion, the first one first."""
+    return np.unique(np.linspace(0, len(posed.turns) - 1, SAMPLES).astype(np.int64))
+
+
+def _places(posed: Posed, found: Found, turns: np.ndarray) -> dict[str, np.ndarray]:
+    """Return our joints in one pose, by their names; `turns` are its rotations in the world, [joint_count, 3, 3]."""
+    places = posed.places(turns)
+    return {name: places[index] for name, index in found.at.items()}
+
+
+def _leg_length(places: dict[str, np.ndarray]) -> float:
+    """Return the length of thigh and shin, the mean of both sides, in the file's unit."""
     legs = [
         np.linalg.norm(places[f"{side}_{end}"] - places[f"{side}_{start}"])
         for side in ("left", "right")
         for start, end in (("hip", "knee"), ("knee", "ankle"))
         if f"{side}_{end}" in places
     ]
-    leg = float(np.mean(legs)) * 2.0
-    if not leg > 0:
-        raise MotionForeign(f"the legs have no length. {MotionForeign().message}")
-    unused = [name for index, name in enumerate(posed.names) if index not in found.values()]
-    notes = (*_tell_names(found, posed.names), _tell_unit(leg), *_tell_unused(unused))
-    return Recording(rate, turns, known, _bones(places, axes), posed.root @ axes.T / leg, notes=notes)
+    return float(np.mean(legs)) * 2.0
 
 
 def _stands(places: dict[str, np.ndarray]) -> bool:
@@ -150,10 +158,14 @@ def _bones(places: dict[str, np.ndarray], axes: np.ndarray) -> np.ndarray:
     return bones
 
 
-def _tell_names(found: dict[str, int], names: tuple[str, ...]) -> tuple[str, ...]:
-    """Describe which joints were taken for ours, where any is called otherwise."""
-    foreign = [f"{name} is {names[index]}" for name, index in found.items() if names[index].lower() != name]
-    return (f"Joints by other names: {', '.join(foreign)}.",) if foreign else ()
+def _tell_names(found: Found, posed: Posed) -> tuple[str, ...]:
+    """Describe which joints were taken for ours, where any is called otherwise, and what lies above the pelvis."""
+    foreign = [f"{name} is {posed.names[index]}" for name, index in found.at.items() if posed.names[index].lower() != name]
+    told = [f"Joints by other names: {', '.join(foreign)}."] if foreign else []
+    pelvis = found.at["pelvis"]
+    if posed.parents[pelvis] >= 0:
+        told.append(f"The pelvis is {posed.names[pelvis]}, and goes and turns with {posed.names[posed.parents[pelvis]]}.")
+    return tuple(told)
 
 
 def _tell_unit(leg: float) -> str:
@@ -163,10 +175,3 @@ def _tell_unit(leg: float) -> str:
     return (
         f"A leg of the motion's skeleton is {leg:.3g} long, {taken}; the way of the pelvis is scaled to the wearer's."
     )
-
-
-def _tell_unused(unused: list[str]) -> tuple[str, ...]:
-    if not unused:
-        return ()
-    more = f" and {len(unused) - LISTED} more" if len(unused) > LISTED else ""
-    return (f"Joints of the motion that were not used: {', '.join(unused[:LISTED])}{more}.",)

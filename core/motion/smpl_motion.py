@@ -25,37 +25,60 @@ LEG = 0.8
 Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 """From z up to y up."""
 
+PIECES = (("root_orient", "global_orient"), ("pose_body", "body_pose"))
+"""Names under which files hold the turn of the pelvis [n, 3] and those of the 21 joints after it [n, 63], where they
+hold no `poses`."""
+
+WAYS = ("trans", "transl")
+"""Names under which files hold the way of the pelvis."""
+
 
 def read_smpl_motion(path: Path) -> Recording:
-    """Read `poses` [n, 72 or more] (rad) and `trans` [n, 3] (m) of an `.npz` file.
+    """Read `poses` [n, 72 or more], or `root_orient` [n, 3] and `pose_body` [n, 63] (rad), and `trans` [n, 3] (m).
 
     The first 24 joints count; where there are more than 72 values a pose (hands, a face), the first 22, and the hands'
-    bones keep to the wrists. A person who lies on the back at first stands with z up, as in most collections: the
-    motion is then turned to y up. Nothing is unpickled.
+    bones keep to the wrists. Up is y or z, as the pelvis is held on the mean of the whole motion; a motion with z up,
+    as in most collections, is turned. Nothing is unpickled.
 
     Raises:
         MotionBad: where an array is missing or of another shape or kind.
         MotionTooLarge: where there are more than `MOST_FRAMES` poses.
     """
     arrays = _read(Path(path))
-    poses = arrays["poses"]
-    poses = poses.reshape(len(poses), int(np.prod(poses.shape[1:])))
-    if poses.shape[1] < 66 or not len(poses) or not np.isfinite(poses).all():
-        raise MotionBad(f"{path.name}: poses have the shape {arrays['poses'].shape}, expected [n, 72] in radians.")
+    poses = _join_poses(arrays, path.name)
     joints = 24 if poses.shape[1] == 72 else 22
     local = np.tile(np.eye(3), (len(poses), 24, 1, 1))
     turned = Rotation.from_rotvec(poses[:, : 3 * joints].reshape(-1, 3)).as_matrix()
     local[:, :joints] = turned.reshape(-1, joints, 3, 3)
-    trans = arrays.get("trans", np.zeros((len(poses), 3)))
+    trans = next((arrays[name] for name in WAYS if name in arrays), np.zeros((len(poses), 3)))
     if trans.shape != (len(poses), 3) or not np.isfinite(trans).all():
         raise MotionBad(f"{path.name}: trans has the shape {trans.shape}, expected {(len(poses), 3)} in metres.")
     rate = next((float(arrays[name].ravel()[0]) for name in RATE_NAMES if name in arrays and arrays[name].size), 30.0)
     if not RATES[0] <= rate <= RATES[1]:
         raise MotionBad(f"{path.name}: a rate of {rate:g} a second is outside {RATES[0]:g} to {RATES[1]:g}.")
-    if local[0, 0, 2, 1] > np.sqrt(0.5):  # the pelvis' up lies along +z
+    upright = local[:, 0, :, 1].mean(axis=0)
+    is_z_up = bool(upright[2] > upright[1])
+    if is_z_up:
         local[:, 0], trans = Y_UP @ local[:, 0], trans @ Y_UP.T
     known = np.arange(24) < joints
-    return Recording(rate, chain_turns(local), known, np.zeros((24, 3)), trans / LEG)
+    note = f"Up is +{'z' if is_z_up else 'y'} of the file, as the pelvis is held on the mean of the whole motion."
+    return Recording(rate, chain_turns(local), known, np.zeros((24, 3)), trans / LEG, notes=(note,))
+
+
+def _join_poses(arrays: dict[str, np.ndarray], name: str) -> np.ndarray:
+    """Return the axis-angles of each pose, shape [n, 66 or more].
+
+    Raises:
+        MotionBad: where they have another shape, or are no numbers.
+    """
+    given = [arrays["poses"]] if "poses" in arrays else [arrays[each] for names in PIECES for each in names if each in arrays]
+    shapes = ", ".join(str(each.shape) for each in given)
+    if not all(each.ndim >= 2 and len(each) == len(given[0]) for each in given):
+        raise MotionBad(f"{name}: poses have the shape {shapes}, expected [n, 72].")
+    joined = np.concatenate([each.reshape(len(each), int(np.prod(each.shape[1:]))) for each in given], axis=1)
+    if joined.shape[1] < 66 or not len(joined) or not np.isfinite(joined).all():
+        raise MotionBad(f"{name}: poses have the shape {shapes}, expected [n, 72] in radians.")
+    return joined
 
 
 def _read(path: Path) -> dict[str, np.ndarray]:
@@ -68,10 +91,13 @@ def _read(path: Path) -> dict[str, np.ndarray]:
     try:
         with zipfile.ZipFile(path) as archive:
             names = {name.removesuffix(".npy") for name in archive.namelist()}
-            if "poses" not in names:
-                raise MotionBad(f"{path.name} has no array 'poses'. {MotionBad().message}")
+            if "poses" not in names and not all(any(each in names for each in piece) for piece in PIECES):
+                raise MotionBad(
+                    f"{path.name} has no array 'poses', nor 'root_orient' and 'pose_body'. {MotionBad().message}"
+                )
             found = {}
-            for name in ("poses", "trans", *RATE_NAMES):
+            wanted = ("poses",) if "poses" in names else tuple(each for piece in PIECES for each in piece)
+            for name in (*wanted, *WAYS, *RATE_NAMES):
                 if name in names:
                     with archive.open(f"{name}.npy") as entry:
                         found[name] = np.asarray(read_array(entry, judge), dtype=np.float64)
@@ -79,8 +105,7 @@ def _read(path: Path) -> dict[str, np.ndarray]:
         raise
     except Exception as error:  # zipfile, zlib, lzma and numpy's header reader fail in any way on a hostile file
         raise MotionBad(f"{path.name} cannot be read: {str(error)[:80]}. {MotionBad().message}") from error
-    if found["poses"].shape[:1] > (MOST_FRAMES,):
-        raise MotionTooLarge(f"{path.name}: {len(found['poses'])} poses. {MotionTooLarge().message}")
-    if found["poses"].ndim < 2:
-        raise MotionBad(f"{path.name}: poses have the shape {found['poses'].shape}, expected [n, 72].")
+    count = max(len(found[name]) if found[name].ndim else 0 for name in wanted if name in found)
+    if count > MOST_FRAMES:
+        raise MotionTooLarge(f"{path.name}: {count} poses. {MotionTooLarge().message}")
     return found

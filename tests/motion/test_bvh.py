@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from garmentq.core.body import JOINTS, builtin_body
 from garmentq.core.motion import MotionBad, MotionForeign, MotionTooLarge, MovingBody, Pose, load_motion, retarget
-from garmentq.core.motion.bvh import parse_bvh, pose_skeleton
+from garmentq.core.motion.bvh import pose_skeleton
+from garmentq.core.motion.bvh_text import parse_bvh
 from scipy.spatial.transform import Rotation
 
 LEG = "OFFSET {x} 0 0\nCHANNELS 3 {order}\nJOINT {side}{knee} {{\nOFFSET 0 -40 0\nCHANNELS 3 {order}\n" \
@@ -41,13 +42,13 @@ def test_rotations_are_those_of_the_channels(order, tmp_path):
     """Broken where a channel order is read backwards, or a joint's turn is not chained to its parent's."""
     angles = np.random.default_rng(3).uniform(-60, 60, (2, 15))
     text = make_bvh(np.concatenate([np.zeros((2, 3)), angles], axis=1), order)
-    skeleton, values, rate = parse_bvh(text, "m")
-    _, turns = pose_skeleton(skeleton, values)
+    found = parse_bvh(text, "m")
+    turns = pose_skeleton(found.skeleton, found.values).turns
     axes = "".join(word[0] for word in order.split())
     for frame in range(2):
         root, hip, knee = (Rotation.from_euler(axes, angles[frame, k : k + 3], degrees=True) for k in (0, 3, 6))
         np.testing.assert_allclose(turns[frame, 2], (root * hip * knee).as_matrix(), atol=1e-12)
-    assert rate == pytest.approx(20.0)
+    assert found.rate == pytest.approx(20.0)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,147 @@
+"""Split the names that skeletons give to their joints into a side and a part of the body."""
+
+from __future__ import annotations
+
+import re
+from enum import StrEnum
+from functools import lru_cache
+
+
+class Part(StrEnum):
+    """List what a joint's name may speak of."""
+
+    HIP = "hip"
+    THIGH = "thigh"
+    LEG = "leg"
+    SHIN = "shin"
+    ANKLE = "ankle"
+    FOOT = "foot"
+    TOE = "toe"
+    COLLAR = "collar"
+    SHOULDER = "shoulder"
+    ARM = "arm"
+    UPPER_ARM = "upper arm"
+    FOREARM = "forearm"
+    WRIST = "wrist"
+    HAND = "hand"
+    SPINE = "spine"
+    NECK = "neck"
+    HEAD = "head"
+
+
+SPOKEN = {
+    Part.HIP: ("hip", "hips"),
+    Part.THIGH: ("thigh", "femur"),
+    Part.LEG: ("leg",),
+    Part.SHIN: ("shin", "calf", "knee", "tibia"),
+    Part.ANKLE: ("ankle",),
+    Part.FOOT: ("foot",),
+    Part.TOE: ("toe", "toes", "ball"),
+    Part.COLLAR: ("collar", "clavicle", "scapula"),
+    Part.SHOULDER: ("shoulder", "shldr"),
+    Part.ARM: ("arm",),
+    Part.UPPER_ARM: ("humerus",),
+    Part.FOREARM: ("elbow", "radius", "ulna"),
+    Part.WRIST: ("wrist",),
+    Part.HAND: ("hand",),
+    Part.SPINE: ("spine", "chest", "abdomen", "torso", "thorax", "waist", "belly", "back"),
+    Part.NECK: ("neck",),
+    Part.HEAD: ("head", "skull"),
+}
+"""The words of each part; of a name that holds several the last part of this list counts, for it lies furthest out."""
+
+UPPER, LOWER = ("up", "upper", "u"), ("low", "lower", "fore", "f")
+"""Words that make a thigh or an upper arm, a shin or a forearm of a leg or an arm, wherever in the name they stand."""
+
+SIDES = {"left": "left", "l": "left", "lf": "left", "lft": "left", "lt": "left",
+         "right": "right", "r": "right", "rt": "right", "rgt": "right"}  # fmt: skip
+"""Words of a side."""
+
+GLUED = ("left", "right", "l", "r")
+"""Words of a side that may be glued to other known words: `lhip`, `RightUpLeg` in one case, `thighL`."""
+
+FINE = ("finger", "thumb", "index", "middle", "ring", "pinky", "palm", "metacarpal", "metacarpals", "carpal",
+        "eye", "jaw", "brow", "lip", "tongue", "cheek", "ear", "nose", "teeth", "lid", "hair")  # fmt: skip
+"""Fingers and what a face consists of."""
+
+HELPING = ("end", "nub", "site", "tip", "top", "ik", "pole", "target", "ctrl", "control", "helper", "effector", "prop")
+"""Words of what is no joint of a body: ends of chains, handles of those who animate."""
+
+TWISTING = ("twist", "roll")
+"""Words of joints that share out a turn about a bone's length."""
+
+FILLING = ("base", "bend", "joint", "jnt", "bone", "pelvis", "center", "mid", "big", "small", "in")
+"""Further words that glue to others and tell nothing."""
+
+KNOWN = frozenset(
+    [*(word for words in SPOKEN.values() for word in words), "uarm", "farm", "uleg", "upleg", "uparm", *UPPER[:2]]
+    + [*LOWER[:3], *GLUED[:2], *FINE, *HELPING, *TWISTING, *FILLING]
+)
+
+PIECE = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|[0-9]+")
+"""A word of a name by its case."""
+
+
+def split_name(name: str) -> tuple[str, tuple[str, ...]]:
+    """Return the side, `left`, `right` or none, and the other words of a joint's name, in lower case.
+
+    What stands before a colon or a bar is no part of the name. Words end at signs, digits and capitals; one that holds
+    several known words, and perhaps a side's letter first or last, is split in these. The first word of a side counts.
+    """
+    bare = re.split(r"[:|]", name)[-1] or name
+    words: list[str] = []
+    for piece in PIECE.findall(bare):
+        words.extend(_split_glued(piece.lower()))
+    side = next((SIDES[word] for word in words if word in SIDES), "")
+    return side, tuple(word for word in words if word not in SIDES and not word.isdigit())
+
+
+def name_part(words: tuple[str, ...]) -> Part | None:
+    """Return the part of the body that the words of a name speak of; None for fingers, faces and helpers too."""
+    if any(word in FINE or word in HELPING for word in words):
+        return None
+    parts = [part for part, spoken in SPOKEN.items() if any(word in spoken for word in words)]
+    if not parts:
+        return None
+    part = parts[-1]
+    if part in (Part.ARM, Part.LEG):
+        upper, lower = (any(word in few for word in words) for few in (UPPER, LOWER))
+        if upper != lower:
+            joints = {Part.ARM: (Part.UPPER_ARM, Part.FOREARM), Part.LEG: (Part.THIGH, Part.SHIN)}
+            return joints[part][lower]
+    return part
+
+
+@lru_cache(maxsize=4096)
+def _split_glued(piece: str) -> tuple[str, ...]:
+    """Return the known words that a piece of a name consists of, the longest first one first; itself where none do."""
+    if piece in SIDES or piece in KNOWN:
+        return (*_apart(piece),)
+    for side in ("", *GLUED):
+        if side and piece.startswith(side):
+            rest = _consume(piece.removeprefix(side))
+            if rest:
+                return (side, *rest)
+        if piece.endswith(side):
+            rest = _consume(piece.removesuffix(side) if side else piece)
+            if rest:
+                return (*rest, side) if side else rest
+    return (piece,)
+
+
+def _consume(text: str) -> tuple[str, ...]:
+    """Return the known words whose string a text is; none where it is none."""
+    found: dict[int, tuple[str, ...]] = {0: ()}
+    for end in range(1, min(len(text), 80) + 1):
+        for start in range(max(0, end - 11), end):
+            if start in found and text[start:end] in KNOWN:
+                found.setdefault(end, (*found[start], *_apart(text[start:end])))
+    return found.get(len(text), ()) if text else ()
+
+
+def _apart(word: str) -> tuple[str, ...]:
+    """Return a known word, with what it says of an arm's or a leg's half apart."""
+    for part in ("arm", "leg"):
+        if word != part and word.endswith(part) and word.removesuffix(part) in (*UPPER, *LOWER):
+            return word.removesuffix(part), part
+    return (word,)

@@ -1,0 +1,64 @@
+"""A foreign skeleton in motion, as its file has it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+STILL = float(np.deg2rad(0.05))
+"""Angle within which a joint does not turn [rad]: files round to a hundredth of a degree, or a thousandth."""
+
+
+@dataclass(frozen=True)
+class Posed:
+    """Describe a foreign skeleton in motion, in the file's unit and axes.
+
+    Attributes:
+        names: Of its joints.
+        parents: Index of each joint's parent, before its own, -1 for the root.
+        offsets: From the parent in the rest pose, shape [joint_count, 3].
+        turns: Rotation of each joint in the world, shape [n, joint_count, 3, 3].
+        moves: Place of a joint from its parent, in the parent's axes, by the joint's index, of joints whose place each
+            pose has, shape [n, 3]; of the root in the world.
+    """
+
+    names: tuple[str, ...]
+    parents: tuple[int, ...]
+    offsets: np.ndarray
+    turns: np.ndarray
+    moves: dict[int, np.ndarray] = field(default_factory=dict)
+
+    def places(self, turns: np.ndarray) -> np.ndarray:
+        """Return the joints of one pose (rotations in the world, [joint_count, 3, 3]), the root at 0."""
+        found = np.zeros_like(self.offsets)
+        for joint, parent in enumerate(self.parents):
+            if parent >= 0:
+                found[joint] = found[parent] + turns[parent] @ self.offsets[joint]
+        return found
+
+    def way(self, joint: int) -> np.ndarray:
+        """Return the place of a joint in the world, shape [n, 3]."""
+        found = np.zeros((len(self.turns), 3))
+        while joint >= 0:
+            parent, own = self.parents[joint], np.atleast_2d(self.moves.get(joint, self.offsets[joint]))
+            found += own if parent < 0 else (self.turns[:, parent] @ own[:, :, None])[:, :, 0]
+            joint = parent
+        return found
+
+    def still(self) -> frozenset[int]:
+        """Return the joints that never turn against their parents, from the rest pose on."""
+        found = set()
+        for joint, parent in enumerate(self.parents):
+            before = self.turns[:, parent] if parent >= 0 else np.eye(3)
+            if np.abs(self.turns[:, joint] - before).max() < STILL:
+                found.add(joint)
+        return frozenset(found)
+
+    def turn_above(self, joint: int) -> np.ndarray | None:
+        """Return the rotation [3, 3] of a joint's parent in the world, where it is the same in all poses, else None."""
+        parent = self.parents[joint]
+        if parent < 0:
+            return np.eye(3)
+        turns = self.turns[:, parent]
+        return np.asarray(turns[0]) if np.abs(turns - turns[0]).max() < STILL else None

@@ -1,0 +1,85 @@
+"""Find where up is in a motion's file, over the whole motion and not its first pose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+SAME = 0.5
+"""Cosine between the mean upright of a motion and the rest pose's up from which both agree: 60 degrees, by which who
+works bent over leans on the mean."""
+
+STEADY = 0.8
+"""Length of the mean of unit directions from which a person is held one way through the whole motion, 37 degrees about
+it: walks have 0.98, who rolls on the floor has less than 0.5."""
+
+NEAR_AXIS = 0.94
+"""Cosine to an axis of the file above which a mean is that axis: 20 degrees."""
+
+FLOOR = (-0.05, 0.35)
+"""Height of the lowest joint over 0 at which a file's floor is there [legs' lengths]: an ankle's is 0.1, and
+that of who goes about the origin of the file at the pelvis' height is negative, whatever up is."""
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """Describe how a person is held in some poses of a motion, in the file's axes.
+
+    Attributes:
+        uprights: Unit direction from the legs to the trunk, shape [n, 3].
+        places: Of joints, in legs' lengths, shape [n, joint_count, 3].
+    """
+
+    uprights: np.ndarray
+    places: np.ndarray
+
+
+@dataclass(frozen=True)
+class Up:
+    """Describe where up is: the unit direction in the file's axes, shape [3], and a sentence on what was decided."""
+
+    direction: np.ndarray
+    note: str
+
+
+def find_up(rest: np.ndarray, sampled: Sampled) -> Up:
+    """Return where up is in the world of a motion.
+
+    That is the rest pose's up; but where the person is held along another axis of the file through the whole motion (a
+    file whose rest pose is turned by its own channels), it is that axis. Who lies on the floor of the rest pose's up
+    all the time lies.
+
+    Args:
+        rest: Up in the rest pose, unit, shape [3].
+        sampled: Poses spread over the motion.
+    """
+    mean = sampled.uprights.mean(axis=0)
+    if mean @ rest > SAME:
+        return Up(rest, f"Up is {name_direction(rest)} of the file, by the rest pose and the whole motion.")
+    axis = int(np.abs(mean).argmax())
+    held = np.eye(3)[axis] * np.sign(mean[axis])
+    steady = float(np.linalg.norm(mean)) > STEADY and mean @ held > NEAR_AXIS * np.linalg.norm(mean)
+    if steady and (_has_floor(sampled, held) or not _has_floor(sampled, rest)):
+        return Up(
+            held,
+            f"Up is {name_direction(held)} of the file, along which the person is held through the whole motion; "
+            f"the rest pose stands along {name_direction(rest)}.",
+        )
+    return Up(
+        rest,
+        f"Up is {name_direction(rest)} of the file, by the rest pose; the person is not upright on the mean of the motion.",
+    )
+
+
+def _has_floor(sampled: Sampled, up: np.ndarray) -> bool:
+    """Check whether the lowest joints are about the height 0."""
+    return bool(FLOOR[0] <= float(np.median((sampled.places @ up).min(axis=1))) <= FLOOR[1])
+
+
+def name_direction(direction: np.ndarray) -> str:
+    """Return a direction as people name it: `+y`, `-z`, or its components where it lies along no axis."""
+    axis = int(np.abs(direction).argmax())
+    if abs(direction[axis]) > 1.0 - 1e-6:
+        return f"{'+' if direction[axis] > 0 else '-'}{'xyz'[axis]}"
+    return f"({', '.join(f'{value:.2f}' for value in direction)})"
