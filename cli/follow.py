@@ -104,7 +104,7 @@ class Lines:
         """Write what is new."""
         progress = event.progress
         if progress is None:
-            note(_label(name, event.kind))
+            note(_label(name, _tell(event)))
         elif progress.stage != self.stages.get(event.job):
             self.stages[event.job] = progress.stage
             note(f"  {_label(name, progress.stage)} ...{_tell_whole(progress)}")
@@ -142,7 +142,7 @@ class Bars:
         progress = event.progress
         if progress is None:
             if event.kind not in ("queued", "started", "succeeded"):
-                self.progress.console.print(keep_printable(_label(name, event.kind)), markup=False)
+                self.progress.console.print(keep_printable(_label(name, _tell(event))), markup=False)
             if event.kind == "succeeded" and (event.job, WHOLE) in self.tasks:
                 self.progress.update(self.tasks[event.job, WHOLE], completed=1.0, message="")
             return
@@ -176,6 +176,12 @@ def _tell_whole(progress: JobProgress) -> str:
         return ""
     left = "" if progress.left_seconds is None else f", {show_duration(progress.left_seconds)} to go"
     return f" {round(100 * progress.overall)} % of all{left}"
+
+
+def _tell(event: Event) -> str:
+    """Return what happened to a job: the event's kind, and what it says of doubtful files."""
+    doubts = " ".join(event.data.get("doubts", []))
+    return f"{event.kind}: {doubts}" if doubts else event.kind
 
 
 def _label(name: str, text: str) -> str:

@@ -16,6 +16,9 @@ from .order import GARMENT, PERSON
 STAGE = "check"
 """The stage's name in progress and events."""
 
+DOUBTS = "doubts"
+"""Name under which a check says what is doubtful of the files, one sentence each; told at once, in an event."""
+
 
 def check_files(checker: str, request: dict[str, Any], files: Path, is_stopped: Callable[[], bool]) -> dict[str, Any]:
     """Check the files of a job in a limited process.
@@ -173,7 +176,8 @@ def check_motion(request: dict[str, Any], files: str) -> dict[str, Any]:
             "rate": round(recording.rate, 3),
             "joints": int(recording.known.sum()),
             "notes": list(recording.notes),
-        }
+        },
+        DOUBTS: list(recording.doubts()),
     }
 
 

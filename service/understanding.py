@@ -5,18 +5,24 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from .checking import DOUBTS
 from .database import Database, clock
 from .jobs import Claim, record, write_fenced
 
+DOUBTED = "doubted"
+"""Kind of the event that tells what is doubtful of a job's files."""
+
 
 def note_checked(database: Database, claim: Claim, found: dict[str, Any]) -> None:
-    """Keep what the first stage found out of a job's files.
+    """Keep what the first stage found out of a job's files; what is doubtful of them is an event too.
 
     Raises:
         FenceLost: where the job belongs to someone else.
     """
     with database.write() as session:
         write_fenced(session, claim, checked=found, touched=clock())
+        if found.get(DOUBTS):
+            record(session, claim.job, DOUBTED, doubts=found[DOUBTS])
 
 
 def turn(database: Database, claim: Claim, kind: str, request: dict[str, Any]) -> Claim:

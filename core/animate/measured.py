@@ -76,16 +76,8 @@ def judge_animation(metrics: dict[str, float | None]) -> tuple[Gate, ...]:
 
 
 def judge_motion(recording: Recording) -> Gate:
-    """Judge whether a motion moves every limb and the trunk: what its skeleton lacks stays stiff."""
+    """Judge whether a motion moves every limb, the trunk and the head: what its skeleton lacks stays stiff."""
     missing = recording.missing()
-    verdict = Verdict.FAIL if any(name in LIMBS for name in missing) else Verdict.DOUBTFUL
-    return Gate(
-        "motion",
-        verdict if missing else Verdict.PASS,
-        float(len(missing)),
-        0.0,
-        f"The motion's skeleton was not understood at {', '.join(missing)}: these stay stiff; name its joints as "
-        "docs/animate.md says."
-        if missing
-        else "The motion moves the trunk and every limb.",
-    )
+    verdict = Verdict.FAIL if any(name in LIMBS for name in missing) else Verdict.DOUBTFUL if missing else Verdict.PASS
+    message = " ".join(recording.doubts()) or "The motion moves the trunk and every limb."
+    return Gate("motion", verdict, float(len(missing)), 0.0, message)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..mesh import unit
 from .joint_tree import JointTree, Mirrored
-from .joint_words import HELPING, TWISTING, Part
+from .joint_words import TWISTING, Part
 
 SIDES = ("left", "right")
 
@@ -42,6 +42,9 @@ the ankle but where an ankle precedes, `shoulder` the collar where an arm follow
 TWISTED = 0.3
 """Share of a claim that a joint keeps that shares out a twist: it lies on the bone, not at its end."""
 
+RESTING = 0.95
+"""Share of a claim that a joint keeps that never turns: of two by one name it is the socket, the other the joint."""
+
 UPWARDS = 0.7
 """Cosine between a leg and the way from chest to pelvis from which it hangs below the trunk: 45 degrees."""
 
@@ -70,13 +73,14 @@ def find_joints(tree: JointTree, still: frozenset[int] = frozenset()) -> Found:
 
     Args:
         tree: The skeleton.
-        still: Joints that never turn in the motion; of the spine they do not count.
+        still: Joints that never turn in the motion; of the spine they do not count, and of limbs little.
     """
     found = Found()
     for limb in (LEG, ARM):
         for side in SIDES:
-            found.at |= {f"{side}_{name}": joint for name, joint in _name_limb(tree, side, limb).items()}
+            found.at |= {f"{side}_{name}": joint for name, joint in _name_limb(tree, side, limb, still).items()}
     _fill_limbs(tree, found)
+    _fill_ends(tree, found)
     legs = [found.at[f"{side}_hip"] for side in SIDES if f"{side}_hip" in found.at]
     if len(legs) == 2 and (pelvis := tree.fork(legs)) >= 0 and pelvis not in legs:
         found.at["pelvis"] = pelvis
@@ -85,7 +89,7 @@ def find_joints(tree: JointTree, still: frozenset[int] = frozenset()) -> Found:
     return found
 
 
-def _name_limb(tree: JointTree, side: str, limb: tuple[str, ...]) -> dict[str, int]:
+def _name_limb(tree: JointTree, side: str, limb: tuple[str, ...], still: frozenset[int]) -> dict[str, int]:
     """Return the joints of a limb along the chain whose names fit best.
 
     For each joint, and each number of the limb's joints taken on the way to it, the best claims so far are kept; of
@@ -98,7 +102,7 @@ def _name_limb(tree: JointTree, side: str, limb: tuple[str, ...]) -> dict[str, i
         before = best[parent] if parent >= 0 else [none] * (len(limb) + 1)
         part, (own, words) = tree.parts[joint], tree.words[joint]
         claims = CLAIMS.get(part, {}) if part is not None and own == side else {}
-        share = TWISTED if any(word in TWISTING for word in words) else 1.0
+        share = TWISTED if any(word in TWISTING for word in words) else RESTING if joint in still else 1.0
         for count, name in enumerate(limb, 1):
             score, taken = before[count - 1]
             claim = claims.get(name, 0.0) * share
@@ -122,6 +126,20 @@ def _fill_limbs(tree: JointTree, found: Found) -> None:
                 across = {joint for name in limb if (joint := found.at.get(f"{other}_{name}", -1)) >= 0}
                 _take(tree, found, side, three, tree.three_of(_limb_of(tree, own, across), (known[0], known[1], known[2])))
     _find_mirrored(tree, found)
+
+
+def _fill_ends(tree: JointTree, found: Found) -> None:
+    """Find by place collars, between where the arms branch and their shoulders, and toes, beyond the ankles."""
+    shoulders = [found.at[f"{side}_shoulder"] for side in SIDES if f"{side}_shoulder" in found.at]
+    chest = tree.fork(shoulders) if len(shoulders) == 2 else -1
+    for side in SIDES:
+        taken = set(found.at.values())
+        if f"{side}_collar" not in found.at and f"{side}_shoulder" in found.at and chest >= 0:
+            way = tree.way_to(found.at[f"{side}_shoulder"])
+            _take(tree, found, side, ("collar",), tuple(way[way.index(chest) + 1 : -1][:1]))
+        if f"{side}_foot" not in found.at and f"{side}_ankle" in found.at:
+            toes = tree.chain_below(found.at[f"{side}_ankle"])[1:2]
+            _take(tree, found, side, ("foot",), tuple(j for j in toes if j not in taken and not tree.is_end(j)))
 
 
 def _limb_of(tree: JointTree, own: list[int], across: set[int]) -> list[int]:
@@ -224,8 +242,7 @@ def _neck_and_head(tree: JointTree, chest: int, tops: list[int], head: int) -> l
 
 def _is_aside(tree: JointTree, joint: int, tops: list[int]) -> bool:
     """Check whether a joint above the chest leads to an arm, has a side, or is a mere end."""
-    side, words = tree.words[joint]
-    return bool(side) or any(word in HELPING for word in words) or any(joint in tree.way_to(top) for top in tops)
+    return bool(tree.words[joint][0]) or tree.is_end(joint) or any(joint in tree.way_to(top) for top in tops)
 
 
 def _carrier(tree: JointTree, at: dict[str, int], name: str) -> int:

@@ -9,7 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from ..mesh import unit
-from .joint_words import Part, name_part, split_name
+from .joint_words import HELPING, Part, name_part, split_name
 
 LIKE = 0.6
 """Ratio of the lengths of a limb's two bones at least: of thigh and shin, and of upper arm and forearm, it is 0.8 to 1.
@@ -76,6 +76,10 @@ class JointTree:
             if parent >= 0:
                 found[parent] = max(found[parent], found[joint] + self.length(parent, joint))
         return found
+
+    def is_end(self, joint: int) -> bool:
+        """Return whether a joint is named as an end of a chain, or as a handle."""
+        return any(word in HELPING for word in self.words[joint][1])
 
     def length(self, first: int, second: int) -> float:
         """Return the distance of two joints, in the file's unit."""

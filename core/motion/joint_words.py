@@ -81,6 +81,9 @@ KNOWN = frozenset(
 PIECE = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|[0-9]+")
 """A word of a name by its case."""
 
+HALVES = re.compile(r"([LR])([UF])(Arm|Leg)")
+"""A side, a half and a limb in capitals: `LUArm`, `RFArm`."""
+
 
 def split_name(name: str) -> tuple[str, tuple[str, ...]]:
     """Return the side, `left`, `right` or none, and the other words of a joint's name, in lower case.
@@ -90,7 +93,7 @@ def split_name(name: str) -> tuple[str, tuple[str, ...]]:
     """
     bare = re.split(r"[:|]", name)[-1] or name
     words: list[str] = []
-    for piece in PIECE.findall(bare):
+    for piece in PIECE.findall(HALVES.sub(r"\1 \2 \3", bare)):
         words.extend(_split_glued(piece.lower()))
     side = next((SIDES[word] for word in words if word in SIDES), "")
     return side, tuple(word for word in words if word not in SIDES and not word.isdigit())

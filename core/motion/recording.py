@@ -45,6 +45,15 @@ class Recording:
     notes: tuple[str, ...] = ()
 
     def missing(self) -> tuple[str, ...]:
-        """Return the joints of limbs and trunk that the skeleton lacks, so that they stay stiff in every pose."""
-        known = {name for name, has in zip(JOINTS, self.known, strict=True) if has}
-        return tuple(name for name in BODILY if name not in known)
+        """Return the joints of limbs, trunk and head that the skeleton lacks."""
+        return tuple(name for name in BODILY if not self.known[JOINTS.index(name)])
+
+    def doubts(self) -> tuple[str, ...]:
+        """Return what stays stiff in every pose, one sentence; nothing where all limbs and the trunk move."""
+        missing = self.missing()
+        if not missing:
+            return ()
+        return (
+            f"The motion's skeleton was not understood at {', '.join(missing)}, which will stay stiff; "
+            "name its joints as docs/animate.md says.",
+        )

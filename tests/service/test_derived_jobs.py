@@ -272,7 +272,7 @@ def test_result_moves(backend, result, still, settings, database, store, tmp_pat
     assert (report.state, report.error) == ("succeeded", None)
     assert (report.kind, report.garment, report.metrics["frames"]) == ("animate", "skirt", 6.0)
     verdicts = {gate.name: gate.verdict for gate in report.gates}
-    assert verdicts == dict.fromkeys(["converged", "depth", "pinched", "crossings"], "pass")
+    assert verdicts == dict.fromkeys(["motion", "converged", "depth", "pinched", "crossings"], "pass")
     found = backend.find_jobs(JobQuery(wheres=["max_depth_mm < 2", "crossings < 1", "kind = animate"]))
     assert [job.id for job in found] == [done.job]
     paths = {path.name for path in export_files(database, store, done.job, tmp_path / "out")}
