@@ -66,7 +66,7 @@ def pose_skeleton(skeleton: Skeleton, values: np.ndarray) -> Posed:
 
 
 def _place(skeleton: Skeleton, given: dict[int, np.ndarray]) -> dict[int, np.ndarray]:
-    """Return the place of each joint from its parent, shape [n, 3], from position channels, NaN where one is missing."""
+    """Return the place of each joint from its parent, shape [n, 3], NaN where a position channel is missing."""
     added = replaced = 0.0
     for joint, way in given.items():
         if skeleton.parents[joint] >= 0:

@@ -166,7 +166,8 @@ def _statements(text: str, name: str) -> list[tuple[str, str]]:
             found.append((word.lower(), rest[0].strip() if rest else ""))
         elif word:
             if not found or found[-1][0] not in ("offset", "channels", "root", "joint"):
-                raise MotionBad(f"{name}: '{keep_printable(line.strip())[:40]}' is not understood. {MotionBad().message}")
+                shown = keep_printable(line.strip())[:40]
+                raise MotionBad(f"{name}: '{shown}' is not understood. {MotionBad().message}")
             found[-1] = (found[-1][0], f"{found[-1][1]} {line.strip()}".strip())
     return found
 

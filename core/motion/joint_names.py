@@ -68,8 +68,8 @@ def find_joints(tree: JointTree, still: frozenset[int] = frozenset()) -> Found:
     """Return our joints' names with the joints of a foreign skeleton that are meant.
 
     Legs and arms are the chains whose names fit best; what names leave open is filled by place: the two longest bones.
-    The pelvis is where both legs branch, the chest where the arms do; joints between are shared among the spine's three,
-    and those above the chest are neck and head.
+    The pelvis is where both legs branch, the chest where the arms do; joints between are shared among the spine's
+    three, and those above the chest are neck and head.
 
     Args:
         tree: The skeleton.
@@ -122,9 +122,10 @@ def _fill_limbs(tree: JointTree, found: Found) -> None:
         for side, other in (SIDES, SIDES[::-1]):
             own = [found.at[f"{side}_{name}"] for name in limb if f"{side}_{name}" in found.at]
             if own and any(f"{side}_{name}" not in found.at for name in three):
-                known = tuple(found.at.get(f"{side}_{name}", -1) for name in three)
+                first, middle, last = (found.at.get(f"{side}_{name}", -1) for name in three)
                 across = {joint for name in limb if (joint := found.at.get(f"{other}_{name}", -1)) >= 0}
-                _take(tree, found, side, three, tree.three_of(_limb_of(tree, own, across), (known[0], known[1], known[2])))
+                chain = _limb_of(tree, own, across)
+                _take(tree, found, side, three, tree.three_of(chain, (first, middle, last)))
     _find_mirrored(tree, found)
 
 
@@ -213,7 +214,10 @@ def _find_trunk(tree: JointTree, found: Found, still: frozenset[int]) -> None:
     if not ends:
         return
     chest = tree.fork(ends) if len(ends) > 1 else tree.parents[ends[0]]
-    above = [joint for joint in tree.way_to(chest) if joint not in tree.way_to(found.at["pelvis"])] if chest >= 0 else []
+    if chest < 0:
+        return
+    below = tree.way_to(found.at["pelvis"])
+    above = [joint for joint in tree.way_to(chest) if joint not in below]
     necks = [joint for joint in above if tree.parts[joint] is Part.NECK]  # some skeletons hang the arms on the neck
     spine = [joint for joint in above if joint not in necks]
     spine = [joint for joint in spine if joint not in still] or spine
@@ -247,7 +251,7 @@ def _is_aside(tree: JointTree, joint: int, tops: list[int]) -> bool:
 
 def _carrier(tree: JointTree, at: dict[str, int], name: str) -> int:
     """Return the joint whose turn one of our bones has."""
-    side, _, part = name.partition("_")
+    side = name.partition("_")[0]
     ends = {"neck": "head", **{f"{side}_{first}": f"{side}_{second}" for limb in (LEG, ARM)
             for first, second in pairwise(limb) if first in BONES}}  # fmt: skip
     end = at.get(ends.get(name, ""), -1)

@@ -16,8 +16,8 @@ BODILY = tuple(
     for name in JOINTS
     if name not in ("left_collar", "right_collar", "left_foot", "right_foot", "left_hand", "right_hand", "neck")
 )
-"""Joints without which a limb, the trunk or the head stays stiff. Collars, necks, toes and fingers are missing from good
-skeletons too: what hangs on them follows the next joint."""
+"""Joints without which a limb, the trunk or the head stays stiff. Collars, necks, toes and fingers are missing from
+good skeletons too: what hangs on them follows the next joint."""
 
 
 @dataclass(frozen=True)

@@ -36,8 +36,8 @@ def map_skeleton(posed: Posed, rate: float) -> Recording:
     """Return the recording of a foreign skeleton.
 
     The rest pose is that of the offsets, turned as what lies above the pelvis is where that does not turn; where nobody
-    stands so (joints with turned axes), the first pose in which somebody does. The left side is from the right hip to the left one; up is
-    judged over rest pose and motion (`find_up`).
+    stands so (joints with turned axes), the first pose in which somebody does. The left side is from the right hip to
+    the left one; up is judged over rest pose and motion (`find_up`).
 
     Raises:
         MotionForeign: where hips and knees are not found, or no pose stands upright.
@@ -160,11 +160,12 @@ def _bones(places: dict[str, np.ndarray], axes: np.ndarray) -> np.ndarray:
 
 def _tell_names(found: Found, posed: Posed) -> tuple[str, ...]:
     """Describe which joints were taken for ours, where any is called otherwise, and what lies above the pelvis."""
-    foreign = [f"{name} is {posed.names[index]}" for name, index in found.at.items() if posed.names[index].lower() != name]
+    called = {name: posed.names[index] for name, index in found.at.items()}
+    foreign = [f"{name} is {other}" for name, other in called.items() if other.lower() != name]
     told = [f"Joints by other names: {', '.join(foreign)}."] if foreign else []
-    pelvis = found.at["pelvis"]
-    if posed.parents[pelvis] >= 0:
-        told.append(f"The pelvis is {posed.names[pelvis]}, and goes and turns with {posed.names[posed.parents[pelvis]]}.")
+    above = posed.parents[found.at["pelvis"]]
+    if above >= 0:
+        told.append(f"The pelvis is {called['pelvis']}, and goes and turns with {posed.names[above]}.")
     return tuple(told)
 
 

@@ -71,7 +71,8 @@ def _join_poses(arrays: dict[str, np.ndarray], name: str) -> np.ndarray:
     Raises:
         MotionBad: where they have another shape, or are no numbers.
     """
-    given = [arrays["poses"]] if "poses" in arrays else [arrays[each] for names in PIECES for each in names if each in arrays]
+    names = ("poses",) if "poses" in arrays else [each for piece in PIECES for each in piece if each in arrays]
+    given = [arrays[each] for each in names]
     shapes = ", ".join(str(each.shape) for each in given)
     if not all(each.ndim >= 2 and len(each) == len(given[0]) for each in given):
         raise MotionBad(f"{name}: poses have the shape {shapes}, expected [n, 72].")

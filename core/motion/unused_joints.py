@@ -25,7 +25,8 @@ def tell_unused(posed: Posed, found: Found) -> tuple[str, ...]:
             index = posed.parents[index]
     fine = {found.at[name] for name in OUTERMOST if name in found.at}
     still = posed.still()
-    matter, other = [], []
+    matter: list[str] = []
+    other: list[str] = []
     for joint, parent in enumerate(posed.parents):
         if joint in used:
             continue
@@ -38,7 +39,7 @@ def tell_unused(posed: Posed, found: Found) -> tuple[str, ...]:
     if matter:
         told.append(f"Joints of trunk and limbs that turn and were not used: {_list(matter)}.")
     if other:
-        told.append(f"Joints of the motion that were not used (fingers, face, ends, or without a turn): {_list(other)}.")
+        told.append(f"Joints of the motion that were not used (fingers, face, ends, still): {_list(other)}.")
     return tuple(told)
 
 

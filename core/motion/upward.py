@@ -68,7 +68,8 @@ def find_up(rest: np.ndarray, sampled: Sampled) -> Up:
         )
     return Up(
         rest,
-        f"Up is {name_direction(rest)} of the file, by the rest pose; the person is not upright on the mean of the motion.",
+        f"Up is {name_direction(rest)} of the file, by the rest pose; "
+        "the person is not upright on the mean of the motion.",
     )
 
 

@@ -7,7 +7,15 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from garmentq.core.animate import AnimateBad, AnimateSettings, animate, judge_animation, list_times, measure_animation
+from garmentq.core.animate import (
+    AnimateBad,
+    AnimateSettings,
+    animate,
+    judge_animation,
+    judge_motion,
+    list_times,
+    measure_animation,
+)
 from garmentq.core.animate.moving_skin import MovingSkin
 from garmentq.core.animate.settings import Pace
 from garmentq.core.animate.stage import Cloth, Stage
@@ -15,7 +23,7 @@ from garmentq.core.body import JOINTS, ExposedSurface, builtin_body, penetration
 from garmentq.core.errors import Cancelled
 from garmentq.core.hooks import Hooks
 from garmentq.core.mesh import self_intersections
-from garmentq.core.motion import LeadIn, Pose, Track
+from garmentq.core.motion import LeadIn, Pose, Recording, Track
 from garmentq.core.simulate import Scene, SelfContact, State, Topology, get_fabric
 from garmentq.core.simulate.bending_friction import measure_angles
 from garmentq.core.simulate.carry_step import carry_free
@@ -259,3 +267,23 @@ def test_times_are_those_asked_for(worn):
     for bad in ({"fps": 0.0}, {"begin": 2.0, "end": 1.0}, {"fps": float("nan")}, {"lead": -1.0}):
         with pytest.raises(AnimateBad):
             AnimateSettings(**bad)
+
+
+@pytest.mark.parametrize(
+    ("lacking", "verdict"),
+    [
+        ((), "pass"),
+        (("left_collar", "right_foot", "left_hand", "neck"), "pass"),
+        (("left_elbow", "left_wrist"), "doubtful"),
+        (("head",), "doubtful"),
+        (("right_shoulder", "right_elbow", "right_wrist"), "fail"),
+        (("spine1", "spine2", "spine3"), "fail"),
+    ],
+)
+def test_a_motion_that_lacks_a_limb_does_not_pass(lacking, verdict):
+    """Broken where a limb or a trunk that stays stiff passes, or a skeleton without collars or toes does not."""
+    known = np.array([name not in lacking for name in JOINTS])
+    turns = np.tile(np.eye(3), (2, 24, 1, 1))
+    gate = judge_motion(Recording(30.0, turns, known, np.zeros((24, 3)), None))
+    assert (gate.name, gate.verdict) == ("motion", verdict)
+    assert verdict == "pass" or all(name in gate.message for name in lacking)

@@ -45,7 +45,8 @@ def make_reference(seed: int = 5) -> Model:
         model[role] = Node(parent, np.array(offset), turns(size))
 
     add("pelvis", "", (0, 0, 0), 20)
-    model["pelvis"] = replace(model["pelvis"], move=np.stack([60 * time, 92 + 3 * np.sin(9 * time), 90 * time**2], axis=1))
+    way = np.stack([60 * time, 92 + 3 * np.sin(9 * time), 90 * time**2], axis=1)
+    model["pelvis"] = replace(model["pelvis"], move=way)
     add("spine", "pelvis", (0, 10, 0), 15)
     add("chest", "spine", (0, 20, 0), 15)
     add("neck", "chest", (0, 22, 0), 15)
@@ -144,6 +145,17 @@ def pose(model: Model) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
     return places, turns
 
 
+def name_plainly() -> dict[str, str]:
+    """Return names of the joints by role, as most programs have them."""
+    found = dict(zip(TRUNK, ("Hips", "Spine", "Spine1", "Neck", "Head"), strict=True))
+    parts = ("Shoulder", "Arm", "ForeArm", "Hand", "UpLeg", "Leg", "Foot", "ToeBase")
+    return found | {
+        f"{side} {role}": f"{side.title()}{part}"
+        for side in ("left", "right")
+        for role, part in zip(LIMBS, parts, strict=True)
+    }
+
+
 @dataclass(frozen=True)
 class Spelling:
     """Choose how a file is written.
@@ -171,7 +183,7 @@ class Spelling:
     first: str = ""
 
 
-def write_bvh(model: Model, names: dict[str, str], how: Spelling = Spelling()) -> bytes:  # noqa: B008
+def write_bvh(model: Model, names: dict[str, str], how: Spelling = Spelling()) -> bytes:
     """Return a model as a BVH file."""
     lines, columns = [f"{how.first}HIERARCHY"], []
 

@@ -30,7 +30,8 @@ from .foreign import (
 )
 
 SCHEMES = {
-    "plain": ("Hips Spine Spine1 Neck Head", "{}", "Left Right", "{s}{}", "Shoulder Arm ForeArm Hand UpLeg Leg Foot ToeBase"),
+    "plain": ("Hips Spine Spine1 Neck Head", "{}", "Left Right", "{s}{}",
+              "Shoulder Arm ForeArm Hand UpLeg Leg Foot ToeBase"),
     "mixamo": ("Hips Spine Spine2 Neck Head", "mixamorig:{}", "Left Right", "mixamorig:{s}{}",
                "Shoulder Arm ForeArm Hand UpLeg Leg Foot ToeBase"),
     "mixamo7": ("Hips Spine Spine2 Neck Head", "mixamorig7_{}", "Left Right", "mixamorig7_{s}{}",
@@ -187,7 +188,8 @@ def add_root(model, names, root):
     if root == "tilted and placed":
         return wrap(tilt(model, "Armature"), "Scene", still(), 11 + zero), names
     if root == "hips inside pelvis":
-        return wrap(model, "root pelvis", model["pelvis"].turns, model["pelvis"].move), names | {"root pelvis": "pelvis"}
+        names = names | {"root pelvis": "pelvis"}
+        return wrap(model, "root pelvis", model["pelvis"].turns, model["pelvis"].move), names
     return model, names
 
 
@@ -244,7 +246,7 @@ def test_the_plain_motion_is_that_of_the_file(plain):
             way = (wanted[f"{side} {end}"] - wanted[f"{side} {start}"]) @ heading.T
             cosine = (found * way).sum(axis=1) / np.linalg.norm(found, axis=1) / np.linalg.norm(way, axis=1)
             assert np.degrees(np.arccos(np.clip(cosine, -1, 1))).max() < 0.01, (side, start)
-    for name, role in (("pelvis", "pelvis"), ("spine1", "spine"), ("spine3", "chest"), ("neck", "neck"), ("head", "head")):
+    for name, role in zip(("pelvis", "spine1", "spine3", "neck", "head"), TRUNK, strict=True):
         assert degrees_between(turns[:, at[name]], heading @ spun[role]).max() < 0.01, name
     legs = [np.linalg.norm(places[0, at[f"left_{a}"]] - places[0, at[f"left_{b}"]]) for a, b in
             (("hip", "knee"), ("knee", "ankle"))]  # fmt: skip
@@ -303,8 +305,7 @@ def test_variants_compose(seed, plain, tmp_path):
     random = np.random.default_rng(seed)
     named = [scheme for scheme in SCHEMES if scheme not in ("letters", "limbs alone")]
     scheme, root, extra, spelling, unit = (
-        str(random.choice(list(each)))
-        for each in (named, ROOTS[:-1], EXTRAS, SPELLINGS, UNITS)
+        str(random.choice(list(each))) for each in (named, ROOTS[:-1], EXTRAS, SPELLINGS, UNITS)
     )
     model, names = add_extras(make_reference(), names_of(scheme), extra)
     model, names = add_root(model, names, root)

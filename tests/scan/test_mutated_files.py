@@ -30,6 +30,8 @@ def make_files() -> dict[str, bytes]:
     """Return one small valid file of each kind, by its name."""
     from garmentq.core.pattern import load_template, write_pattern
 
+    from ..motion.foreign import make_reference, name_plainly, write_bvh
+
     mesh = trimesh.creation.cylinder(radius=0.2, height=0.6, sections=8)
     faces = mesh.faces[np.abs(mesh.face_normals[:, 2]) < 0.9]
     tube = trimesh.Trimesh(mesh.vertices, faces)
@@ -53,6 +55,7 @@ def make_files() -> dict[str, bytes]:
         b" CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
         b" End Site\n {\n  OFFSET 0 1 0\n }\n}\nMOTION\nFrames: 2\nFrame Time: 0.03\n0 0 0 0 0 0\n0 0 0 1 2 3\n"
     )
+    files["person.bvh"] = write_bvh(make_reference(), name_plainly())
     files["cloud.xyz"] = "\n".join(" ".join(f"{v:.4f}" for v in p) for p in mesh.vertices).encode()
     return {name: content if isinstance(content, bytes) else content.encode() for name, content in files.items()}
 
@@ -98,7 +101,7 @@ def read(path: Path) -> None:
         load_pattern(path)
     elif kind == "body":
         load_smpl(path)
-    elif kind in ("keys", "walk"):
+    elif kind in ("keys", "walk", "person"):
         load_motion(path)
     elif kind == "cloud":
         load_raw(path, limits=limits)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from garmentq.cli.follow import Wait, follow
 from garmentq.core.body import builtin_body
 from garmentq.core.errors import GarmentqError
 from garmentq.core.pattern import load_draped_template
@@ -277,6 +278,34 @@ def test_result_moves(backend, result, still, settings, database, store, tmp_pat
     assert [job.id for job in found] == [done.job]
     paths = {path.name for path in export_files(database, store, done.job, tmp_path / "out")}
     assert {"garment.pc2", "garment.mdd", "garment.glb", "body.pc2", "sheet.png", "preview.gif", "report.html"} <= paths
+
+
+LEG = (
+    "JOINT {0}UpLeg {{\nOFFSET {1} -4 0\nJOINT {0}Leg {{\nOFFSET 0 -42 0\n"
+    "JOINT {0}Foot {{\nOFFSET 0 -41 0\n}}\n}}\n}}\n"
+)
+
+LEGS = (
+    "HIERARCHY\nROOT Hips {\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n"
+    f"{LEG.format('Left', 9)}{LEG.format('Right', -9)}}}\n"
+    "MOTION\nFrames: 2\nFrame Time: 0.1\n0 0 0\n0 10 0\n"
+)
+
+
+def test_a_motion_without_arms_is_told_when_it_is_read(backend, result, still, settings, database, tmp_path, capsys):
+    """Broken where a motion whose arms and trunk are not understood passes, or is only told of at the end."""
+    path = tmp_path / "legs.bvh"
+    path.write_text(LEGS)
+    done = backend.submit_derived(DerivedOrder("animate", result, {}, {"motion": path}))
+    work_off(settings, database)
+    report = backend.find_job(done.job)
+    assert (report.state, report.verdict) == ("succeeded", "fail")
+    gate = next(gate for gate in report.gates if gate.name == "motion")
+    assert gate.verdict == "fail" and "left_shoulder" in gate.message
+    follow(backend, done.job, Wait())
+    lines = capsys.readouterr().err.splitlines()
+    told = next(n for n, line in enumerate(lines) if "doubted" in line and "left_shoulder" in line)
+    assert told < next(n for n, line in enumerate(lines) if "animate ..." in line)
 
 
 def test_a_motions_file_goes_through_the_check(backend, result, still, settings, database, tmp_path):
