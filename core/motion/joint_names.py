@@ -174,7 +174,9 @@ def _find_mirrored(tree: JointTree, found: Found) -> None:
         legs = next((pair for pair in pairs if any(_hangs(tree, pair, other.fork) for other in pairs)), None)
     taken = () if legs is None else (legs.fork,)
     arms = next((pair for pair in pairs if ARM[1:] in lacking and pair.fork not in taken), None)
-    left = _left_of(tree, found, legs, arms)
+    left = _left_of(tree, found, legs)
+    if not left.any():
+        return
     for pair, names in ((legs, LEG[:3]), (arms, ARM[1:])):
         if pair is None:
             continue
@@ -190,8 +192,8 @@ def _hangs(tree: JointTree, pair: Mirrored, chest: int) -> bool:
     return all(unit(way) @ down > UPWARDS for way in ways)
 
 
-def _left_of(tree: JointTree, found: Found, legs: Mirrored | None, arms: Mirrored | None) -> np.ndarray:
-    """Return a direction to the left in the rest pose, shape [3]."""
+def _left_of(tree: JointTree, found: Found, legs: Mirrored | None) -> np.ndarray:
+    """Return a direction to the left in the rest pose, shape [3]; zeros where nothing tells it."""
     for name in ("hip", "shoulder", "knee", "elbow"):
         if all(f"{side}_{name}" in found.at for side in SIDES):
             return np.asarray(tree.places[found.at[f"left_{name}"]] - tree.places[found.at[f"right_{name}"]])

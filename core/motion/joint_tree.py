@@ -16,7 +16,8 @@ LIKE = 0.6
 A twist bone ends halfway."""
 
 ALIKE = 0.9
-"""Ratio of lengths, and cosine of directions, from which two chains are each other's mirror image."""
+"""One minus the share of a joint's distance from a fork within which its mirror image is the other chain's: the rest pose of a person
+who was measured is alike on both sides to 5 %."""
 
 
 @dataclass(frozen=True)
