@@ -16,8 +16,8 @@ LIKE = 0.6
 A twist bone ends halfway."""
 
 ALIKE = 0.9
-"""One minus the share of a joint's distance from a fork within which its mirror image is the other chain's: the rest pose of a person
-who was measured is alike on both sides to 5 %."""
+"""One minus the share of a joint's distance from a fork within which its mirror image is the other chain's: rest poses
+of persons who were measured are alike on both sides to 5 %."""
 
 
 @dataclass(frozen=True)
