@@ -28,6 +28,9 @@ of a person the labels, which can be corrected."""
 PREFIXES = (("", "detail mesh"), ("sim.", "simulation mesh"), ("redrape.", "re-draped pattern"))
 """Prefixes of the metrics of the delivered meshes, and what the summary calls these meshes."""
 
+REST = {1.0: ", at rest", 0.0: ", not at rest"}
+"""What the summary says of a drape by its metric `at_rest`; nothing of meshes that are none, and of older results."""
+
 
 def print_result(job: JobReport, files: Sequence[Path], verbose: bool = False) -> None:
     """Print a job's result: ten lines, or with `verbose` all metrics, gates, warnings and files as tables."""
@@ -129,7 +132,7 @@ def _describe_distances(metrics: Mapping[str, float | None]) -> Iterator[str]:
     for prefix, mesh in PREFIXES:
         ways = [metrics.get(f"{prefix}surface_rms_mm.{way}") for way in ("s2t", "t2s")]
         if ways[0] is not None and ways[1] is not None:
-            yield f"{mesh} {ways[0]:.1f} / {ways[1]:.1f} mm"
+            yield f"{mesh} {ways[0]:.1f} / {ways[1]:.1f} mm{REST.get(metrics.get(f'{prefix}at_rest'), '')}"
 
 
 def _describe_depths(metrics: Mapping[str, float | None]) -> Iterator[str]:

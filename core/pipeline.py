@@ -243,7 +243,7 @@ def drape_to_scan(case: Case, clock: Clock) -> GradedDrape:
         *_note_hidden(case),
         *notes,
         *motion,
-        *(() if drape.converged else (drape.outcome.advice,)),
+        *(() if drape.at_rest else (f"the graded drape is {drape.advice}",)),
     )
     panels = garment.pattern.panels, slid.base.panels
     state = _KeptDrape(*panels, slid.base.seams, slid.changes, garment.nodes, drape, warnings, laid)
@@ -290,7 +290,7 @@ def redrape_pattern(case: Case, drape: GradedDrape, fit: Fit, clock: Clock) -> F
     with clock.stage("redrape", "dressing the body in the recovered pattern") as hooks:
         rotation = drape.drape.rotation
         nodes, again = redrape(fit.garment, case.wearer, fit.fabric, case.target, rotation=rotation, hooks=hooks)
-    warnings = () if again.converged else (f"the re-draped mesh is {again.outcome.advice}",)
+    warnings = () if again.at_rest else (f"the re-draped mesh is {again.advice}",)
     meshes = replace(fit.meshes, redraped=nodes)
     return replace(fit, meshes=meshes, redrape=again, warnings=(*fit.warnings, *warnings))
 
@@ -351,8 +351,9 @@ def measure(case: Case, drape: GradedDrape, fit: Fit) -> dict[str, float | None]
     hidden = mark_hidden_border(scan.faces, scan.hidden, contours)
     truth = Reference(scan.vertices, scan.faces, contours, case.wearer.exposed, case.settings.seed, hidden=hidden)
     metrics = measure_knowledge(fit.estimates, fit.point_std)
-    if fit.redrape is not None:
-        metrics |= {"redrape.residual": fit.redrape.residual, "redrape.iterations": float(fit.redrape.iterations)}
+    for name, equilibrium in (("drape", drape.drape), ("sim", fit.simulated), ("redrape", fit.redrape)):
+        if equilibrium is not None:
+            metrics |= equilibrium.measure(name)
     metrics |= measure_fit(fit.garment, fit.meshes, truth)
     metrics |= measure_seams(fit.garment.pattern) | measure_fairness(
         fit.garment.pattern, case.base, {corner.join: corner.angle for corner in fit.corners}
@@ -363,8 +364,6 @@ def measure(case: Case, drape: GradedDrape, fit: Fit) -> dict[str, float | None]
     metrics |= measure_upright(case.seen)
     for name, candidate in zip(("cut.misfit", "cut.next_misfit", "cut.third_misfit"), case.candidates, strict=False):
         metrics[name] = candidate.misfit
-    metrics["drape.residual"] = drape.drape.residual
-    metrics["drape.iterations"] = float(drape.drape.iterations)
     metrics["drape.spin_rad_s"] = 0.0 if drape.drape.rotation is None else drape.drape.rotation.rate
     metrics["body.fit_rms_mm"] = 1e3 * case.body.fit_rms
     return metrics

@@ -103,7 +103,7 @@ def drape_edit(worn: Worn, pattern: Pattern, recovered: Pattern, clock: Clock) -
         }
         metrics |= _measure_change(worn.garment, garment, worn.fabric) | {"drape.warm": float(start is not None)}
         difference = compare_versions(pattern, recovered)
-    warnings = [] if drape.converged else [f"the garment is {drape.outcome.advice}"]
+    warnings = [] if drape.at_rest else [f"the garment is {drape.advice}"]
     return Edited(
         before=worn,
         worn=now,

@@ -59,9 +59,13 @@ TITLES = {
     "vertices": "Vertices",
     "faces": "Faces",
     "body.fit_rms_mm": "Body model to the given body, RMS [mm]",
-    "residual": "Largest force left on a node [its weight]",
+    "at_rest": "At rest (1: yes)",
+    "residual": "Largest force left on a node [a node's weight]",
+    "residual_rms": "Force left on a node, RMS [a node's weight]",
     "iterations": "Newton iterations to rest",
-    "drape.residual": "Graded drape: largest force left on a node [its weight]",
+    "drape.at_rest": "Graded drape: at rest (1: yes)",
+    "drape.residual": "Graded drape: largest force left on a node [a node's weight]",
+    "drape.residual_rms": "Graded drape: force left on a node, RMS [a node's weight]",
     "drape.iterations": "Graded drape: Newton iterations",
 }
 """Names of metrics for people, in the order of the table; others follow under their own names."""

@@ -11,7 +11,7 @@ from ..case import Case, GradedDrape
 from ..drape import pin_waist
 from ..hooks import SILENT, Hooks
 from ..pattern import Garment, resample
-from ..simulate import Fabric, FabricEstimate
+from ..simulate import Drape, Fabric, FabricEstimate
 from .descent import Descent, DescentProblem, InverseSettings, descend
 from .locks import find_held
 from .losses.range import STIFFNESSES
@@ -31,6 +31,7 @@ class InverseFit:
         descent: The loop's end: its losses and what it found.
         fabric: The cloth, descended to, or the given one where it is locked.
         estimates: What is known of each parameter of the fabric: descent tells no posterior.
+        simulated: The equilibrium behind the garment's nodes.
         warnings: What the user should know, one sentence each.
     """
 
@@ -39,6 +40,7 @@ class InverseFit:
     descent: Descent
     fabric: Fabric
     estimates: tuple[FabricEstimate, ...]
+    simulated: Drape
     warnings: tuple[str, ...]
 
 
@@ -87,7 +89,8 @@ def fit_inverse(
         descent=descent,
         fabric=found,
         estimates=_state_fabric(found) if fit_fabric else (),
-        warnings=() if drape.converged else (f"the simulation mesh is {drape.outcome.advice}",),
+        simulated=drape,
+        warnings=() if drape.at_rest else (f"the simulation mesh is {drape.advice}",),
     )
 
 

@@ -104,6 +104,7 @@ class Inverse:
             meshes=Meshes(found.graded, detail.nodes, found.garment.nodes),
             estimates=found.estimates,
             nearest=nearest_fabrics(found.fabric),
+            simulated=found.simulated,
             warnings=(*found.warnings, *detail.warnings),
             corners=corners,
         )

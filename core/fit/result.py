@@ -30,6 +30,7 @@ class Fit:
         nearest: Fabrics of the library that bend most alike, by name; empty where no fabric was fitted.
         point_std: Posterior standard deviation of the control points [m], shape [point_count, 2], or None.
         wearer: The wearer with the body raised to where the cloth rests on it, if it was; None means the case's.
+        simulated: The equilibrium behind `meshes.simulation`, or None.
         redrape: The equilibrium behind `meshes.redraped`, or None.
         warnings: What the user should know, one sentence each.
         base: The base pattern with the panels and darts of the recovered one, or None where they are the case's.
@@ -44,6 +45,7 @@ class Fit:
     nearest: tuple[str, ...] = ()
     point_std: np.ndarray | None = None
     wearer: WearerGeometry | None = None
+    simulated: Drape | None = None
     redrape: Drape | None = None
     warnings: tuple[str, ...] = ()
     base: Pattern | None = None

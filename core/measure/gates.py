@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
+from ..simulate import RESTING
 from ..verdict import Gate, Verdict
 
 Metrics = Mapping[str, float | None]
@@ -48,9 +49,27 @@ def _read(name: str) -> Callable[[Metrics], float | None]:
     return lambda metrics: metrics.get(name)
 
 
-def _first(*names: str) -> Callable[[Metrics], float | None]:
-    """Read the first of some metrics that was measured."""
-    return lambda metrics: next((metrics[name] for name in names if metrics.get(name) is not None), None)
+def _of_delivered(name: str, join: Callable[[list[float]], float]) -> Callable[[Metrics], float | None]:
+    """Read a metric of the drapes that are delivered; of the graded one where the method makes no other."""
+
+    def value(metrics: Metrics) -> float | None:
+        for drapes in (("sim", "redrape"), ("drape",)):
+            found = [value for drape in drapes if (value := metrics.get(f"{drape}.{name}")) is not None]
+            if found:
+                return join(found)
+        return None
+
+    return value
+
+
+def _largest_of(found: list[float]) -> float:
+    """Return the largest of some numbers; one that is none is larger than all."""
+    return max(found, key=lambda value: (value != value, value))
+
+
+def _count_unrest(found: list[float]) -> float:
+    """Count the drapes that are not at rest, from 1 for each that is."""
+    return float(sum(value != 1.0 for value in found))
 
 
 def _farther(name: str) -> Callable[[Metrics], float | None]:
@@ -241,10 +260,17 @@ RULES = (
         Product.DRAPE,
     ),
     Rule(
-        "drape_residual", _first("redrape.residual", "drape.residual"), 1.0, 100.0,
-        "The drape's least balanced node feels {value:.1f} times its own weight",
-        "the drape is not at rest; settle it before simulating on. The detail mesh is judged by the surface fit.",
-        "At 1 nothing moves more than its own weight would move it; 100 is the pull of tight cloth that slides.",
+        "drape_residual", _of_delivered("residual", _largest_of), RESTING, 100.0,
+        "The least balanced node of the drapes feels {value:.1f} times a node's weight",
+        "that drape is not at rest; settle it before simulating on. The detail mesh is judged by the surface fit.",
+        "`RESTING` says why cloth rests below it; 100 is the pull of tight cloth that slides.",
+        Product.DRAPE,
+    ),
+    Rule(
+        "at_rest", _of_delivered("at_rest", _count_unrest), 0.0, 2.0,
+        "Of the drapes that are delivered {value:.0f} are not at rest",
+        "the remarks say which, and why; simulate on from another mesh, or recover anew with other --vertices.",
+        "A search that gave up or is stuck ends somewhere; there are two drapes at most, and the detail mesh is none.",
         Product.DRAPE,
     ),
 )  # fmt: skip

@@ -19,6 +19,9 @@ from .patterns import PATTERN_METRICS, measure_pattern, measure_seams, unmatched
 FIT_FAMILIES = ("graded", "sim", "redrape", "surface_rms_mm", "surface_p95_mm", "contour_rms_mm", "gather_ratio_error")
 """First words of metrics whose names depend on the truth: a recovery's own values never stay beside ours."""
 
+OF_REST = ("residual", "residual_rms", "iterations", "at_rest")
+"""Last words of the metrics of how far a drape is at rest (`Drape.measure`)."""
+
 BODY_SAMPLES = 10_000
 """Samples of the true body: an RMS then scatters by about 2 %."""
 
@@ -62,7 +65,7 @@ def measure_recovery(
 
 def _is_of_truth(name: str) -> bool:
     """Return whether a metric depends on the truth; how far a drape is at rest does not."""
-    return name.split(".")[0] in FIT_FAMILIES and name.split(".")[-1] not in ("residual", "iterations")
+    return name.split(".")[0] in FIT_FAMILIES and name.split(".")[-1] not in OF_REST
 
 
 def measure_fabric(fabric: Fabric, truth: Mapping[str, float]) -> dict[str, float | None]:

@@ -11,7 +11,7 @@ from .fabric_file import FabricFileBad, FabricUnitBad, read_fabrics, write_fabri
 from .fabrics import FabricUnknown, get_fabric, load_fabrics
 from .locking import soften
 from .outcome import Outcome
-from .settings import GRAVITY, ContactSettings, SelfContactSettings, SettingsBad, SolveSettings
+from .settings import GRAVITY, RESTING, ContactSettings, SelfContactSettings, SettingsBad, SolveSettings
 
 if TYPE_CHECKING:
     from .bending_friction import BendingFriction
@@ -86,6 +86,7 @@ _LAZY = {
 __all__ = [
     "FABRIC",
     "GRAVITY",
+    "RESTING",
     "AtRest",
     "BendingFriction",
     "BlockPattern",

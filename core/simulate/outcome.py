@@ -10,7 +10,8 @@ class Outcome(StrEnum):
 
     Attributes:
         advice: What that means and what to do.
-        converged: True where the forces are within the tolerance or nothing moves any more.
+        converged: True where the forces are within the tolerance or nothing moves any more, stuck or not: what forces
+            are left `Drape.at_rest` asks.
     """
 
     advice: str
@@ -18,7 +19,7 @@ class Outcome(StrEnum):
 
     CONVERGED = "converged", "at rest: all forces are balanced.", True
     STILL = "still", "at rest to the eye, forces not fully balanced: set still to 0 for more.", True
-    STUCK = "stuck", "no step lowers the energy: settle for longer first, or soften contact."
+    STUCK = "stuck", "not at rest: no step lowers the energy; settle for longer first, or soften contact."
     ITERATIONS = "iterations", "not at rest: raise max_iterations, settle for longer, or pin a contour that slides."
     TIME = "time", "not at rest: raise max_cpu_seconds or take fewer vertices."
     STOPPED = "stopped", "not at rest: the search was stopped by the caller."

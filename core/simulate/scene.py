@@ -124,3 +124,8 @@ class Scene:
     def relative_residual(self, gradient: np.ndarray) -> float:
         """Return the largest force [N] of a gradient, shape [node_count, 3], relative to the mean weight of a node."""
         return float(longest(gradient)) / self.mean_weight
+
+    def relative_rms(self, gradient: np.ndarray) -> float:
+        """Return the RMS force [N] of a gradient on the nodes that are free, relative to the mean weight of a node."""
+        free = gradient[~self.fixed]
+        return float(np.sqrt((free**2).sum(axis=1).mean())) / self.mean_weight if len(free) else 0.0

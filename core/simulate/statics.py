@@ -21,7 +21,7 @@ from .outcome import Outcome
 from .pins import move_pins
 from .quasi_newton import Leg, descend
 from .scene import Scene, SteadyRotation
-from .settings import SolveSettings
+from .settings import RESTING, SolveSettings
 from .solver import Solver
 
 Stop = Callable[[int, np.ndarray], bool]
@@ -65,6 +65,7 @@ class Drape:
         anchors: Where friction holds each node [m], shape [node_count, 3].
         rotation: The rotation in which it rests, or None for cloth at rest under its weight alone.
         rubbing: The friction of cloth on cloth in which it rests, or None.
+        residual_rms: Root mean square of the forces on the nodes that are not fixed, in the same unit; None: not known.
     """
 
     nodes: np.ndarray
@@ -75,11 +76,40 @@ class Drape:
     anchors: np.ndarray
     rotation: SteadyRotation | None = None
     rubbing: Rubbing | None = None
+    residual_rms: float | None = None
 
     @property
     def converged(self) -> bool:
-        """Return whether the residual is within the tolerance or nothing moves any more."""
+        """Return whether the search ended by itself: balanced, or because nothing moved any more.
+
+        That is no rest: cloth that is stuck does not move either, whatever forces are left on it. The fits take and
+        prefer equilibria by it; what is delivered is judged by `at_rest`.
+        """
         return self.outcome.converged
+
+    @property
+    def at_rest(self) -> bool:
+        """Return whether the search ended by itself and no node feels more than `RESTING` node weights."""
+        return self.outcome.converged and self.residual <= RESTING
+
+    @property
+    def advice(self) -> str:
+        """Return what the end means and what to do: the outcome's, or that of cloth that is stuck under a force."""
+        if not self.converged or self.at_rest:
+            return self.outcome.advice
+        return (
+            f"not at rest: nothing moves any more, but {self.residual:.3g} node weights are left on a node; it is "
+            "stuck: drape with more vertices, or from another start."
+        )
+
+    def measure(self, name: str) -> dict[str, float | None]:
+        """Return metrics of the rest: `NAME.residual` and `.residual_rms` [node weights], `.iterations`, `.at_rest`."""
+        return {
+            f"{name}.residual": self.residual,
+            f"{name}.residual_rms": self.residual_rms,
+            f"{name}.iterations": float(self.iterations),
+            f"{name}.at_rest": float(self.at_rest),
+        }
 
 
 @dataclass
@@ -193,8 +223,8 @@ def equilibrium(
             nodes, outcome, energy = leg.nodes, progress.judge(leg, arrived), leg.energy
     end, gradient = energy.gradient(nodes)
     slid = anchors if energy.friction is None else energy.friction.slide(nodes)
-    residual = scene.relative_residual(gradient)
-    return Drape(nodes, residual, progress.legs, end, outcome, slid, scene.rotation, energy.rubbing)
+    largest, rms = scene.relative_residual(gradient), scene.relative_rms(gradient)
+    return Drape(nodes, largest, progress.legs, end, outcome, slid, scene.rotation, energy.rubbing, rms)
 
 
 def _untangle(

@@ -144,7 +144,7 @@ def judge_dressed(
             "strain_p99": float(np.quantile(strain, 0.99)),
             "pressure_p99_pa": float(np.quantile(pressure, 0.99)),
         }
-    warnings = [] if drape.converged else [f"the garment is {drape.outcome.advice}"]
+    warnings = [] if drape.at_rest else [f"the garment is {drape.advice}"]
     if before.rotation is not None and draped.rotation is None:
         warnings.append("the scanned cloth was in motion; here it hangs at rest.")
     return Dressed(
@@ -171,9 +171,7 @@ def measure_worn(worn: Worn, wearer: WearerGeometry, drape: Drape) -> dict[str, 
     return {
         "vertices": float(len(nodes)),
         "faces": float(len(faces)),
-        "drape.residual": drape.residual,
-        "drape.iterations": float(drape.iterations),
-        "drape.at_rest": float(drape.converged),
+        **drape.measure("drape"),
         "body_penetration_mm": 1e3 * penetration_depth(nodes, faces, wearer.exposed),
         "self_intersecting_faces": float(len(self_intersections(nodes, faces))),
     }

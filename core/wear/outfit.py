@@ -19,7 +19,7 @@ from .worn import Worn
 
 Metrics = dict[str, float | None]
 
-SHARED = ("drape.residual", "drape.iterations", "drape.at_rest")
+SHARED = ("drape.residual", "drape.residual_rms", "drape.iterations", "drape.at_rest")
 """Metrics of the equilibrium, which all garments have in common."""
 
 WORST = ("body_penetration_mm", "layers.depth_mm")

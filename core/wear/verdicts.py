@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from ..simulate import RESTING
 from ..verdict import Gate, Verdict
 
 Metrics = Mapping[str, float | None]
@@ -21,7 +22,7 @@ def judge_wear(metrics: Metrics) -> tuple[Gate, ...]:
             "at_rest",
             Verdict.PASS if rests else Verdict.FAIL,
             residual,
-            1.0,
+            RESTING,
             "The garment is at rest."
             if rests
             else f"The garment is not at rest: its least balanced node feels "

@@ -42,8 +42,9 @@ EXAMPLE = {
     "template": "skirt", "fabric": "cotton_poplin", "body": "builtin:female,height=1.70", "bad_input": False,
     "queue": "cpu", "priority": 0, "verdict": "pass",
     "settings": {"method": "deform", "fabric": "cotton_poplin"}, "version": "0.1.0",
-    "metrics": {"surface_rms_mm.t2s": 0.41}, "gates": [], "warnings": [], "stage_seconds": {"drape": 12.3},
-    "cpu_seconds": 71.2, "peak_mb": 900.0, "kind": "recover", "family": "3685ecfd4f81", "parent": None, "children": [],
+    "metrics": {"surface_rms_mm.t2s": 0.41, "redrape.at_rest": 1.0}, "gates": [], "warnings": [],
+    "stage_seconds": {"drape": 12.3}, "cpu_seconds": 71.2, "peak_mb": 900.0, "kind": "recover",
+    "family": "3685ecfd4f81", "parent": None, "children": [],
     "inputs": {}, "waits": [], "tags": ["spring"], "details": {}, "delay": None,
 }  # fmt: skip
 UPLOADED_AS = {"body": "bodies", "motion": "motions", "pattern": "patterns"}

@@ -37,7 +37,14 @@ def test_what_it_says() -> None:
     lines = dict(summarise(make_job(), [Path("/out/pattern.svg"), Path("/out/report.html"), Path("/out/fit.json")]))
     assert "back: detail mesh 0.9 / 1.3 mm;" in lines["surface"]
     assert "simulation mesh 2.0 / 2.1 mm" in lines["surface"]
-    assert "re-draped" not in lines["surface"]
+    assert "re-draped" not in lines["surface"] and "at rest" not in lines["surface"]  # an older result does not say
+    known = (
+        METRICS
+        | {"sim.at_rest": 0.0, "redrape.at_rest": 1.0}
+        | {f"redrape.surface_rms_mm.{way}": 9.0 for way in ("s2t", "t2s")}
+    )
+    shown = dict(summarise(make_job(metrics=known), []))["surface"]
+    assert shown.endswith("simulation mesh 2.0 / 2.1 mm, not at rest; re-draped pattern 9.0 / 9.0 mm, at rest")
     assert lines["body"] == "depth inside it / crossing faces: detail mesh 0.3 mm / 4"
     assert lines["checks"] == "1 of 3 passed; fail: too far."
     assert "1.6e-06 N m, within a factor of 1.3" in lines["fabric"]

@@ -20,6 +20,7 @@ GOOD = {
     "self_intersecting_faces": 10.0,
     "graded.self_intersecting_faces": 10.0,
     "drape.residual": 0.001,
+    "drape.at_rest": 1.0,
     "sim.surface_rms_mm.s2t": 3.0,
     "sim.surface_rms_mm.t2s": 4.0,
     "wear.rest_gap_mm": 4.0,
@@ -101,6 +102,17 @@ def test_the_drape_that_counts_is_judged() -> None:
     """Fails if an intermediate drape in unrest spoilt a result whose last drape rests, or the other way round."""
     assert verdicts(drape__residual=500.0, redrape__residual=0.5)["drape_residual"] == "pass"
     assert verdicts(redrape__residual=500.0)["drape_residual"] == "fail"
+
+
+def test_every_drape_that_is_delivered_is_judged() -> None:
+    """Fails if a simulation mesh or a re-draped one that is not at rest passed, or an older result got a verdict."""
+    assert verdicts(drape__at_rest=0.0, sim__at_rest=1.0, redrape__at_rest=1.0)["at_rest"] == "pass"
+    assert verdicts(sim__at_rest=0.0, redrape__at_rest=1.0)["at_rest"] == "doubtful"
+    assert verdicts(sim__at_rest=1.0, redrape__at_rest=0.0)["at_rest"] == "doubtful"
+    assert verdicts(drape__at_rest=0.0)["at_rest"] == "doubtful"
+    assert verdicts(sim__residual=500.0, redrape__residual=0.5)["drape_residual"] == "fail"
+    assert verdicts(sim__residual=0.5, redrape__residual=np.nan)["drape_residual"] == "fail"
+    assert "at_rest" not in verdicts(drape__at_rest=None)
 
 
 def test_every_gate_judges_one_product() -> None:
