@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from .drape import WearerGeometry
     from .grade import Candidate, PanelChange
     from .pattern import Garment, Pattern
+    from .person.undeclared import Undeclared
     from .scan import Scan
     from .segment import Target
     from .simulate import Drape, Fabric
@@ -37,6 +38,7 @@ class Case:
         scanned: The target as the scan shows it, where it was completed; None where it is the target.
         candidates: The cuts that the scan's contours are nearest to, the base pattern first; empty where it was named.
         notes: What the user should know of the base pattern, one sentence each.
+        undeclared: Garments that the marks of a dressed person's scan leave to the skin; None where there are no marks.
     """
 
     request: Request
@@ -49,6 +51,7 @@ class Case:
     scanned: Target | None = None
     candidates: tuple[Candidate, ...] = ()
     notes: tuple[str, ...] = ()
+    undeclared: tuple[Undeclared, ...] | None = None
 
     @property
     def seen(self) -> Target:

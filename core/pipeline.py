@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .body import Body, builtin_body, is_builtin
+from .body import Body
 from .case import Case, GradedDrape
 from .checkpoints import load, save
 from .clock import Clock, peak_mb
@@ -39,7 +39,7 @@ from .grade import (
     tell_cut,
 )
 from .hooks import SILENT, Hooks
-from .inputs import read_body, read_files, read_template
+from .inputs import read_files, read_template
 from .measure import (
     Reference,
     judge,
@@ -54,14 +54,13 @@ from .measure import (
 )
 from .pattern import Garment, Panel, Seam, draft_template, find_cut, load_template, mesh_pattern, name_cut, resample
 from .pattern.parts import PartsConflict
-from .person.wearer import fit_wearer
 from .pieces import measure_pieces
 from .recovery import Recovery, Request
-from .scan import Pieces
 from .segment import CATEGORIES, Target, find_remarks, mark_hidden_border, name_contours, segment_garment
 from .segment.rounded_rims import straighten_scan
 from .settings import SettingsBad
 from .simulate import Drape, get_fabric
+from .wearer import find_wearer
 
 PACKAGES = ("garmentq", "torch", "numpy", "scipy", "numba", "trimesh", "libigl")
 """The packages whose versions decide the digits of a result; the manifest names them."""
@@ -84,7 +83,8 @@ def recover(request: Request, hooks: Hooks = SILENT) -> Recovery:
     """
     clock = Clock(hooks)
     case = complete_case(make_case(request, clock), clock)
-    remarks = find_remarks(case.scan.vertices, case.body)
+    remarks = [one.tell() for one in case.undeclared or () if one.is_off_body]
+    remarks += find_remarks(case.scan.vertices, case.body)
     drape = drape_to_scan(case, clock)
     if drape.base is not None:
         case = replace(case, base=drape.base)
@@ -152,7 +152,8 @@ def make_case(request: Request, clock: Clock) -> Case:
     with clock.stage("scan", "reading the scan"):
         pieces = read_files(request)
     with clock.stage("body", "finding the wearer's joints") as hooks:
-        body = find_body(request, pieces, hooks)
+        found = find_wearer(request, pieces, hooks)
+    body = found.body
     with clock.stage("segment", "naming the open contours"):
         scan = straighten_scan(pieces.garment)
         target = segment_garment(scan, body)
@@ -164,7 +165,7 @@ def make_case(request: Request, clock: Clock) -> Case:
     find_held(base, base, settings.locks)  # a lock of nothing is refused now, not after the drape
     wearer = WearerGeometry(body)
     case = Case(request, scan, wearer, target, choice.template, base, fabric)
-    return replace(case, candidates=choice.candidates, notes=choice.notes)
+    return replace(case, candidates=choice.candidates, notes=choice.notes, undeclared=found.undeclared)
 
 
 def complete_case(case: Case, clock: Clock) -> Case:
@@ -295,20 +296,6 @@ def redrape_pattern(case: Case, drape: GradedDrape, fit: Fit, clock: Clock) -> F
     return replace(fit, meshes=meshes, redrape=again, warnings=(*fit.warnings, *warnings))
 
 
-def find_body(request: Request, pieces: Pieces, hooks: Hooks) -> Body:
-    """Register the given mesh or the dressed person, read a body of SMPL's format, or make the built-in body."""
-    own, wearer = read_body(request), pieces.wearer
-    if own is not None:
-        return own
-    if is_builtin(request.body) or wearer is None:
-        return builtin_body(str(request.body))
-    body = load(hooks, "body", Body)
-    if body is None:
-        body = fit_wearer(wearer, pieces.cloth, hooks)
-        save(hooks, "body", body)
-    return body
-
-
 def find_template(request: Request, target: Target, body: Body) -> Choice:
     """Return the base pattern: the given file, the named template with the chosen parts, or what the scan shows.
 
@@ -366,6 +353,8 @@ def measure(case: Case, drape: GradedDrape, fit: Fit) -> dict[str, float | None]
         metrics[name] = candidate.misfit
     metrics["drape.spin_rad_s"] = 0.0 if drape.drape.rotation is None else drape.drape.rotation.rate
     metrics["body.fit_rms_mm"] = 1e3 * case.body.fit_rms
+    if case.undeclared is not None:
+        metrics["body.undeclared_mm"] = 1e3 * max((one.offset for one in case.undeclared), default=0.0)
     return metrics
 
 

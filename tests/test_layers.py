@@ -19,8 +19,8 @@ ROOMS = (
     "lazy", "errors", "hooks", "clock", "checkpoints", "limited", "verdict", "record_file",
     "npy", "ply", "mesh", "body", "motion", "scan",
     "segment", "pattern", "pieces", "simulate", "settings", "drape", "grade", "deform", "meshes", "reading", "recovery",
-    "inputs", "person", "case", "fit", "wear", "animate", "measure", "edit", "texture", "formats", "export", "pipeline",
-    "person_pipeline",
+    "inputs", "person", "wearer", "case", "fit", "wear", "animate", "measure", "edit", "texture", "formats", "export",
+    "pipeline", "person_pipeline",
 )  # fmt: skip
 """The rooms of core, from the lowest to the highest; a new one takes its place here."""
 

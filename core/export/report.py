@@ -59,6 +59,7 @@ TITLES = {
     "vertices": "Vertices",
     "faces": "Faces",
     "body.fit_rms_mm": "Body model to the given body, RMS [mm]",
+    "body.undeclared_mm": "Clothes taken for skin, to the body below them, RMS [mm]",
     "at_rest": "At rest (1: yes)",
     "residual": "Largest force left on a node [a node's weight]",
     "residual_rms": "Force left on a node, RMS [a node's weight]",

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
+from ..person.undeclared import OFF_BODY
 from ..simulate import RESTING
 from ..verdict import Gate, Verdict
 
@@ -193,6 +194,12 @@ RULES = (
         "The garment lies up to {value:.1f} mm inside the body",
         "check that body and scan belong together and share units and place; garmentq inspect shows both.",
         "Under 1 mm nothing shows in a render; scans touch their bodies up to 5 mm deep, more is a misplaced body.",
+    ),
+    Rule(
+        "undeclared", _read("body.undeclared_mm"), 1e3 * OFF_BODY, 50.0,
+        "What looks like a garment but was taken for skin lies {value:.0f} mm (RMS) off the body",
+        "the body was fitted to it and is too wide there; name what is cloth with --cloth, see the remarks.",
+        "`OFF_BODY` says where skin ends; 50 mm add 30 cm to a girth.",
     ),
     Rule(
         "pinched", _read("pinched_mm"), 5.0, 25.0,

@@ -12,7 +12,7 @@ from ..body import Body, is_builtin, is_smpl, load_smpl
 from ..scan import Limits, Pieces, Scan, Selection, describe_scan, load_pieces
 from ..segment import find_loops, find_remarks, segment_garment, smoothed_length
 from ..segment.rounded_rims import straighten_scan
-from .wearer import fit_wearer
+from .wearer import FoundWearer, fit_wearer
 
 
 @dataclass(frozen=True)
@@ -101,9 +101,10 @@ def inspect_file(
     scan, wearer = straighten_scan(pieces.garment), pieces.wearer  # as the recovery will
     boundaries = sorted((smoothed_length(scan.vertices[loop]) for loop in find_loops(scan.faces)), reverse=True)
     known = _describe(scan, boundaries)
-    who = find_body(body, pieces)
-    if who is None:
+    found = find_wearer(body, pieces)
+    if found is None:
         return Inspection(**known)
+    who = found.body
     target = segment_garment(scan, who)
     return Inspection(
         **known,
@@ -111,7 +112,10 @@ def inspect_file(
         contour_bones={contour.name: contour.bones for contour in target.contours},
         holes_m=tuple(round(smoothed_length(scan.vertices[hole]), 4) for hole in target.holes),
         category=target.category,
-        remarks=find_remarks(scan.vertices, who),
+        remarks=(
+            *(one.tell() for one in found.undeclared or () if one.is_off_body),
+            *find_remarks(scan.vertices, who),
+        ),
         body={
             "source": who.source,
             "height_m": round(float(np.ptp(who.vertices[:, 1])), 4),
@@ -128,13 +132,19 @@ def _describe(scan: Scan, boundaries: list[float]) -> dict[str, Any]:
 
 
 def find_body(body: Body | Path | str | None, pieces: Pieces) -> Body | None:
-    """Return the body that came with a garment, or the wearer of a scan that it was cut out of; None without either."""
+    """Return the body that `find_wearer` finds."""
+    found = find_wearer(body, pieces)
+    return None if found is None else found.body
+
+
+def find_wearer(body: Body | Path | str | None, pieces: Pieces) -> FoundWearer | None:
+    """Return who came with a garment, or the wearer of a scan that it was cut out of; None without either."""
     if isinstance(body, Body):
-        return body
+        return FoundWearer(body)
     if is_builtin(body):
         from ..body import builtin_body
 
-        return builtin_body(body)
+        return FoundWearer(builtin_body(body))
     if body is not None and is_smpl(body):
-        return load_smpl(Path(body))
-    return None if pieces.wearer is None else fit_wearer(pieces.wearer, pieces.cloth)
+        return FoundWearer(load_smpl(Path(body)))
+    return None if pieces.wearer is None else fit_wearer(pieces.wearer, pieces.cloth, labels=pieces.labels)

@@ -81,7 +81,7 @@ def _is_person(request: Request, hooks: Hooks) -> bool:
     if reading is None or request.body is None or request.labels is not None:
         return False
     from ...core.person.whole import shows_person, stands_tall
-    from ...core.pipeline import find_body
+    from ...core.wearer import find_body
 
     if not stands_tall(reading.pieces.garment, reading.pieces.wearer):
         return False

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import igl
@@ -13,14 +13,16 @@ import trimesh
 from garmentq.core.body import JOINTS, Body, builtin_body
 from garmentq.core.errors import BadInput
 from garmentq.core.inputs import read_files
+from garmentq.core.measure import judge
 from garmentq.core.mesh import vertex_normals
-from garmentq.core.person.wearer import fit_wearer
+from garmentq.core.person.wearer import FoundWearer, fit_wearer
 from garmentq.core.recovery import Request
 from garmentq.core.scan import Pieces, Scan, Selection, cut_garment, load_pieces, select_vertices
 from garmentq.core.scan.selection import select_other_cloth
 from garmentq.core.segment import find_loops, segment_garment, smoothed_length
 from garmentq.core.segment.rounded_rims import straighten_scan
 from garmentq.core.settings import RecoverySettings, SettingsBad
+from garmentq.core.verdict import Verdict
 
 GAP = 0.015
 """Distance of the cloth from the skin at the waist [m]; on the shoulders, where clothes rest, it is a fifth of that."""
@@ -75,10 +77,16 @@ def pieces(dressed: Dressed) -> Pieces:
 
 
 @pytest.fixture(scope="session")
-def found(pieces: Pieces) -> Body:
+def wearer(pieces: Pieces) -> FoundWearer:
     """Register the body below the cloth."""
     assert pieces.wearer is not None
-    return fit_wearer(pieces.wearer, pieces.cloth)
+    return fit_wearer(pieces.wearer, pieces.cloth, labels=pieces.labels)
+
+
+@pytest.fixture(scope="session")
+def found(wearer: FoundWearer) -> Body:
+    """Return the body below the cloth."""
+    return wearer.body
 
 
 def test_labels_in_the_scan_are_the_garment(dressed: Dressed, pieces: Pieces) -> None:
@@ -226,13 +234,32 @@ def test_body_stays_below_the_cloth(dressed: Dressed, pieces: Pieces, found: Bod
 
 
 @pytest.mark.slow
+def test_a_garment_that_is_taken_for_skin_is_found(dressed: Dressed, pieces: Pieces, wearer: FoundWearer) -> None:
+    """Broken where a body that was fitted to clothes as if they were skin passes, or one below marked cloth does not.
+
+    The shirt hangs 2 cm wider, and the marks say that the left hand alone is cloth.
+    """
+    assert wearer.undeclared == ()
+    scan, labels = pieces.wearer, pieces.labels
+    assert scan is not None and labels is not None
+    shirt = labels == 7
+    wide = scan.vertices + 0.02 * shirt[:, None] * vertex_normals(scan.vertices, scan.faces)
+    hand = np.linalg.norm(scan.vertices - dressed.joints[JOINTS.index("left_hand")], axis=1) < 0.1
+    (one,) = fit_wearer(replace(scan, vertices=wide), hand, labels=labels).undeclared or ()
+    assert (one.part, one.labels, one.is_whole, one.is_off_body) == ("upper", ("7",), True, True)
+    assert "Label 7" in one.tell() and "--cloth 7" in one.tell()
+    gate = next(gate for gate in judge({"body.undeclared_mm": 1e3 * one.offset}) if gate.name == "undeclared")
+    assert gate.verdict == Verdict.DOUBTFUL and "--cloth" in gate.message
+
+
+@pytest.mark.slow
 def test_a_person_who_was_scanned_to_the_knees_is_enough(dressed: Dressed, pieces: Pieces) -> None:
     """Broken where who marked the clothes is told that the scan shows no whole person, or the trunk goes astray."""
     assert pieces.wearer is not None and pieces.cloth is not None
     vertices, faces = pieces.wearer.vertices, pieces.wearer.faces
     kept = faces[(vertices[faces][:, :, 1] > 0.5).all(axis=1)]
     used, index = np.unique(kept, return_inverse=True)
-    body = fit_wearer(Scan(vertices[used], index.reshape(-1, 3)), pieces.cloth[used])
+    body = fit_wearer(Scan(vertices[used], index.reshape(-1, 3)), pieces.cloth[used]).body
     upper = [JOINTS.index(name) for name in ("pelvis", "spine2", "neck", "left_shoulder", "right_elbow")]
     assert np.linalg.norm(body.joints - dressed.joints, axis=1)[upper].max() < 0.03
 
@@ -262,7 +289,7 @@ def test_hole_through_the_neckline_is_bridged(pieces: Pieces, found: Body) -> No
     gone = ((offset @ along) / 0.045) ** 2 + (np.linalg.norm(across, axis=1) / 0.025) ** 2 < 1
     kept = faces[~gone[faces].any(axis=1)]
     used, index = np.unique(kept, return_inverse=True)
-    holed = cut_garment(Scan(vertices[used], index.reshape(-1, 3)), pieces.cloth[used])
+    holed = cut_garment(Scan(vertices[used], index.reshape(-1, 3)), pieces.cloth[used]).body
     target = segment_garment(holed, found)
     neck = target.contour("neck")
     assert neck is not None and neck.trusted
