@@ -38,6 +38,7 @@ USAGE_CODES = (
     "template.shipped",
     "fabric.shipped",
     "command.local_only",
+    "serve.host_bad",
 )
 """Errors in what was typed, not in a file."""
 

@@ -44,6 +44,10 @@ out_option = click.option(
 timeout_option = click.option(
     "--timeout", type=click.FloatRange(min=0.0), help="Stop waiting after this many seconds; the job continues."
 )
+allow_host_option = click.option(
+    "--allow-host", multiple=True, metavar="NAME", envvar="GARMENTQ_API_ALLOW_HOST",
+    help="Name by which a proxy on this machine calls the API; may be given more than once.",
+)  # fmt: skip
 lenient_option = click.option("--lenient", is_flag=True, help="Exit with 0 even where a result fails a check.")
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .options import home_option
+from .options import allow_host_option, home_option
 
 if TYPE_CHECKING:
     from ..service.settings import ServiceSettings
@@ -18,19 +18,21 @@ if TYPE_CHECKING:
 @click.option(
     "--port", type=click.IntRange(1, 65535), default=8080, show_default=True, envvar="GARMENTQ_API_PORT", help="Port."
 )
+@allow_host_option
 @click.option("--max-upload-mb", type=click.IntRange(1, 512), help="Largest upload [MiB].  [default: 512]")
 @home_option
-def command(host: str, port: int, max_upload_mb: int | None, home: Path | None) -> None:
+def command(host: str, port: int, allow_host: tuple[str, ...], max_upload_mb: int | None, home: Path | None) -> None:
     """Serve the HTTP API and its pages until told to stop.
 
     The link that it prints signs your browser in. The description of every route is at /docs. Without keys only this
-    machine may ask; an address that others reach needs a key first (`garmentq keys create`). Workers run apart:
-    `garmentq worker`, or `garmentq up`.
+    machine may ask; what others reach, by --host or by a proxy with --allow-host, needs a key first (`garmentq keys
+    create`). Workers run apart: `garmentq worker`, or `garmentq up`.
 
     \b
     Example:
       garmentq serve
       garmentq serve --host 0.0.0.0 --port 8080
+      garmentq serve --allow-host garmentq.example
     """
     from dataclasses import replace
 
@@ -41,12 +43,12 @@ def command(host: str, port: int, max_upload_mb: int | None, home: Path | None) 
     settings, limits = read_settings(home=home), read_limits()
     if max_upload_mb is not None:
         limits = replace(limits, upload_bytes=max_upload_mb << 20)
-    announce(settings, host, port)
-    serve(settings, host, port, limits)
+    announce(settings, host, port, is_alone=not allow_host)
+    serve(settings, host, port, limits, allow_host)
 
 
-def announce(settings: ServiceSettings, host: str, port: int) -> None:
-    """Describe where the API is, who may ask, and what keeps its jobs from running."""
+def announce(settings: ServiceSettings, host: str, port: int, is_alone: bool = True) -> None:
+    """Describe where the API is, who may ask, and what keeps its jobs from running; alone it has no proxy before it."""
     from ..service.api.guard import is_loopback
     from ..service.database import open_database
     from ..service.keys import LOCAL, has_keys
@@ -57,7 +59,7 @@ def announce(settings: ServiceSettings, host: str, port: int) -> None:
 
     database = open_database(settings)
     try:
-        is_lonely, is_keyless = not list_workers(database), is_loopback(host) and not has_keys(database)
+        is_lonely, is_keyless = not list_workers(database), is_alone and is_loopback(host) and not has_keys(database)
         link = f"?link={begin_session(database, LOCAL, is_link=True)}" if is_keyless else ""
     finally:
         database.dispose()

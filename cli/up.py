@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from .options import home_option, json_option, workers_option
+from .options import allow_host_option, home_option, json_option, workers_option
 
 
 @click.command("up")
@@ -18,9 +18,13 @@ from .options import home_option, json_option, workers_option
     "--port", type=click.IntRange(1, 65535), default=8080, show_default=True, envvar="GARMENTQ_API_PORT",
     help="With --serve.",
 )  # fmt: skip
+@allow_host_option
 @home_option
 @json_option
-def command(workers: int | None, is_serving: bool, host: str, port: int, home: Path | None, as_json: bool) -> None:
+def command(
+    workers: int | None, is_serving: bool, host: str, port: int, allow_host: tuple[str, ...], home: Path | None,
+    as_json: bool,
+) -> None:  # fmt: skip
     """Start the embedded broker and worker.
 
     They stop after a while without work. With --serve they stay, and start again where they die, until this command is
@@ -52,7 +56,7 @@ def command(workers: int | None, is_serving: bool, host: str, port: int, home: P
 
         try:
             with keeping_up(settings, workers):
-                announce(settings, host, port)
-                serve(settings, host, port)
+                announce(settings, host, port, is_alone=not allow_host)
+                serve(settings, host, port, hosts=allow_host)
         finally:
             stop_services(settings)

@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[1]
 LAYERS = ("core", "service", "workers", "cli")
 """From the lowest to the highest."""
 ROOMS = (
-    "lazy", "errors", "hooks", "clock", "checkpoints", "limited", "verdict", "record_file",
+    "lazy", "errors", "text", "hooks", "clock", "checkpoints", "limited", "verdict", "record_file",
     "npy", "ply", "mesh", "body", "motion", "scan",
     "segment", "pattern", "pieces", "simulate", "settings", "drape", "grade", "deform", "meshes", "reading", "recovery",
     "inputs", "person", "wearer", "case", "fit", "wear", "animate", "measure", "edit", "texture", "formats", "export",

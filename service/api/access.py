@@ -10,6 +10,7 @@ from fastapi.dependencies.models import Dependant
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 from sqlalchemy import select
 
+from ...core.text import TextBad, has_unkept
 from ..jobs import JobUnknown, find_job
 from ..keys import Caller
 from ..models import JobRow, OwnerRow
@@ -78,6 +79,22 @@ def refuse_unknown(request: Request) -> None:
     unknown = sorted(set(request.query_params) - known)
     if unknown:
         raise RequestBad(f"there is no parameter '{unknown[0][:60]}'; there are {', '.join(sorted(known)) or 'none'}.")
+
+
+async def refuse_text(request: Request) -> None:
+    """Refuse a JSON body with a text that nothing can keep, wherever in it: any route hands some of it on.
+
+    Raises:
+        TextBad: where there is one.
+    """
+    if request.scope["route"].body_field is None:
+        return
+    try:
+        body = await request.json()
+    except (ValueError, RecursionError):
+        return  # no JSON, which the route refuses by itself
+    if has_unkept(body):
+        raise TextBad()
 
 
 def _find_parameters(route: Dependant) -> set[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Collection
 from contextlib import suppress
 from typing import Any
 
@@ -36,13 +37,14 @@ from . import (
     uploads,
     webhooks,
 )
-from .access import Rooms, refuse_unknown
+from .access import Rooms, refuse_text, refuse_unknown
 from .answers import Problem
 from .guard import Guard
 from .limits import ApiLimits
 from .meter import Meter
 from .page import POLICY, draw_page
 from .problems import add_handlers
+from .proxies import Forwarded, read_proxies
 
 DESCRIPTION = """From the 3D scan of a garment to a sewing pattern, a simulation mesh and a detailed mesh.
 
@@ -50,31 +52,37 @@ Upload a scan, ask for a job with its hash, follow the job's events, download it
 stable `code`."""
 
 
-def make_app(settings: ServiceSettings, limits: ApiLimits | None = None, is_open: bool = True) -> FastAPI:
+def make_app(
+    settings: ServiceSettings, limits: ApiLimits | None = None, is_open: bool = True, hosts: Collection[str] = ()
+) -> FastAPI:
     """Make the application of a home.
 
     Args:
         settings: Which home.
         limits: What a request may cost.
-        is_open: Let the local user in by the home's token while there are no keys; only for a loopback address.
+        is_open: It listens on a loopback address. Without `hosts` the local user is then let in by the home's token
+            while there are no keys.
+        hosts: Names by which a proxy on this machine calls it.
 
     Raises:
         DatabaseUnreachable: where the database cannot be opened.
+        ServiceSettingBad: where the environment names an origin or a proxy that is none.
     """
     limits = limits or ApiLimits()
     app = FastAPI(title="garmentq", version=__version__, description=DESCRIPTION, docs_url=None, redoc_url=None)
     meter, store = Meter(limits), open_store(settings)
     with suppress(Unavailable):  # `/readyz` tells of a store that is away
         store.prepare()
-    token = make_local_token(settings.home) if is_open else ""
+    token = make_local_token(settings.home) if is_open and not hosts else ""
     app.state.rooms = Rooms(settings, open_database(settings), store, limits, token, meter)
     libraries = (match, patterns, templates, materials, keys, persons, webhooks)
     for module in (uploads, inspection, batches, jobs, labels, events, results, questions, *libraries):
-        app.include_router(module.router, prefix="/v1", dependencies=[Depends(refuse_unknown)])
+        app.include_router(module.router, prefix="/v1", dependencies=[Depends(refuse_unknown), Depends(refuse_text)])
     app.include_router(health.router)
     app.include_router(pages.router)
     add_handlers(app)
-    app.add_middleware(Guard, limits=limits, is_open=is_open)
+    app.add_middleware(Guard, limits=limits, is_open=is_open, hosts=hosts)
+    app.add_middleware(Forwarded, proxies=read_proxies())
     app.add_route("/docs", lambda request: show_page(app), include_in_schema=False)
     if origins := read_origins():
         app.add_middleware(

@@ -5,15 +5,17 @@ from __future__ import annotations
 import asyncio
 import ipaddress
 import logging
+import time
 import uuid
-from collections.abc import Awaitable, Callable, MutableMapping
+from collections.abc import Awaitable, Callable, Collection, MutableMapping
 from functools import partial
 from typing import Any
-from urllib.parse import urlsplit
+from urllib.parse import unquote_to_bytes, urlsplit
 
 from starlette.concurrency import run_in_threadpool
 
-from ...core.errors import GarmentqError
+from ...core.errors import GarmentqError, Unavailable
+from ...core.text import TextBad, has_unkept
 from ..audit import is_recorded, record_access
 from ..keys import Caller, admit
 from ..logs import REQUEST
@@ -36,6 +38,10 @@ GUARDED = ("/v1/", "/metrics")
 HEAD_BYTES = 32 * 1024
 """Largest head of a request [bytes]; a browser's with all its cookies is below 8 KiB."""
 
+ADMITTED_SECONDS = 5.0
+"""How long it is taken for granted that a caller still may ask [s]: after it, the next bytes of a request or an answer
+are passed on only after a look at the key or session, one row of the database."""
+
 CALLER = "garmentq.caller"
 """Where a request's caller stands, for the routes."""
 
@@ -56,7 +62,7 @@ HEADERS = (
 class Guard:
     """Bound every request, and answer a problem where it goes beyond."""
 
-    def __init__(self, app: Any, limits: ApiLimits, is_open: bool) -> None:
+    def __init__(self, app: Any, limits: ApiLimits, is_open: bool, hosts: Collection[str] = ()) -> None:
         """Stand before an ASGI application.
 
         Args:
@@ -64,10 +70,12 @@ class Guard:
             limits: What a request may cost.
             is_open: The service listens on this machine only and may work without keys: then a page in a browser
                 must not reach it, neither from another origin nor by a name that was bound to 127.0.0.1.
+            hosts: Names besides those of this machine by which such a service is called, through a proxy.
         """
         self.app = app
         self.limits = limits
         self.is_open = is_open
+        self.hosts = hosts
         self._records: set[asyncio.Task[None]] = set()
 
     async def __call__(self, scope: Message, receive: Receive, send: Send) -> None:
@@ -90,7 +98,7 @@ class Guard:
             await send(message)
 
         try:
-            answer = _refuse_form(scope, self.is_open) or await self._admit(scope)
+            answer = _refuse_form(scope) or self._refuse_foreign(scope) or await self._admit(scope)
             if answer is not None:
                 await answer(scope, receive, tell)
                 return
@@ -107,18 +115,24 @@ class Guard:
         try:
             token, session = _find_token(scope), find_session(scope)
             if token is None and session is not None:
-                scope[CALLER] = await run_in_threadpool(admit_session, rooms.database, session, bool(rooms.local_token))
+                scope[CALLER] = await run_in_threadpool(_find_caller, scope)
                 if scope["method"] not in SAFE:
                     check_csrf(session, find_header(scope, CSRF_HEADER))
             else:
                 rooms.meter.check_address(address, token)
-                scope[CALLER] = await run_in_threadpool(admit, rooms.database, token, rooms.local_token)
+                scope[CALLER] = await run_in_threadpool(_find_caller, scope)
                 rooms.meter.note_key(token)
             rooms.meter.take(scope[CALLER].key)
         except GarmentqError as error:
             if error.code == "key.bad":
                 rooms.meter.note_wrong(address)
             return answer_error(error)
+        return None
+
+    def _refuse_foreign(self, scope: Message) -> Any:
+        """Refuse what a page of another origin asks of a service on this machine, or give None."""
+        if self.is_open and not _is_near(scope, self.hosts):
+            return make_problem(403, "request.foreign_origin", "call this service by 127.0.0.1, from no other page.")
         return None
 
     def _record_later(self, scope: Message, status: int, request: str) -> None:
@@ -148,15 +162,22 @@ class Guard:
 
     async def _bounded(self, scope: Message, receive: Receive, send: Send) -> None:
         is_upload = scope["path"] in UPLOADS and scope["method"] == "POST"
-        begun = asyncio.Event()
+        begun, standing, is_good, is_over = asyncio.Event(), Standing(scope), False, False
 
         async def note(message: Message) -> None:
+            nonlocal is_good, is_over
             begun.set()
+            if message["type"] == "http.response.start":
+                is_good = message["status"] < 400
+            elif is_good and await standing.find_end() is not None:
+                is_over = True
+                task.cancel()  # what is cut off must not look whole, so the connection ends with it
+                return
             await send(message)
 
         most = self.limits.upload_bytes if is_upload else self._body_bytes(scope)
         seconds = self.limits.upload_seconds if is_upload else self.limits.answer_seconds
-        task = asyncio.create_task(self.app(scope, self._counted(receive, most), note))
+        task = asyncio.create_task(self.app(scope, self._counted(receive, most, standing), note))
         waiter = asyncio.create_task(begun.wait())
         try:
             await asyncio.wait({task, waiter}, timeout=seconds, return_when=asyncio.FIRST_COMPLETED)
@@ -166,7 +187,11 @@ class Guard:
                 await answer(scope, receive, send)
                 await asyncio.wait({task})
                 return
-            await task
+            try:
+                await task
+            except asyncio.CancelledError:
+                if not is_over:
+                    raise
         finally:
             waiter.cancel()
             task.cancel()
@@ -174,7 +199,7 @@ class Guard:
     def _body_bytes(self, scope: Message) -> int:
         return self.limits.template_bytes if scope["path"].startswith(DOCUMENTS) else self.limits.body_bytes
 
-    def _counted(self, receive: Receive, most: int) -> Receive:
+    def _counted(self, receive: Receive, most: int, standing: Standing) -> Receive:
         """Count what a client sends, and give up on one that falls silent in the middle of it."""
         total, is_whole = 0, False
 
@@ -186,6 +211,8 @@ class Guard:
                 message = await asyncio.wait_for(receive(), self.limits.chunk_seconds)
             except TimeoutError:
                 raise refuse(408, "request.too_slow", "nothing came for a while; send the file again.") from None
+            if (ended := await standing.find_end()) is not None:
+                raise ended
             total += len(message.get("body", b""))
             is_whole = not message.get("more_body", False)
             if total > most:
@@ -193,6 +220,35 @@ class Guard:
             return message
 
         return counted
+
+
+class Standing:
+    """Tell whether who was let in still may ask, as long as a request goes on."""
+
+    def __init__(self, scope: Message) -> None:
+        """Begin with a caller who was just let in.
+
+        Args:
+            scope: The request; without a caller anybody may ask.
+        """
+        self._scope = scope
+        self._seen = time.monotonic()
+
+    async def find_end(self) -> GarmentqError | None:
+        """Return why the caller may ask no longer, or None; it is looked up again after `ADMITTED_SECONDS`.
+
+        While the database is away nobody is shut out.
+        """
+        if self._scope.get(CALLER) is None or time.monotonic() - self._seen < ADMITTED_SECONDS:
+            return None
+        try:
+            await run_in_threadpool(_find_caller, self._scope)
+        except Unavailable:
+            pass
+        except GarmentqError as error:
+            return error
+        self._seen = time.monotonic()
+        return None
 
 
 def is_loopback(host: str) -> bool:
@@ -205,16 +261,23 @@ def is_loopback(host: str) -> bool:
         return False
 
 
-def _refuse_form(scope: Message, is_open: bool) -> Any:
+def _refuse_form(scope: Message) -> Any:
     """Refuse a request by its head alone, or give None."""
     names = [name for name, _ in scope["headers"]]
     if sum(len(name) + len(value) for name, value in scope["headers"]) > HEAD_BYTES:
         return make_problem(431, "request.head_too_large", f"the request's head is larger than {HEAD_BYTES} bytes.")
     if b"content-length" in names and b"transfer-encoding" in names:  # two proxies may read two requests out of it
         return make_problem(400, "request.bad", "give Content-Length or Transfer-Encoding, not both.")
-    if is_open and not _is_near(scope):
-        return make_problem(403, "request.foreign_origin", "call this service by 127.0.0.1, from no other page.")
-    return None
+    return None if _is_text(scope) else answer_error(TextBad())
+
+
+def _is_text(scope: Message) -> bool:
+    """Return whether path and query are UTF-8 that can be kept; the server puts a mark for what is none."""
+    try:
+        asked = (scope.get("raw_path") or scope["path"], scope["query_string"])
+        return not has_unkept([unquote_to_bytes(part).decode("utf-8") for part in asked])
+    except UnicodeDecodeError:
+        return False
 
 
 def _as_get(scope: Message) -> Message:
@@ -224,6 +287,18 @@ def _as_get(scope: Message) -> Message:
 
 def _address(scope: Message) -> str:
     return str((scope.get("client") or ("",))[0])
+
+
+def _find_caller(scope: Message) -> Caller:
+    """Return who asks, by the key or the session that came with the request.
+
+    Raises:
+        KeyMissing, KeyBad, SessionEnded: where nobody of that key or session is known, or no longer.
+    """
+    rooms, token, session = scope["app"].state.rooms, _find_token(scope), find_session(scope)
+    if token is None and session is not None:
+        return admit_session(rooms.database, session, bool(rooms.local_token))
+    return admit(rooms.database, token, rooms.local_token)
 
 
 def _find_token(scope: Message) -> str | None:
@@ -254,7 +329,7 @@ def name_cookie(scheme: str) -> str:
     return "__Host-garmentq" if scheme == "https" else "garmentq"
 
 
-def _is_near(scope: Message) -> bool:
+def _is_near(scope: Message, hosts: Collection[str]) -> bool:
     headers = {name: value.decode("latin-1") for name, value in scope["headers"]}
     if headers.get(b"sec-fetch-site", "same-origin") not in ("same-origin", "none"):
         return False
@@ -263,6 +338,6 @@ def _is_near(scope: Message) -> bool:
             host = urlsplit(url).hostname
         except ValueError:
             return False
-        if not is_loopback(host or ""):
+        if not is_loopback(host or "") and host not in hosts:
             return False
     return True

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+import re
+from collections.abc import Sequence
+from typing import Any
 
 from ...core.errors import BadInput
 from ..database import open_database
@@ -21,40 +24,71 @@ CONNECTIONS = 512
 
 
 class AddressPublic(BadInput):
-    """An address beyond this machine needs keys; make one by `garmentq keys create NAME`, then serve again."""
+    """A service that others reach needs keys; make one by `garmentq keys create NAME`, then serve again."""
 
     code = "serve.keys_missing"
 
 
-def serve(settings: ServiceSettings, host: str, port: int, limits: ApiLimits | None = None) -> None:
+class HostBad(BadInput):
+    """A host is named as browsers name it, such as garmentq.example, without scheme, port or path."""
+
+    code = "serve.host_bad"
+
+
+def serve(
+    settings: ServiceSettings, host: str, port: int, limits: ApiLimits | None = None, hosts: Sequence[str] = ()
+) -> None:
     """Serve the API until told to stop.
 
+    Args:
+        settings: Which home.
+        host: Address to listen on.
+        port: Port to listen on.
+        limits: What a request may cost; None: as the environment says.
+        hosts: Names by which a proxy on this machine calls it.
+
     Raises:
-        AddressPublic: where the address is public and nobody has a key.
-        ServiceSettingBad: where the environment names a limit that is none.
+        AddressPublic: where others may come, by the address or by a proxy, and nobody has a key.
+        HostBad: where a name is none.
+        ServiceSettingBad: where the environment names a limit, an origin or a proxy that is none.
     """
     import uvicorn
 
     in_use = use_home(settings)
     database = open_database(settings)
-    is_near = is_loopback(host)
-    if not is_near and not any(row.revoked is None for row in list_keys(database)):
+    is_near, hosts = is_loopback(host), read_hosts(hosts)
+    if (hosts or not is_near) and not any(row.revoked is None for row in list_keys(database)):
         raise AddressPublic()
     database.dispose()
     from .app import make_app
 
     limits = limits or read_limits()
-    uvicorn.run(
-        make_app(settings, limits, is_open=is_near),
-        host=host,
-        port=port,
-        log_level="warning",
-        access_log=False,
-        server_header=False,
-        timeout_keep_alive=IDLE_SECONDS,
-        limit_concurrency=CONNECTIONS,
-        http=make_protocol(limits),
-        h11_max_incomplete_event_size=HEAD_BYTES,
-        timeout_graceful_shutdown=10,
-    )
+    app = make_app(settings, limits, is_near, hosts)
+    uvicorn.run(app, host=host, port=port, log_level="warning", **make_options(limits))
     os.close(in_use)
+
+
+def make_options(limits: ApiLimits) -> dict[str, Any]:
+    """Return how uvicorn serves the application, whose own matter it is whom a proxy's headers are believed of."""
+    return {
+        "access_log": False,
+        "server_header": False,
+        "proxy_headers": False,
+        "timeout_keep_alive": IDLE_SECONDS,
+        "limit_concurrency": CONNECTIONS,
+        "http": make_protocol(limits),
+        "h11_max_incomplete_event_size": HEAD_BYTES,
+        "timeout_graceful_shutdown": 10,
+    }
+
+
+def read_hosts(names: Sequence[str]) -> tuple[str, ...]:
+    """Return names of hosts in small letters, as `urlsplit` gives them.
+
+    Raises:
+        HostBad: where one is none.
+    """
+    for name in names:
+        if not re.fullmatch(r"[A-Za-z0-9]([A-Za-z0-9.-]{0,251}[A-Za-z0-9])?", name):
+            raise HostBad(f"'{name[:80]}' is no host. {HostBad().message}")
+    return tuple(name.lower() for name in names)

@@ -11,6 +11,7 @@ import pytest
 import uvicorn
 from garmentq.service.api.app import make_app
 from garmentq.service.api.limits import ApiLimits
+from garmentq.service.api.server import make_options
 from garmentq.service.local_token import make_local_token
 from garmentq_home import wait_for
 
@@ -18,10 +19,11 @@ LIMITS = ApiLimits(upload_bytes=1 << 20, chunk_seconds=1.0, streams=2)
 
 
 @contextmanager
-def serving(settings, limits: ApiLimits = LIMITS, is_open: bool = True) -> Iterator[str]:
-    """Serve a home on a free port for the block, and give its address."""
-    app = make_app(settings, limits, is_open)
-    options = uvicorn.Config(app, host="127.0.0.1", port=0, log_level="critical", timeout_graceful_shutdown=1)
+def serving(settings, limits: ApiLimits = LIMITS, is_open: bool = True, hosts=()) -> Iterator[str]:
+    """Serve a home as `garmentq serve` does, on a free port for the block, and give its address."""
+    app = make_app(settings, limits, is_open, hosts)
+    chosen = make_options(limits) | {"timeout_graceful_shutdown": 1}
+    options = uvicorn.Config(app, host="127.0.0.1", port=0, log_level="critical", **chosen)
     server = uvicorn.Server(options)
     thread = threading.Thread(target=server.run, daemon=True)
     thread.start()

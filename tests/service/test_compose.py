@@ -7,18 +7,20 @@ import stat
 import subprocess
 import sys
 from dataclasses import fields
+from ipaddress import ip_address
 from pathlib import Path
 
 import pytest
 import yaml
 from garmentq.cli.main import COMMANDS, group
+from garmentq.service.api.proxies import read_proxies
 from garmentq.service.settings import ServiceSettings, read_settings
 
 ROOT = Path(__file__).parents[2]
 COMPOSE = yaml.safe_load((ROOT / "docker-compose.yml").read_text(encoding="utf-8"))
 SERVICES = COMPOSE["services"]
 OURS = {name: service for name, service in SERVICES.items() if "build" in service}
-NAMES = {f"GARMENTQ_{field.name.upper()}" for field in fields(ServiceSettings)}
+NAMES = {f"GARMENTQ_{field.name.upper()}" for field in fields(ServiceSettings)} | {"GARMENTQ_API_PROXIES"}
 KNOWN = {
     "AWS_SHARED_CREDENTIALS_FILE",
     "OMP_NUM_THREADS",
@@ -65,6 +67,14 @@ def test_commands_and_variables_exist(name):
     variables = {key.removesuffix("_FILE") if key.startswith("GARMENTQ_") else key for key in service["environment"]}
     assert variables <= NAMES | KNOWN
     assert {"GARMENTQ_DATABASE_URL", "GARMENTQ_BROKER_URL", "GARMENTQ_STORE"} <= variables
+
+
+def test_a_proxy_before_the_published_port_is_believed():
+    """Broken where all clients are the bridge's gateway to the limit on wrong keys, or whoever comes is believed."""
+    proxies = read_proxies(OURS["api"]["environment"])
+    for gateway in ("172.17.0.1", "172.31.0.1", "192.168.16.1"):
+        assert any(ip_address(gateway) in network for network in proxies), gateway
+    assert all(network.is_private for network in proxies)
 
 
 @pytest.mark.parametrize("name", SERVICES)

@@ -1,0 +1,89 @@
+"""Who asks through a proxy: its word is taken for the client's address and scheme where the operator trusts it."""
+
+from __future__ import annotations
+
+import ipaddress
+import os
+from collections.abc import Awaitable, Callable, Mapping, MutableMapping, Sequence
+from typing import Any
+
+from ..settings import ServiceSettingBad
+
+PROXIES = "127.0.0.1,::1"
+"""Whose word is taken by default: a proxy on this machine."""
+
+NONE = "none"
+"""What the setting says where nobody's word is taken."""
+
+Network = ipaddress.IPv4Network | ipaddress.IPv6Network
+Message = MutableMapping[str, Any]
+
+
+class Forwarded:
+    """Put the client that a trusted proxy names in place of the proxy, and its scheme; nothing of anybody else's word.
+
+    Of `X-Forwarded-For` the last entry is taken, which is the proxy's own, and only where it is an address: what stands
+    before it came from outside. Without one the client is the proxy.
+    """
+
+    def __init__(self, app: Callable[..., Awaitable[None]], proxies: Sequence[Network]) -> None:
+        """Stand before an ASGI application.
+
+        Args:
+            app: The application.
+            proxies: Networks of the proxies that are trusted.
+        """
+        self.app = app
+        self.proxies = proxies
+
+    async def __call__(self, scope: Message, receive: Any, send: Any) -> None:
+        """Handle one request."""
+        peer = read_address(scope["client"][0]) if scope.get("client") else None
+        if scope["type"] == "http" and peer is not None:
+            scope["client"] = (peer, scope["client"][1])
+            if any(ipaddress.ip_address(peer) in network for network in self.proxies):
+                _believe(scope)
+        await self.app(scope, receive, send)
+
+
+def _believe(scope: Message) -> None:
+    """Take client and scheme from a proxy's headers."""
+    values = {
+        wanted: [value.decode("latin-1") for name, value in scope["headers"] if name == wanted]
+        for wanted in (b"x-forwarded-for", b"x-forwarded-proto")
+    }
+    client = read_address(",".join(values[b"x-forwarded-for"]).rpartition(",")[2].strip())
+    if client is not None:
+        scope["client"] = (client, 0)
+    scheme = ",".join(values[b"x-forwarded-proto"]).rpartition(",")[2].strip()
+    if scheme in ("http", "https"):
+        scope["scheme"] = scheme
+
+
+def read_address(text: str) -> str | None:
+    """Return an IP address in its one form, of IPv4 that is mapped into IPv6 that of IPv4; None where it is none."""
+    try:
+        address = ipaddress.ip_address(text)
+    except ValueError:
+        return None
+    if isinstance(address, ipaddress.IPv6Address):
+        if address.scope_id is not None:  # any text may stand there
+            address = ipaddress.IPv6Address(int(address))
+        return str(address.ipv4_mapped or address)
+    return str(address)
+
+
+def read_proxies(environment: Mapping[str, str] | None = None) -> list[Network]:
+    """Return the networks of GARMENTQ_API_PROXIES, with commas between; `none` trusts nobody.
+
+    Raises:
+        ServiceSettingBad: where one is none.
+    """
+    environment = os.environ if environment is None else environment
+    text = environment.get("GARMENTQ_API_PROXIES", "").strip() or PROXIES
+    try:
+        return [ipaddress.ip_network(one.strip()) for one in text.split(",") if text != NONE and one.strip()]
+    except ValueError as error:
+        raise ServiceSettingBad(
+            f"GARMENTQ_API_PROXIES: {error}; write 10.1.0.7 or 10.1.0.0/16, with commas between, or {NONE}."
+        ) from None
