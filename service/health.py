@@ -54,10 +54,5 @@ def explain(code: str) -> str:
     return next((kind().message for kind in _find_kinds(Unavailable) if kind.code == code), Unavailable().message)
 
 
-def explain_kind(error: GarmentqError) -> str:
-    """Return what is said of every error of a kind and what to do, with nothing of this installation in it."""
-    return (type(error).__doc__ or "").strip().split("\n", 1)[0]
-
-
 def _find_kinds(kind: type[GarmentqError]) -> list[type[GarmentqError]]:
     return [one for each in kind.__subclasses__() for one in (each, *_find_kinds(each))]

@@ -15,14 +15,14 @@ from sqlalchemy import ColumnElement, Update, and_, select, update
 from sqlalchemy.orm import Session
 
 from .. import __version__
-from ..core.errors import BadInput, GarmentqError, NotFound, Unavailable, keep_printable
-from ..core.limited import LONGEST_MESSAGE
+from ..core.errors import BadInput, GarmentqError, NotFound, Unavailable
 from ..core.verdict import Verdict, worst_verdict
 from .database import Database, change_rows, clock
 from .fairness import choose_job
 from .models import EventRow, JobInputRow, JobRow, JobTagRow, JobWaitRow, OutboxRow
 from .new_job import NewJob
 from .outage import find_pause
+from .shown_errors import show_message
 from .states import ENDED, TRANSITIONS, State
 from .webhooks import owe_messages
 
@@ -237,7 +237,7 @@ def refuse(session: Session, claim: Claim, error: GarmentqError, result: dict[st
     Raises:
         FenceLost: where the job belongs to someone else.
     """
-    message = keep_printable(error.message.replace("\n", " "))[:LONGEST_MESSAGE]
+    message = show_message(error)
     note = {"code": error.code, "message": message}
     told = {"error_code": error.code, "error_message": message, "bad_input": isinstance(error, BadInput)}
     move(session, claim, State.FAILED, "failed", note, result=result, **told)
@@ -273,7 +273,7 @@ def put_off(database: Database, claim: Claim, outage: Unavailable, first_seconds
         delays = session.scalar(select(JobRow.delays).where(_held(claim))) or 0
         pause = find_pause(first_seconds, delays)
         rest = {"delays": delays + 1, "delay_code": outage.code, "not_before": clock() + pause}
-        note = {"code": outage.code, "message": keep_printable(outage.message)[:LONGEST_MESSAGE], "seconds": pause}
+        note = {"code": outage.code, "message": show_message(outage), "seconds": pause}
         _give_back(session, claim, "put_off", note, **rest)
 
 

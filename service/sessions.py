@@ -38,15 +38,18 @@ class LinkUsed(GarmentqError):
     code = "session.link_used"
 
 
-def begin_session(database: Database, caller: Caller, is_link: bool = False) -> str:
+def begin_session(database: Database, caller: Caller, is_link: bool = False, earlier: str | None = None) -> str:
     """Begin a session, or make a link that begins one, and return its token, which is given here and never again.
 
-    Sessions that are over are forgotten.
+    The earlier session of the same browser, named by its token, ends; sessions that are over are forgotten.
     """
     token = secrets.token_urlsafe(TOKEN_BYTES)
     seconds = LINK_SECONDS if is_link else SESSION_SECONDS
     with database.write() as session:
-        session.execute(delete(SessionRow).where(SessionRow.expires <= clock()))
+        is_past = SessionRow.expires <= clock()
+        if earlier is not None:
+            is_past |= SessionRow.hash == hash_token(earlier)
+        session.execute(delete(SessionRow).where(is_past))
         row = {"hash": hash_token(token), "key": caller.key, "is_link": is_link}
         session.add(SessionRow(**row, created=clock(), expires=clock() + seconds))
     return token

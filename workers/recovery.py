@@ -20,9 +20,9 @@ from typing import Any
 
 import numpy as np
 
-from ..core.errors import BadInput, GarmentqError, Unavailable, keep_printable
+from ..core.errors import BadInput, GarmentqError, Unavailable
 from ..core.hooks import Arrays, Hooks
-from ..core.limited import LONGEST_MESSAGE, is_memory_short
+from ..core.limited import is_memory_short
 from ..service.checking import STAGE, check_files
 from ..service.database import Database, DatabaseUnreachable
 from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, put_off, release
@@ -32,6 +32,7 @@ from ..service.progress import Pace, Pacer, learn_pace, report
 from ..service.results import CHECKPOINT, PREVIOUS, export_files, load_checkpoint, save_checkpoint, store_result
 from ..service.services import Services
 from ..service.settings import ServiceSettings
+from ..service.shown_errors import is_ours, show_message
 from ..service.states import State
 from ..service.store import ArtifactDamaged, ArtifactMissing, Store
 from ..service.stores import open_store
@@ -178,7 +179,7 @@ def _put_off(settings: ServiceSettings, database: Database, held: Claim, outage:
 
 def _fail(database: Database, held: Claim, error: BaseException) -> None:
     if isinstance(error, GarmentqError):
-        code, message = error.code, error.message
+        code, message = error.code, show_message(error)
     elif is_memory_short(error):
         code = MEMORY
         message = "the job needs more memory than GARMENTQ_JOB_MEMORY_MB; use fewer --vertices, or raise it."
@@ -187,9 +188,8 @@ def _fail(database: Database, held: Claim, error: BaseException) -> None:
             "job.crashed",
             f"{type(error).__name__}: a fault of garmentq; please report it with the worker's log.",
         )
-    if not isinstance(error, BadInput):
+    if not isinstance(error, BadInput) or is_ours(error):
         log.error("job %s failed:\n%s", held.job, "".join(traceback.format_exception(error)), extra=make_note(held))
-    message = keep_printable(message.replace("\n", " "))[:LONGEST_MESSAGE]
     fail(database, held, code, message, isinstance(error, BadInput))
 
 

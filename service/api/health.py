@@ -11,7 +11,8 @@ from fastapi.responses import JSONResponse, PlainTextResponse, Response
 
 from ... import __version__
 from ...core.errors import GarmentqError
-from ..health import explain_kind, find_troubles, hide_places, read_queue
+from ..health import find_troubles, hide_places, read_queue
+from ..shown_errors import show_message
 from .access import RoomsOf, Watcher
 from .answers import Health, Readiness
 from .problems import ALWAYS, make_problem, show_answer, show_refusals
@@ -56,9 +57,9 @@ def tell_readiness(rooms: RoomsOf) -> Response:
             troubles += check() or []
             found[name] = "ok"
         except GarmentqError as error:
-            log.warning("not ready: %s", error.code)
+            log.warning("not ready: %s: %s", error.code, error.message)
             found[name] = error.code
-            told.append(f"{name} {error.code}: {explain_kind(error)}")
+            told.append(f"{name} {error.code}: {show_message(error)}")
     if set(found.values()) == {"ok"}:
         return JSONResponse(found | {"troubles": troubles})
     return make_problem(503, "service.not_ready", " ".join(told))

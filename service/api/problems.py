@@ -14,6 +14,7 @@ from starlette.exceptions import HTTPException
 
 from ...core.errors import BadInput, GarmentqError, NotFound, keep_printable
 from ...core.limited import LONGEST_MESSAGE
+from ..shown_errors import is_ours, show_message
 
 log = logging.getLogger(__name__)
 
@@ -41,10 +42,6 @@ STATUSES = {
 }
 """Statuses of codes whose class does not tell."""
 
-OURS = ("service.", "store.")
-"""Codes of what is wrong with the service itself: a caller is told the class's fixed text, the log has the details, for
-those name hosts, folders and users."""
-
 RETRY_SECONDS = 10.0
 """When to ask again after 429 or 503 where the error does not tell [s]: a restart takes some seconds."""
 
@@ -65,7 +62,7 @@ def error_status(error: GarmentqError) -> int:
         return 404
     if isinstance(error, BadInput):
         return 422
-    return 503 if error.code.startswith(OURS) else 500
+    return 503 if is_ours(error) else 500
 
 
 def make_problem(
@@ -83,11 +80,15 @@ def make_problem(
 
 def answer_error(error: GarmentqError) -> JSONResponse:
     """Answer with one of our errors."""
-    seconds, message = getattr(error, "retry_seconds", RETRY_SECONDS), error.message
-    if error.code.startswith(OURS):
+    seconds, findings = getattr(error, "retry_seconds", RETRY_SECONDS), getattr(error, "findings", ())
+    return make_problem(error_status(error), error.code, tell_message(error), seconds, findings)
+
+
+def tell_message(error: GarmentqError) -> str:
+    """Return what a caller is told of an error; the log has the details of what is wrong with the service itself."""
+    if is_ours(error):
         log.warning("answered %s: %s", error.code, error.message)
-        message = type(error)().message
-    return make_problem(error_status(error), error.code, message, seconds, getattr(error, "findings", ()))
+    return show_message(error)
 
 
 def add_handlers(app: FastAPI) -> None:

@@ -12,7 +12,7 @@ from fastapi.responses import RedirectResponse
 from fastapi.routing import APIRoute
 
 from ...core.errors import GarmentqError
-from ..api.problems import OURS, RequestBad, error_status
+from ..api.problems import RequestBad, error_status, tell_message
 from .markup import html
 from .session import SignInNeeded
 from .shell import draw_shell
@@ -46,7 +46,6 @@ def make_router() -> APIRouter:
 
 def draw_error(error: GarmentqError) -> Response:
     """Return the page that says what is wrong, and the next step."""
-    message = type(error)().message if error.code.startswith(OURS) else error.message
     content = html('<h1>This did not work</h1><p class="error" role="alert">{}</p><p><code>{}</code></p>'
-                   '<p><a href="/">All jobs</a></p>', message, error.code)  # fmt: skip
+                   '<p><a href="/">All jobs</a></p>', tell_message(error), error.code)  # fmt: skip
     return draw_shell("Error", content, status=error_status(error))

@@ -13,7 +13,7 @@ from starlette.concurrency import run_in_threadpool
 from ...core.errors import GarmentqError
 from ..api.access import Rooms, RoomsOf
 from ..api.guard import find_session, name_cookie
-from ..api.problems import error_status
+from ..api.problems import error_status, tell_message
 from ..keys import LOCAL, Caller, KeyBad, KeyMissing, admit
 from ..sessions import (
     SESSION_SECONDS,
@@ -33,6 +33,10 @@ router = APIRouter(include_in_schema=False)
 
 LOCAL_PATH = re.compile(r"/(?![/\\])[A-Za-z0-9/_.~?=&,:%+-]{0,500}")
 """Where a browser may be sent after signing in: a page of this service."""
+
+
+EMPTIED = {"clear-site-data": '"cache"'}
+"""Tells a browser to forget what it keeps of this service: meshes and pictures of a body are not the next user's."""
 
 
 class SignInNeeded(GarmentqError):
@@ -91,13 +95,13 @@ async def sign_in(request: Request, rooms: RoomsOf) -> Response:
 async def sign_out(request: Request, rooms: RoomsOf) -> Response:
     """End the session."""
     given = parse_qs((await request.body()).decode("utf-8", "replace"))
-    answer = RedirectResponse("/signin", 303)
+    answer = RedirectResponse("/signin", 303, EMPTIED)
     if (token := find_session(request.scope)) is not None:
         try:
             check_csrf(token, given.get("csrf", [""])[0])
+            await run_in_threadpool(end_session, rooms.database, token)
         except GarmentqError as error:
             return _draw_form(rooms, "/", error)
-        await run_in_threadpool(end_session, rooms.database, token)
         answer.delete_cookie(name_cookie(request.url.scheme), **_flags(request))
     return answer
 
@@ -126,8 +130,8 @@ def _note(request: Request, rooms: Rooms, error: GarmentqError) -> None:
 
 
 def _begin(request: Request, rooms: Rooms, caller: Caller, target: str) -> Response:
-    session = begin_session(rooms.database, caller)
-    answer = RedirectResponse(target if LOCAL_PATH.fullmatch(target) else "/", 303)
+    session = begin_session(rooms.database, caller, earlier=find_session(request.scope))
+    answer = RedirectResponse(target if LOCAL_PATH.fullmatch(target) else "/", 303, EMPTIED)
     seconds = int(SESSION_SECONDS)
     answer.set_cookie(name_cookie(request.url.scheme), session, max_age=seconds, **_flags(request))
     return answer
@@ -145,7 +149,7 @@ def _address(request: Request) -> str:
 def _draw_form(rooms: Rooms, target: str, error: GarmentqError | None = None) -> Response:
     refused, status = Html(), 200
     if error is not None:
-        message = "enter a key." if isinstance(error, KeyMissing) else error.message
+        message = "enter a key." if isinstance(error, KeyMissing) else tell_message(error)
         refused, status = html('<p class="error" role="alert">{}</p>', message), error_status(error)
     told = html(TOLD) if rooms.local_token else Html()
     form = html(FORM, refused=refused, target=target if LOCAL_PATH.fullmatch(target) else "/", told=told)

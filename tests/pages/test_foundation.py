@@ -135,6 +135,24 @@ def test_a_session_is_worth_what_its_key_is(visitor, settings, database):
     assert visitor.get("/v1/jobs").json()["code"] == "session.ended"
 
 
+def test_a_browser_has_one_session_and_keeps_nothing_of_it(address, visitor, settings):
+    """Broken where the session before lives on when a browser signs in anew, or the next user of a browser finds the
+    meshes of a body in its cache."""
+    token = (settings.home / "api.token").read_text()
+    sign_in(visitor, token)
+    earlier = dict(visitor.cookies)
+    with httpx.Client(base_url=address, timeout=30.0) as other:
+        sign_in(other, token)
+        again = sign_in(visitor, token)
+        assert again.headers["clear-site-data"] == '"cache"' and dict(visitor.cookies) != earlier
+        assert visitor.get("/").status_code == other.get("/").status_code == 200
+        with httpx.Client(base_url=address, timeout=30.0, cookies=earlier) as old:
+            assert old.get("/").status_code == 303 and old.get("/v1/jobs").status_code == 401
+    csrf = read_csrf(visitor)
+    assert "clear-site-data" not in visitor.get("/").headers
+    assert visitor.post("/signout", data={"csrf": csrf}).headers["clear-site-data"] == '"cache"'
+
+
 def test_a_link_signs_in_once(visitor, settings, database):
     """Broken where a link works twice, or a session's cookie passes for one."""
     link = begin_session(database, LOCAL, is_link=True)
