@@ -22,6 +22,9 @@ from .webhooks import Message
 
 log = logging.getLogger(__name__)
 
+UNREACHED = "the host has no public address, does not answer, or its certificate is not trusted"
+"""What is told of every message that reached nobody: names of an inner network are not to be found out by asking."""
+
 SECONDS = 5.0
 """Longest time of one message, from the question for its address to the head of the answer [s]."""
 
@@ -56,11 +59,9 @@ async def send(message: Message, networks: str, context: ssl.SSLContext | None =
             status = await _post(message, networks, context or _trust())
     except TimeoutError:
         return Receipt(None, f"no answer within {SECONDS:g} s")
-    except WebhookBad as error:
-        return Receipt(None, error.message)
-    except (httpx.HTTPError, httpx.InvalidURL, OSError, UnicodeError) as error:
+    except (httpx.HTTPError, httpx.InvalidURL, OSError, UnicodeError, WebhookBad) as error:
         log.info("message %s was not sent: %s: %s", message.id, type(error).__name__, error)
-        return Receipt(None, "the host has no address, does not answer, or its certificate is not trusted")
+        return Receipt(None, UNREACHED)
     return Receipt(status, None if 200 <= status < 300 else f"the answer was {status}, not 2xx")
 
 

@@ -14,6 +14,10 @@ from .limits import ApiLimits
 FORGIVEN_SECONDS = 10.0
 """After so long one wrong key is forgiven [s]."""
 
+TRIAL_SECONDS, TRIALS = 10.0, 5
+"""A key may send a webhook a message for trial so often [s] in the long run, and so many at once: a person who sets one
+up tries some times a minute, and who looks for hosts by it gets nowhere."""
+
 INSPECTIONS = 2
 """Scans that this process lets be looked at at a time: each takes a core for some seconds, and up to 4 GiB."""
 
@@ -68,13 +72,23 @@ class Meter:
         Raises:
             TooManyRequests: where the bucket is empty.
         """
-        if not key:
-            return
-        now, rate = self._now(), self._limits.requests_per_second
+        if key:
+            self._draw(key, self._limits.requests_per_second, self._limits.burst)
+
+    def take_trial(self, key: str) -> None:
+        """Count one message that is sent to a webhook for trial, the local user's too.
+
+        Raises:
+            TooManyRequests: where the key tries more often than by `TRIAL_SECONDS`.
+        """
+        self._draw(f"trial {key}", 1.0 / TRIAL_SECONDS, TRIALS)
+
+    def _draw(self, bucket: str, rate: float, burst: int) -> None:
+        now = self._now()
         with self._lock:
-            left, then = self._left.get(key, (float(self._limits.burst), now))
-            left = min(float(self._limits.burst), left + rate * (now - then))
-            self._left[key] = (left - 1.0 if left >= 1.0 else left, now)
+            left, then = self._left.get(bucket, (float(burst), now))
+            left = min(float(burst), left + rate * (now - then))
+            self._left[bucket] = (left - 1.0 if left >= 1.0 else left, now)
         if left < 1.0:
             raise TooManyRequests(
                 f"the key asks more than {rate:g} times a second; wait as long as Retry-After says.",

@@ -62,6 +62,7 @@ async def test(webhook: WebhookId, rooms: RoomsOf, caller: Submitter) -> Any:
     """Send a message of the type `test` once, and return the answer's status or why there was none, within 5 s."""
     from ..webhook_delivery import send  # not at every start: it brings an HTTP client
 
+    rooms.meter.take_trial(caller.key)
     message = await run_in_threadpool(make_trial, rooms.database, webhook, _find_realm(caller))
     return await send(message, rooms.settings.webhook_networks)
 

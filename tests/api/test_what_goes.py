@@ -77,7 +77,7 @@ def test_webhooks_of_a_key(client, keys):
         assert client.post("/v1/webhooks", json={"url": url}, headers=keys[0]).status_code == 422
     for number in (2130706433, "localhost"):
         here = client.post("/v1/webhooks", json={"url": f"https://{number}/"}, headers=keys[0]).json()["webhook"]
-        assert "not public" in client.post(f"/v1/webhooks/{here}/test", headers=keys[0]).json()["error"]
+        assert "no public address" in client.post(f"/v1/webhooks/{here}/test", headers=keys[0]).json()["error"]
     assert client.delete(f"/v1/webhooks/{made['webhook']}", headers=keys[0]).json()["webhook"] == made["webhook"]
 
 

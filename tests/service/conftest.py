@@ -17,6 +17,7 @@ from garmentq_home import (  # noqa: F401
     database,
     database_url,
     postgres,
+    postgres_server,
     queue_job,
     settings,
     store,

@@ -4,20 +4,30 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import socket
+from collections import Counter
+from contextlib import contextmanager
+from dataclasses import replace
 
 import httpx
 import pytest
+from api_client import local_user, serving
+from api_routes import list_pages, list_routes
+from api_work import make_key
 from garmentq.service.api.app import make_app
+from garmentq.service.api.limits import ApiLimits
 from garmentq.service.database import Database, DatabaseDamaged, DatabaseTooOld, open_database
 from garmentq.service.health import find_troubles, hide_places, read_queue
-from garmentq.service.jobs import find_job
+from garmentq.service.jobs import claim, find_job, put_off
 from garmentq.service.outage import note_outage
 from garmentq.service.query import JobQuery, QueryBad
 from garmentq.service.reaper import DUTY, hold_duty, show_life
 from garmentq.service.settings import ServiceSettingBad, hide_password
+from garmentq.service.store import StoreUnreachable
 from garmentq.workers.recovery import run_job
 from garmentq_home import drop_tables
 from sqlalchemy import text
+from sqlalchemy.engine import make_url
 
 PASSWORDS = ("plain", "pa/ss", "pa#ss", "pa?ss", "a[b", "p@ss", "p%40ss", "a:b")
 
@@ -46,12 +56,10 @@ def test_a_password_with_an_at_sign_is_named_before_it_is_sent():
 
 def test_an_outage_tells_nothing_over_http(settings, caplog):
     """Broken where a caller without a key reads where the database is, or who may log in there."""
-    import dataclasses
-
     app = make_app(settings, is_open=True)
     app.state.rooms.database.dispose()
     away = Database("postgresql://postgres:S3cret@127.0.0.1:1/secretname", pooled=False)
-    app.state.rooms = dataclasses.replace(app.state.rooms, database=away)
+    app.state.rooms = replace(app.state.rooms, database=away)
 
     async def ask():
         async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://127.0.0.1") as client:
@@ -62,6 +70,20 @@ def test_an_outage_tells_nothing_over_http(settings, caplog):
     assert answer.status_code == 503 and answer.json()["code"] == "service.database_unreachable"
     assert not any(word in answer.text for word in ("postgres:", "S3cret", "secretname", "127.0.0.1", ":1/"))
     assert "secretname" in caplog.text and "S3cret" not in caplog.text, "the log has it, without the password"
+
+
+@pytest.mark.parametrize("database_kind", ["sqlite"], indirect=True)
+def test_what_a_job_waits_for_tells_no_place(settings, database, queue_job, store):
+    """Broken where the folder of a store that is away stands in a job's events, which its key reads."""
+    job = queue_job()
+    held = claim(database, job, "w", 60.0)
+    store.root.rename(store.root.with_name("aside"))
+    with pytest.raises(StoreUnreachable, match=str(settings.home)) as gone:
+        store.check()
+    put_off(database, held, gone.value, 0.1)
+    with serving(settings) as url:
+        told = httpx.get(f"{url}/v1/jobs/{job}/events", headers=local_user(settings), timeout=60.0).text
+    assert "store.unreachable" in told and str(settings.home) not in told
 
 
 def test_a_crash_tells_its_type_only(settings, database, queue_job):
@@ -131,9 +153,83 @@ def test_what_stands_still_is_said(database, queue_job):
 
 def test_running_jobs_come_first(database, queue_job):
     """Broken where a long queue hides what runs."""
-    from garmentq.service.jobs import claim
     from garmentq.service.query import list_jobs
 
     first, *rest = [queue_job(f"shirt{i}") for i in range(4)]
     claim(database, first, "w", 30.0)
     assert [row.id for row in list_jobs(database, 2)] == [first, rest[-1]]
+
+
+@pytest.mark.parametrize("database_kind", ["sqlite"], indirect=True)
+def test_names_of_an_inner_network_are_not_found_by_trial(settings, database, monkeypatch):
+    """Broken where a key learns by a trial message whether a name of the operator's network is there, or may try names
+    without end."""
+    real = socket.getaddrinfo
+
+    def find(host, port, *given, **more):
+        if host == "inner.example":
+            return [(socket.AF_INET, socket.SOCK_STREAM, 6, "", ("10.0.0.7", port))]
+        if host == "nosuch.example":
+            raise socket.gaierror(socket.EAI_NONAME, "no such name")
+        return real(host, port, *given, **more)
+
+    monkeypatch.setattr(socket, "getaddrinfo", find)
+    with serving(settings) as url, httpx.Client(base_url=url, headers=local_user(settings), timeout=60.0) as client:
+        told = []
+        for name in ("inner.example", "nosuch.example"):
+            hook = client.post("/v1/webhooks", json={"url": f"https://{name}/"}).json()["webhook"]
+            told.append(client.post(f"/v1/webhooks/{hook}/test").json())
+        assert told[0] == told[1] and told[0]["status"] is None and "no public address" in told[0]["error"]
+        statuses = [client.post(f"/v1/webhooks/{hook}/test").status_code for _ in range(20)]
+        assert 429 in statuses[3:8], statuses
+
+
+@contextmanager
+def away(settings, request):
+    """Take the database away for the block: PostgreSQL is stopped, the file of SQLite overwritten."""
+    if settings.database_url:
+        server = request.getfixturevalue("postgres_server")
+        server.stop()
+        try:
+            yield
+        finally:
+            server.start()
+        return
+    path = settings.home / "garmentq.db"
+    for one in (path, path.with_name("garmentq.db-wal")):
+        if one.exists():
+            with one.open("r+b") as stream:
+                stream.write(b"no database at all" * max(1, one.stat().st_size // 18))
+    yield
+
+
+def test_no_page_and_no_route_tells_where_the_database_is(settings, database, queue_job, request, caplog):
+    """Broken where anybody, with a key, a session or neither, reads on any page or route where the database is that is
+    away, or who may log in there."""
+    key = make_key(database, "studio", "admin", "read")
+    job = queue_job()
+    paths = {path for path, _ in list_pages()} | {path for way, path, _ in list_routes(settings) if way == "GET"}
+    words = [str(settings.home), "garmentq.db", "sqlite", "postgresql", "connection to server"]
+    if settings.database_url:
+        place = make_url(settings.database_url)
+        words += [place.database, place.host or place.query["host"]]
+    database.dispose()
+    statuses, wrong = Counter(), {"authorization": "Bearer gq_wrong"}
+    with serving(settings, ApiLimits(wrong_keys=10**6), is_open=False) as url:
+        options = {"base_url": url, "timeout": 60.0, "verify": False}
+        with httpx.Client(**options) as stranger, httpx.Client(**options) as browser:
+            token = key["authorization"].removeprefix("Bearer ")
+            assert browser.post("/signin", data={"token": token}).status_code == 303
+            csrf = browser.get("/").text.split('name="csrf-token" content="')[1].split('"')[0]
+            with away(settings, request):
+                answers = [stranger.post("/signin", data={"token": one}) for one in ("gq_wrong", "", token)]
+                answers += [browser.post("/signout", data={"csrf": csrf}), stranger.get("/signin?link=abc")]
+                for path in paths:
+                    place = path.format(job=job, number=0, name="x", sha256="ab" * 32)
+                    for client, headers in ((stranger, {}), (stranger, key), (stranger, wrong), (browser, {})):
+                        answers.append(client.get(place, headers=headers))
+    for answer in answers:
+        told = answer.text + str(answer.headers)
+        assert not [word for word in words if word in told], (answer.request.url, told[:2000])
+        statuses[answer.status_code] += 1
+    assert statuses[503] > 60 and not statuses[500], statuses

@@ -301,7 +301,7 @@ def test_the_address_that_was_checked_is_the_one_reached(resolver):
             if answers[0] == ["127.0.0.2"]:
                 assert receipt == TAKEN and good.got[0][0]["host"] == f"hook.test:{port}"
             else:
-                assert receipt.status is None and "not public" in receipt.error
+                assert receipt.status is None and "no public address" in receipt.error
         assert len(good.got) == 1 and bad.got == []
 
 
