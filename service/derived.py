@@ -15,7 +15,7 @@ from ..core.errors import BadInput
 from .jobs import find_job
 from .kinds import FileRef, RequestBad, find_files, find_kind, pack_request, read_request
 from .materials import resolve_fabric
-from .models import ArtifactRow, OwnerRow
+from .models import ArtifactRow, JobRow, OwnerRow
 from .results import RESULT
 from .states import QUEUES
 from .submission import PERSON_KIND, JobRequest, JobUnknown, Submitted, add_job, check_labels, clean_name
@@ -94,13 +94,11 @@ def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
     request = pack_request(asked)
     if {place for place, _ in find_files(request)} - files.keys():  # whoever knows a hash has not handed the file in
         raise RequestBad("a file of the request is named among its options; upload it and name it among the files.")
-    rows = [find_job(services.database, named) for _, _, named in reads]
+    rows = [_find_own(services, order, named) for _, _, named in reads]
     row = rows[0]
     kind.refuse(services.store, asked)
     with services.database.write() as session:
-        for one, (name, allowed, named) in zip(rows, reads, strict=True):
-            if order.key and session.get(OwnerRow, (order.key, one.id)) is None:
-                raise JobUnknown(f"there is no job '{named[:40]}'; `garmentq status` lists them all.")
+        for one, (name, allowed, _) in zip(rows, reads, strict=True):
             if one.kind not in allowed:
                 raise InputWrong(
                     f"job {one.id} is a job '{one.kind}', and '{kind.name}' works on the result of "
@@ -133,10 +131,21 @@ def _choose_kind(services: Services, order: DerivedOrder) -> Kind:
     kind = find_kind(services.settings, order.kind)
     if not kind.persons:
         return kind
-    row = find_job(services.database, order.result)
+    is_person = _find_own(services, order, order.result).kind == PERSON_KIND
+    return find_kind(services.settings, kind.persons) if is_person else kind
+
+
+def _find_own(services: Services, order: DerivedOrder, named: str) -> JobRow:
+    """Return a job that an order names; one that its key does not own is to it as unknown as none.
+
+    Raises:
+        JobUnknown: where there is none.
+    """
+    row = find_job(services.database, named)
     with services.database.read() as session:
-        is_seen = not order.key or session.get(OwnerRow, (order.key, row.id)) is not None
-    return find_kind(services.settings, kind.persons) if row.kind == PERSON_KIND and is_seen else kind
+        if order.key and session.get(OwnerRow, (order.key, row.id)) is None:
+            raise JobUnknown(f"there is no job '{named[:40]}'; `garmentq status` lists them all.")
+    return row
 
 
 def _check_files(session: Session, job: str, names: tuple[str, ...]) -> None:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from sqlalchemy import select
 
 from .database import Database
-from .models import ArtifactRow, JobInputRow, JobRow
+from .models import ArtifactRow, JobInputRow, JobRow, OwnerRow
 from .records import Artifact
 from .results import RESULT, ResultMissing
 from .states import State
 
 
-def find_export(database: Database, job: str, name: str) -> Artifact:
-    """Return a file of the newest successful export of a job that has one of the name.
+def find_export(database: Database, job: str, name: str, key: str = "") -> Artifact:
+    """Return a file of the newest successful export of a job that has one of the name; with a key one of its own.
 
     Raises:
         ResultMissing: where there is none.
@@ -26,6 +26,8 @@ def find_export(database: Database, job: str, name: str) -> Artifact:
         .order_by(JobRow.finished.desc(), JobRow.id)
         .limit(1)
     )
+    if key:
+        wanted = wanted.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == key)
     with database.read() as session:
         row = session.scalars(wanted).first()
     if row is None:

@@ -212,7 +212,7 @@ def find_roots(
     """
     with database.read() as session:
         statement = _select(session, conditions, owner).where(JobRow.parent.is_(None))
-        last = session.get(JobRow, before) if before else None
+        last = session.scalar(_select(session, (), owner).where(JobRow.id == before)) if before else None
         if last is not None:
             older = (JobRow.created == last.created) & (JobRow.id > last.id)
             statement = statement.where((JobRow.created < last.created) | older)

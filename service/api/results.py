@@ -110,7 +110,7 @@ def download_all(job: str, rooms: RoomsOf, caller: Reader) -> Response:
 def download_export(job: str, name: str, request: Request, rooms: RoomsOf, caller: Reader) -> Response:
     """Return a file that a job of kind `export` wrote of this job's result; it makes none."""
     row = find_own(rooms, caller, job)
-    return _send(rooms, find_export(rooms.database, row.id, name), request)
+    return _send(rooms, find_export(rooms.database, row.id, name, "" if caller.sees_all else caller.key), request)
 
 
 @router.get(
