@@ -12,6 +12,7 @@ import click
 
 from .. import __version__
 from ..core.errors import GarmentqError
+from ..core.text import TextBad, has_unkept
 from . import exits
 
 COMMANDS = {
@@ -115,9 +116,21 @@ def group() -> None:
     """
 
 
+def _refuse_text(words: list[str]) -> None:
+    """Refuse an argument that is no UTF-8, unless it names a file that is there: nothing can keep it, or send it.
+
+    Raises:
+        TextBad: where there is one.
+    """
+    for word in words:
+        if has_unkept(word) and not os.path.lexists(word.partition("=")[2] if word.startswith("-") else word):
+            raise TextBad()
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line; an error of ours ends in one line, never in a traceback."""
     try:
+        _refuse_text(sys.argv[1:] if arguments is None else arguments)
         status = group.main(args=arguments, prog_name="garmentq", standalone_mode=False)
     except click.ClickException as error:
         error.show()

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 import re
 from typing import Any
 
 import click
 
+from ..core.text import read_json
 from .export import ProductionOptions, production_options, read_options, read_table, write_production
 
 
@@ -62,7 +62,7 @@ def read_sizes(text: str) -> list[dict[str, Any]]:
     """
     try:
         if text.lstrip().startswith("["):
-            found = json.loads(text)
+            found = read_json(text)
             if not all(isinstance(line, dict) for line in found):
                 raise ValueError
             return list(found)

@@ -19,6 +19,7 @@ from sqlalchemy.pool import NullPool
 from sqlalchemy.sql.functions import FunctionElement
 
 from ..core.errors import GarmentqError, Unavailable
+from ..core.text import TextBad, has_unkept
 from .lock import hold_lock
 from .settings import ServiceSettingBad, ServiceSettings, hide_password
 
@@ -225,7 +226,7 @@ def _make_engine(url: str, pooled: bool) -> Engine:
     options: dict[str, Any] = {} if pooled else {"poolclass": NullPool}
     if parsed.drivername in ("postgres", "postgresql", "postgresql+psycopg"):
         try:
-            return create_engine(
+            engine = create_engine(
                 parsed.set(drivername="postgresql+psycopg"),
                 pool_pre_ping=pooled,
                 connect_args={"connect_timeout": CONNECT_SECONDS},
@@ -233,12 +234,25 @@ def _make_engine(url: str, pooled: bool) -> Engine:
             )
         except ImportError as error:
             raise DriverMissing() from error
+        event.listen(engine, "before_cursor_execute", _refuse_text)
+        return engine
     if parsed.get_backend_name() != "sqlite":
         raise ServiceSettingBad(f"GARMENTQ_DATABASE_URL names '{parsed.drivername}'; use sqlite or postgresql.")
     engine = create_engine(parsed, connect_args={"timeout": BUSY_SECONDS, "check_same_thread": False}, **options)
+    event.listen(engine, "before_cursor_execute", _refuse_text)
     event.listen(engine, "connect", _prepare_sqlite)
     event.listen(engine, "begin", _begin_sqlite)
     return engine
+
+
+def _refuse_text(connection: Any, cursor: Any, statement: str, values: Any, context: Any, is_many: bool) -> None:
+    """Refuse what PostgreSQL refuses of a text by an error of its own, and SQLite in part; alike on both.
+
+    Raises:
+        TextBad: where there is such a text among the values of a statement.
+    """
+    if has_unkept(values):
+        raise TextBad()
 
 
 def _prepare_sqlite(connection: Any, record: Any) -> None:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from ..core.errors import BadInput
 from ..core.limited import Bounds, call_limited
+from ..core.text import read_json
 
 BOUNDS = Bounds(memory_bytes=1024**3, cpu_seconds=30, wall_seconds=120.0)
 """What a comparison may cost: two patterns of ten panels take 3 s."""
@@ -69,7 +69,7 @@ def read_pairs(path: Path) -> dict[str, str]:
 
 def _read_json(text: str) -> dict[str, str] | None:
     try:
-        found = json.loads(text)
+        found = read_json(text)
     except (ValueError, RecursionError):
         return None
     if not isinstance(found, dict) or not all(isinstance(value, str) for value in found.values()):

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import csv
-import json
 import math
 from pathlib import Path
 from typing import Any
 
 from ..errors import BadInput
+from ..text import read_json
 from .spec import BUILTIN
 
 LARGEST = 65_536
@@ -69,7 +69,7 @@ def _pairs(path: Path, text: str) -> list[tuple[str, Any]]:
     """Return names and values in the file's order."""
     if text.lstrip().startswith("{"):
         try:
-            found = json.loads(text, object_pairs_hook=list)
+            found = read_json(text, object_pairs_hook=list)
         except (ValueError, RecursionError) as error:
             raise MeasuresBad(f"'{path.name}' is no JSON. {MeasuresBad().message}") from error
         return [(str(name), value) for name, value in found]

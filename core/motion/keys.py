@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from ..body import JOINTS, PARENTS
 from ..body.builtin import POSES, named_pose
+from ..text import read_json
 from .errors import MotionBad, MotionTooLarge
 from .recording import MOST_FRAMES, Recording
 
@@ -39,7 +39,7 @@ def read_keys(path: Path) -> Recording:
     if path.stat().st_size > LARGEST_BYTES:
         raise MotionTooLarge(f"{path.name} is larger than {LARGEST_BYTES >> 20} MB of keys.")
     try:
-        given = json.loads(path.read_text(encoding="utf-8"))
+        given = read_json(path.read_text(encoding="utf-8"))
     except (ValueError, RecursionError) as error:
         raise MotionBad(f"{path.name} is no JSON: {str(error)[:80]}. {MotionBad().message}") from error
     return build_keys(given, path.name)

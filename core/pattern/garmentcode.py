@@ -17,12 +17,14 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from ..text import has_unkept
 from .curves import edge_length, panel_area, reverse_edge
 from .errors import (
     NotOrientable,
     PanelDegenerate,
     PanelOpen,
     PatternIncomplete,
+    PatternTextBad,
     PatternTooLarge,
     PatternUnitsMissing,
     PatternUnreadable,
@@ -104,6 +106,8 @@ def read_numbered(
         PatternFault: with the place, in the file's numbers.
     """
     top = get_object(parse_document(source) if isinstance(source, str | bytes) else source, "the file")
+    if has_unkept(top):
+        raise PatternTextBad()
     if "pattern" not in top:
         raise PatternIncomplete("the file has no key 'pattern': it is no GarmentCode or NeuralTailor pattern.")
     body = get_object(top["pattern"], "pattern")

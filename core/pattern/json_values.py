@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 import math
-import re
 from typing import Any
 
 from .errors import PatternValueBad
-
-UNKEPT = re.compile("[\x00-\x1f\x7f\ud800-\udfff]")
-"""Control characters and lone surrogates: a database refuses some of them, and no name needs one."""
 
 
 def get_object(value: Any, where: str) -> dict[str, Any]:

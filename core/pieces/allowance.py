@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from ..errors import keep_printable
+from ..text import read_json
 from .errors import AllowanceBad
 from .piece import EdgeUse
 
@@ -69,7 +69,7 @@ def _pairs(text: str) -> list[tuple[str, str]]:
         return []
     if text.startswith("{"):
         try:
-            found = json.loads(text)
+            found = read_json(text)
         except (ValueError, RecursionError) as error:
             raise AllowanceBad from error
         return [(str(name), str(value)) for name, value in found.items()]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import zipfile
 from pathlib import Path
 from typing import IO, Any
@@ -10,6 +9,7 @@ from typing import IO, Any
 import numpy as np
 
 from ..npy import read_array
+from ..text import has_unkept, read_json
 from . import refusal
 from .columns import LABELS
 from .limits import Limits
@@ -77,7 +77,7 @@ def _read_array(file: IO[bytes], limits: Limits, name: str) -> np.ndarray:
 
 
 def _read_json(path: Path, key: str | None, limits: Limits) -> np.ndarray:
-    data: Any = json.loads(path.read_text(encoding="utf-8"))
+    data: Any = read_json(path.read_text(encoding="utf-8"))
     if isinstance(data, dict):
         data = data[_choose([name for name, value in data.items() if isinstance(value, list)], key, path.name)]
     if not isinstance(data, list):
@@ -117,6 +117,8 @@ def _choose(names: list[str], key: str | None, file: str) -> str:
 
 def _check(labels: np.ndarray, name: str) -> np.ndarray:
     if labels.dtype.kind == "U":
+        if has_unkept(list(set(labels.tolist()))):
+            raise refusal.LabelsUnreadable(f"{name} holds words that are no text; save the labels again.")
         return labels
     if labels.dtype.kind == "u" and labels.size and int(labels.max()) > np.iinfo(np.int64).max:
         raise refusal.LabelsUnreadable(f"{name} holds labels beyond 64 bits; number them from 0.")

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import BadInput
+from ..text import read_json
 from .fabric import Fabric
 from .fabric_check import check_fabric
 from .fabrics import PARAMETERS
@@ -101,7 +102,7 @@ def write_fabrics(fabrics: Sequence[Fabric], path: Path) -> None:
 
 def _read_json(text: str) -> Iterator[Row]:
     try:
-        found = json.loads(text)
+        found = read_json(text)
     except (ValueError, RecursionError) as error:
         raise FabricFileBad(f"this is no JSON. {FabricFileBad().message}") from error
     try:

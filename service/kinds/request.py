@@ -9,6 +9,7 @@ from dataclasses import MISSING, dataclass, fields, is_dataclass
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from ...core.errors import BadInput
+from ...core.text import TextBad, has_unkept
 
 HASH = re.compile(r"[0-9a-f]{64}")
 NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]{0,99}")
@@ -36,9 +37,16 @@ class FileRef:
 
 
 def pack_request(request: Any) -> dict[str, Any]:
-    """Return a request as JSON values; fields that are None by default are left out where they are None."""
+    """Return a request as JSON values; fields that are None by default are left out where they are None.
+
+    Raises:
+        TextBad: where a text in it can be kept by no database.
+    """
     values = {field.name: (getattr(request, field.name), field.default) for field in fields(request)}
-    return {name: _pack(value) for name, (value, default) in values.items() if value is not None or default is not None}
+    found = {name: _pack(one) for name, (one, default) in values.items() if one is not None or default is not None}
+    if has_unkept(found):
+        raise TextBad()
+    return found
 
 
 def _pack(value: Any) -> Any:
