@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..mesh import signed_areas
-from ..pattern import EdgeRef, Garment, edge_length, find_symmetry
-from ..pattern.symmetry import Mirror
+from ..pattern import EdgeRef, Garment, Mirror, edge_length, find_symmetry
 from .wedge import FlatPanel, Wedge
 
 LEAST_LENGTH, MOST_LENGTH = 0.06, 0.22

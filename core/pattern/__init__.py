@@ -11,6 +11,7 @@ from .garmentcode import load_pattern, read_pattern, save_pattern, write_pattern
 from .laying import lay_over
 from .measures import BodyMeasures
 from .meshing import choose_edge_length, contains
+from .mirrors import Mirror
 from .moving import move_by_drafts, scale_panels
 from .orientation import place_points
 from .pattern import EDGE_KINDS, Edge, EdgeRef, Panel, Pattern, Seam
@@ -18,7 +19,7 @@ from .polygon import polygon_area, polygon_width
 from .resampling import resample
 from .seams import equalise_seams, seam_constraints, seam_lengths, seam_mismatch, seam_ratios, seam_sides
 from .sewing import mesh_pattern
-from .symmetry import Mirror, Symmetry, find_symmetry
+from .symmetry import Symmetry, find_symmetry
 from .templates import (
     TemplateInfo,
     TemplateUnknown,
