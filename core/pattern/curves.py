@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from .memo import once
 from .pattern import Edge, Panel
 from .polygon import polygon_area
 
@@ -76,7 +77,7 @@ def unit_length(edge: Edge) -> float:
     if edge.kind == "arc":
         _, radius, _, sweep = unit_circle(edge)
         return abs(radius * sweep)
-    return float(_length_table(_control(edge))[-1])
+    return float(_length_table(edge)[-1])
 
 
 def edge_area(edge: Edge) -> float:
@@ -154,6 +155,7 @@ def panel_outline(panel: Panel, segments: int = 16) -> np.ndarray:
     return np.concatenate(parts)
 
 
+@once
 def panel_area(panel: Panel) -> float:
     """Return the area of a panel [m2], curves sampled finely; positive where it runs counter-clockwise."""
     return polygon_area(panel_outline(panel, 64))
@@ -191,16 +193,17 @@ def _speed_integral(control: np.ndarray, low: np.ndarray, high: np.ndarray) -> n
     return half * (speed @ _WEIGHTS)
 
 
-def _length_table(control: np.ndarray) -> np.ndarray:
-    """Return the length up to each of SPANS + 1 uniform parameters."""
+@once
+def _length_table(edge: Edge) -> np.ndarray:
+    """Return the length of a Bezier edge up to each of SPANS + 1 uniform parameters, in chords."""
     grid = np.linspace(0.0, 1.0, SPANS + 1)
-    return np.concatenate([[0.0], np.cumsum(_speed_integral(control, grid[:-1], grid[1:]))])
+    return np.concatenate([[0.0], np.cumsum(_speed_integral(_control(edge), grid[:-1], grid[1:]))])
 
 
 def _parameters(edge: Edge, fraction: np.ndarray) -> np.ndarray:
     """Invert arc length: the Bezier parameters at fractions of the length, by table and three Newton steps."""
     control = _control(edge)
-    table = _length_table(control)
+    table = _length_table(edge)
     grid = np.linspace(0.0, 1.0, SPANS + 1)
     goal = fraction * table[-1]
     parameter = np.interp(goal, table, grid)

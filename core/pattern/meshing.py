@@ -14,6 +14,9 @@ from .pattern import EdgeRef, Panel, Pattern
 HEXAGON = np.sqrt(3.0) / 2.0
 """Area per vertex of a lattice of equilateral triangles with edge 1."""
 
+PAIRS = 2**19
+"""Pairs of a point and a polygon's side that are compared at once: 30 MB."""
+
 
 @dataclass(frozen=True)
 class MeshSettings:
@@ -120,12 +123,24 @@ def mesh_panel(panel: Panel, counts: list[int], size: float, settings: MeshSetti
 
 def contains(polygon: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Return which points, shape [n, 2], lie inside a polygon, by the crossing rule, shape [n]."""
+    if not len(points):
+        return np.zeros(0, bool)
     start, end = polygon, np.roll(polygon, -1, axis=0)
-    y = points[:, 1:]
-    spans = (start[:, 1] > y) != (end[:, 1] > y)
     rise = np.where(end[:, 1] == start[:, 1], 1.0, end[:, 1] - start[:, 1])
-    at = start[:, 0] + (y - start[:, 1]) / rise * (end[:, 0] - start[:, 0])
-    return np.count_nonzero(spans & (points[:, :1] < at), axis=1) % 2 == 1
+    order = np.argsort(points[:, 1])
+    x, y = points[order].T
+    low, high = (np.searchsorted(y, choose(start[:, 1], end[:, 1])) for choose in (np.minimum, np.maximum))
+    spanned = high - low  # points that lie as high as the side: those between low and high
+    crossed = np.zeros(len(points), np.int64)
+    for sides in np.split(np.arange(len(polygon)), np.flatnonzero(np.diff(np.cumsum(spanned) // PAIRS)) + 1):
+        count = spanned[sides]
+        side = np.repeat(sides, count)
+        at = np.arange(count.sum()) + np.repeat(low[sides] - (np.cumsum(count) - count), count)
+        meets = start[side, 0] + (y[at] - start[side, 1]) / rise[side] * (end[side, 0] - start[side, 0])
+        crossed += np.bincount(at[x[at] < meets], minlength=len(points))
+    inside = np.empty(len(points), bool)
+    inside[order] = crossed % 2 == 1
+    return inside
 
 
 def _lattice(boundary: np.ndarray, size: float, clearance: float) -> np.ndarray:

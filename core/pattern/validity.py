@@ -50,10 +50,11 @@ def find_crossing(polygon: np.ndarray) -> tuple[int, int] | None:
     start, end = polygon, np.roll(polygon, -1, axis=0)
     count = len(polygon)
     low, high = np.minimum(start, end), np.maximum(start, end)
+    left, right = low[:, 0].copy(), high[:, 0].copy()  # side by side in memory: most pairs are told apart by these
     for i in range(count - 2):
-        other = np.arange(i + 2, count - 1 if i == 0 else count)
-        near = np.all((low[other] <= high[i]) & (high[other] >= low[i]), axis=1)
-        other = other[near]
+        others = slice(i + 2, count - 1 if i == 0 else count)
+        other = i + 2 + np.flatnonzero((left[others] <= right[i]) & (right[others] >= left[i]))
+        other = other[(low[other, 1] <= high[i, 1]) & (high[other, 1] >= low[i, 1])]
         if not len(other):
             continue
         one = _side(start[i], end[i], start[other]) * _side(start[i], end[i], end[other])
