@@ -43,6 +43,9 @@ ORPHAN_SECONDS = 5
 LONGEST_MESSAGE = 2000
 """Letters of an error that are kept."""
 
+IsStopped = Callable[[], bool]
+"""Asked now and then during a call; True kills the process."""
+
 _BOOT = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from {} import answer; answer()"
 _NETWORK, _USER = 0x40000000, 0x10000000
 """Linux' CLONE_NEWNET and CLONE_NEWUSER."""
@@ -104,11 +107,16 @@ class Answer:
     peak_mb: float
 
 
+def never_stopped() -> bool:
+    """Return that a call goes on."""
+    return False
+
+
 def call_limited(
     function: str,
     arguments: Mapping[str, Any],
     bounds: Bounds | None = None,
-    is_stopped: Callable[[], bool] = lambda: False,
+    is_stopped: IsStopped = never_stopped,
     folder: Path | None = None,
 ) -> Answer:
     """Call a function of JSON values in a fresh limited process.
@@ -156,7 +164,7 @@ def _environment(home: str) -> dict[str, str]:
     return {"PATH": os.defpath, "LANG": "C.UTF-8", "HOME": home, "TMPDIR": home, **threads}
 
 
-def _wait(process: subprocess.Popen[bytes], seconds: float, is_stopped: Callable[[], bool]) -> int:
+def _wait(process: subprocess.Popen[bytes], seconds: float, is_stopped: IsStopped) -> int:
     deadline = time.monotonic() + seconds
     while True:
         left = deadline - time.monotonic()

@@ -5,12 +5,11 @@ The process that holds the database's address and the store's keys never parses 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from ..core.errors import BadInput
-from ..core.limited import Bounds, call_limited
+from ..core.limited import Bounds, IsStopped, call_limited
 from .order import GARMENT, PERSON
 
 STAGE = "check"
@@ -20,7 +19,7 @@ DOUBTS = "doubts"
 """Name under which a check says what is doubtful of the files, one sentence each; told at once, in an event."""
 
 
-def check_files(checker: str, request: dict[str, Any], files: Path, is_stopped: Callable[[], bool]) -> dict[str, Any]:
+def check_files(checker: str, request: dict[str, Any], files: Path, is_stopped: IsStopped) -> dict[str, Any]:
     """Check the files of a job in a limited process.
 
     Args:

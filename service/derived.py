@@ -12,6 +12,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from ..core.errors import BadInput
+from ..core.limited import IsStopped, never_stopped
 from .jobs import find_job
 from .kinds import FileRef, RequestBad, find_files, find_kind, pack_request, read_request
 from .materials import resolve_fabric
@@ -68,7 +69,7 @@ class DerivedOrder:
     over: str = ""
 
 
-def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
+def submit_derived(services: Services, order: DerivedOrder, is_stopped: IsStopped = never_stopped) -> Submitted:
     """Keep an order's files, check what it asks for, and queue the job.
 
     Raises:
@@ -96,7 +97,7 @@ def submit_derived(services: Services, order: DerivedOrder) -> Submitted:
         raise RequestBad("a file of the request is named among its options; upload it and name it among the files.")
     rows = [_find_own(services, order, named) for _, _, named in reads]
     row = rows[0]
-    kind.refuse(services.store, asked)
+    kind.refuse(services.store, asked, is_stopped)
     with services.database.write() as session:
         for one, (name, allowed, _) in zip(rows, reads, strict=True):
             if one.kind not in allowed:

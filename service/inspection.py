@@ -6,23 +6,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..core.errors import BadInput, GarmentqError
-from ..core.limited import Bounds, call_limited
+from ..core.errors import BadInput
+from ..core.limited import Bounds, IsStopped, call_limited, never_stopped
 
 INSPECTOR = "garmentq.core.person.inspect:inspect_order"
 
 BOUNDS = Bounds(memory_bytes=4 * 1024**3, cpu_seconds=60, wall_seconds=100.0)
 """What looking at a scan may cost: reading takes 2 s, finding the wearer of 30 000 points 6 s."""
-
-
-class InspectionsFull(GarmentqError):
-    """The service looks at as many scans as it may at a time; queue the job, whose first stage tells the same."""
-
-    code = "service.inspections_full"
-
-    def __init__(self, message: str | None = None) -> None:
-        super().__init__(message)
-        self.retry_seconds = 5.0
 
 
 class BodyNotBuiltin(BadInput):
@@ -31,12 +21,13 @@ class BodyNotBuiltin(BadInput):
     code = "inspection.body_file"
 
 
-def inspect_scan(path: Path, options: Mapping[str, Any]) -> dict[str, Any]:
+def inspect_scan(path: Path, options: Mapping[str, Any], is_stopped: IsStopped = never_stopped) -> dict[str, Any]:
     """Return what `core.person.inspect.inspect_order` understands of a file.
 
     Args:
         path: The file.
         options: Arguments of it besides the file.
+        is_stopped: As `call_limited` has it.
 
     Raises:
         BodyNotBuiltin: where the body is a file.
@@ -47,4 +38,4 @@ def inspect_scan(path: Path, options: Mapping[str, Any]) -> dict[str, Any]:
     body = options.get("body")
     if body is not None and not is_builtin(body):
         raise BodyNotBuiltin()
-    return call_limited(INSPECTOR, {"source": str(path.absolute()), **options}, BOUNDS).result
+    return call_limited(INSPECTOR, {"source": str(path.absolute()), **options}, BOUNDS, is_stopped).result

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..core.errors import BadInput
-from ..core.limited import Bounds, call_limited
+from ..core.limited import Bounds, IsStopped, call_limited, never_stopped
 from ..core.text import read_json
 
 BOUNDS = Bounds(memory_bytes=1024**3, cpu_seconds=30, wall_seconds=120.0)
@@ -26,7 +26,12 @@ class PairsUnreadable(BadInput):
 
 
 def match_files(
-    first: Path, second: Path, given: Mapping[str, str], only_given: bool = False, outlines: bool = False
+    first: Path,
+    second: Path,
+    given: Mapping[str, str],
+    only_given: bool = False,
+    outlines: bool = False,
+    is_stopped: IsStopped = never_stopped,
 ) -> dict[str, Any]:
     """Compare two pattern files in a limited process.
 
@@ -35,6 +40,7 @@ def match_files(
         given: Names of the second's panels by the first's, for those that a user paired.
         only_given: Pair no others.
         outlines: Add each pattern's outlines [m], by the panels' names.
+        is_stopped: As `call_limited` has it.
 
     Returns:
         The fields of `Comparison` as JSON values, and what `compare_files` adds.
@@ -44,7 +50,7 @@ def match_files(
     """
     arguments: dict[str, Any] = {"first": str(first.absolute()), "second": str(second.absolute()), "given": dict(given)}
     arguments |= {"only_given": only_given, "outlines": outlines}
-    return call_limited("garmentq.core.measure.comparison:compare_files", arguments, BOUNDS).result
+    return call_limited("garmentq.core.measure.comparison:compare_files", arguments, BOUNDS, is_stopped).result
 
 
 def read_pairs(path: Path) -> dict[str, str]:

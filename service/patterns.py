@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..core.errors import BadInput
-from ..core.limited import Bounds, call_limited
+from ..core.limited import Bounds, IsStopped, call_limited, never_stopped
 from .store import Store
 
 BOUNDS = Bounds(memory_bytes=1024**3, cpu_seconds=20, wall_seconds=60.0, answer_bytes=8 * 1024**2)
@@ -26,16 +26,19 @@ class PatternUnsound(BadInput):
         self.findings = findings or []
 
 
-def examine_pattern(path: Path) -> dict[str, Any]:
+def examine_pattern(path: Path, is_stopped: IsStopped = never_stopped) -> dict[str, Any]:
     """Check a pattern file in a limited process: what is wrong with it, its lengths and its symmetry.
 
     Returns:
         JSON values as `core.pattern.examine_file` gives them.
     """
-    return call_limited("garmentq.core.pattern.examine:examine_file", {"source": str(path.absolute())}, BOUNDS).result
+    given = {"source": str(path.absolute())}
+    return call_limited("garmentq.core.pattern.examine:examine_file", given, BOUNDS, is_stopped).result
 
 
-def edit_pattern(document: Mapping[str, Any], operations: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def edit_pattern(
+    document: Mapping[str, Any], operations: Sequence[Mapping[str, Any]], is_stopped: IsStopped = never_stopped
+) -> dict[str, Any]:
     """Apply operations to a pattern's document in a limited process, and examine what becomes of it.
 
     Returns:
@@ -49,7 +52,7 @@ def edit_pattern(document: Mapping[str, Any], operations: Sequence[Mapping[str, 
         for path, value in zip(paths.values(), (document, operations), strict=True):
             path.write_text(json.dumps(value), encoding="utf-8")
         given = {name: str(path.absolute()) for name, path in paths.items()}
-        found = call_limited("garmentq.core.pattern.editing.operations:edit_file", given, BOUNDS).result
+        found = call_limited("garmentq.core.pattern.editing.operations:edit_file", given, BOUNDS, is_stopped).result
     if "refused" in found:
         refused = PatternUnsound(found["refused"]["message"], [found["refused"]])
         refused.code = found["refused"]["code"]
@@ -57,14 +60,14 @@ def edit_pattern(document: Mapping[str, Any], operations: Sequence[Mapping[str, 
     return found
 
 
-def refuse_unsound(store: Store, sha256: str) -> None:
+def refuse_unsound(store: Store, sha256: str, is_stopped: IsStopped = never_stopped) -> None:
     """Refuse a stored pattern file that cannot be draped.
 
     Raises:
         PatternUnsound: with every finding.
     """
     with tempfile.TemporaryDirectory() as folder:
-        found = examine_pattern(store.copy(sha256, Path(folder) / "pattern.json"))
+        found = examine_pattern(store.copy(sha256, Path(folder) / "pattern.json"), is_stopped)
     if not found["is_sound"]:
         first = next(one for one in found["findings"] if one["severity"] == "error")
         raise PatternUnsound(f"{first['message']} ({first['code']})", found["findings"])

@@ -16,6 +16,9 @@ from .models import SessionRow
 SESSION_SECONDS = 12 * 3600.0
 """How long a session lasts [s]: a long working day; then the key is asked for again."""
 
+MOST_SESSIONS = 50
+"""Sessions of one key at a time: a studio's browsers, each signed in anew now and then; one more ends the oldest."""
+
 LINK_SECONDS = 600.0
 """How long a link that signs in may be used [s]: it is printed on a terminal and opened at once."""
 
@@ -41,7 +44,8 @@ class LinkUsed(GarmentqError):
 def begin_session(database: Database, caller: Caller, is_link: bool = False, earlier: str | None = None) -> str:
     """Begin a session, or make a link that begins one, and return its token, which is given here and never again.
 
-    The earlier session of the same browser, named by its token, ends; sessions that are over are forgotten.
+    The earlier session of the same browser, named by its token, ends. Sessions that are over are forgotten, and of
+    those of the key the oldest beyond `MOST_SESSIONS`.
     """
     token = secrets.token_urlsafe(TOKEN_BYTES)
     seconds = LINK_SECONDS if is_link else SESSION_SECONDS
@@ -50,6 +54,9 @@ def begin_session(database: Database, caller: Caller, is_link: bool = False, ear
         if earlier is not None:
             is_past |= SessionRow.hash == hash_token(earlier)
         session.execute(delete(SessionRow).where(is_past))
+        own = (SessionRow.key == caller.key) & (SessionRow.is_link == is_link)
+        kept = select(SessionRow.hash).where(own).order_by(SessionRow.created.desc()).limit(MOST_SESSIONS - 1)
+        session.execute(delete(SessionRow).where(own, SessionRow.hash.not_in(kept)))
         row = {"hash": hash_token(token), "key": caller.key, "is_link": is_link}
         session.add(SessionRow(**row, created=clock(), expires=clock() + seconds))
     return token

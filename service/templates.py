@@ -9,7 +9,7 @@ from pathlib import Path
 from sqlalchemy import select
 
 from ..core.errors import BadInput
-from ..core.limited import Bounds, call_limited
+from ..core.limited import Bounds, IsStopped, call_limited, never_stopped
 from .catalogue import ImportedTemplate, Template
 from .database import Database, clock
 from .models import TemplateRow
@@ -33,7 +33,9 @@ class TemplateShipped(BadInput):
     code = "template.shipped"
 
 
-def import_template(services: Services, name: str, path: Path) -> ImportedTemplate:
+def import_template(
+    services: Services, name: str, path: Path, is_stopped: IsStopped = never_stopped
+) -> ImportedTemplate:
     """Check a GarmentCode or NeuralTailor pattern file and keep it; one imported before under the name is replaced.
 
     Raises:
@@ -42,7 +44,8 @@ def import_template(services: Services, name: str, path: Path) -> ImportedTempla
     """
     from ..core.pattern import list_templates
 
-    found = call_limited("garmentq.core.reading:check_pattern", {"source": str(path.absolute())}, BOUNDS).result
+    given = {"source": str(path.absolute())}
+    found = call_limited("garmentq.core.reading:check_pattern", given, BOUNDS, is_stopped).result
     if name in [info.name for info in list_templates()]:
         raise TemplateNameBad(f"'{name}' is the name of a shipped template; choose another.")
     keep_template(services.database, services.store, name, path, found["category"], found["panels"])

@@ -138,7 +138,7 @@ def contains(polygon: np.ndarray, points: np.ndarray) -> np.ndarray:
         at = np.arange(count.sum()) + np.repeat(low[sides] - (np.cumsum(count) - count), count)
         meets = start[side, 0] + (y[at] - start[side, 1]) / rise[side] * (end[side, 0] - start[side, 0])
         crossed += np.bincount(at[x[at] < meets], minlength=len(points))
-    inside = np.empty(len(points), bool)
+    inside = np.zeros(len(points), bool)
     inside[order] = crossed % 2 == 1
     return inside
 

@@ -88,7 +88,7 @@ def find_mirrors(pattern: Pattern) -> list[Mirror]:
             if best is not None:
                 _, target, shift = best
                 is_free[[source, target]] = False
-                mirrors.append(_make_mirror(pattern, *group.panels[[source, target]].tolist(), shift))
+                mirrors.append(_make_mirror(pattern, int(group.panels[source]), int(group.panels[target]), shift))
     return sorted(mirrors, key=lambda mirror: mirror.source)
 
 

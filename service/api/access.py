@@ -16,9 +16,11 @@ from ..keys import Caller
 from ..models import JobRow, OwnerRow
 from ..services import Services
 from .guard import CALLER
+from .limited_calls import LimitedCalls
 from .limits import ApiLimits
 from .meter import Meter
 from .problems import RequestBad
+from .threads import Lanes
 
 
 @dataclass(frozen=True)
@@ -29,47 +31,53 @@ class Rooms(Services):
         limits: What a request may cost.
         local_token: Makes its bearer the local user while there are no keys; empty: nobody is.
         meter: Counts what each key asks for.
+        limited: Runs what calls a limited process.
+        lanes: Threads beside those of the routes.
     """
 
     limits: ApiLimits
     local_token: str
     meter: Meter
+    limited: LimitedCalls
+    lanes: Lanes
 
 
 bearer = HTTPBearer(auto_error=False, description="A token from `garmentq keys create`.")
 
 
-def get_rooms(request: Request) -> Rooms:
+async def get_rooms(request: Request) -> Rooms:
     """Return the rooms of the application."""
     rooms: Rooms = request.app.state.rooms
     return rooms
 
 
-def get_caller(request: Request, described: Annotated[HTTPAuthorizationCredentials | None, Security(bearer)]) -> Caller:
+async def get_caller(
+    request: Request, described: Annotated[HTTPAuthorizationCredentials | None, Security(bearer)]
+) -> Caller:
     """Return who asks, whom the guard has let in; `described` only tells the OpenAPI page that a key is needed."""
     caller: Caller = request.scope[CALLER]
     return caller
 
 
-def get_reader(caller: Annotated[Caller, Depends(get_caller)]) -> Caller:
+async def get_reader(caller: Annotated[Caller, Depends(get_caller)]) -> Caller:
     """Ask for the scope `read`."""
     caller.must("read")
     return caller
 
 
-def get_submitter(caller: Annotated[Caller, Depends(get_caller)]) -> Caller:
+async def get_submitter(caller: Annotated[Caller, Depends(get_caller)]) -> Caller:
     """Ask for the scope `submit`."""
     caller.must("submit")
     return caller
 
 
-def get_admin(caller: Annotated[Caller, Depends(get_caller)]) -> Caller:
+async def get_admin(caller: Annotated[Caller, Depends(get_caller)]) -> Caller:
     """Ask for the scope `admin`."""
     caller.must("admin")
     return caller
 
 
-def refuse_unknown(request: Request) -> None:
+async def refuse_unknown(request: Request) -> None:
     """Refuse a query parameter that the route does not have: a misspelt filter would answer another question.
 
     Raises:
@@ -103,7 +111,7 @@ def _find_parameters(route: Dependant) -> set[str]:
     return own.union(*(_find_parameters(one) for one in route.dependencies))
 
 
-def get_watcher(caller: Annotated[Caller, Depends(get_caller)]) -> Caller:
+async def get_watcher(caller: Annotated[Caller, Depends(get_caller)]) -> Caller:
     """Ask for the scope `metrics`."""
     caller.must("metrics")
     return caller

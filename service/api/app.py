@@ -40,11 +40,13 @@ from . import (
 from .access import Rooms, refuse_text, refuse_unknown
 from .answers import Problem
 from .guard import Guard
+from .limited_calls import LimitedCalls
 from .limits import ApiLimits
 from .meter import Meter
 from .page import POLICY, draw_page
 from .problems import add_handlers
 from .proxies import Forwarded, read_proxies
+from .threads import Lanes
 
 DESCRIPTION = """From the 3D scan of a garment to a sewing pattern, a simulation mesh and a detailed mesh.
 
@@ -74,7 +76,8 @@ def make_app(
     with suppress(Unavailable):  # `/readyz` tells of a store that is away
         store.prepare()
     token = make_local_token(settings.home) if is_open and not hosts else ""
-    app.state.rooms = Rooms(settings, open_database(settings), store, limits, token, meter)
+    calls, lanes = LimitedCalls(limits, meter), Lanes()
+    app.state.rooms = Rooms(settings, open_database(settings), store, limits, token, meter, calls, lanes)
     libraries = (match, patterns, templates, materials, keys, persons, webhooks)
     for module in (uploads, inspection, batches, jobs, labels, events, results, questions, *libraries):
         app.include_router(module.router, prefix="/v1", dependencies=[Depends(refuse_unknown), Depends(refuse_text)])

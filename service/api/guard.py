@@ -112,15 +112,16 @@ class Guard:
         if not scope["path"].startswith(GUARDED):
             return None
         rooms, address = scope["app"].state.rooms, _address(scope)
+        admission = rooms.lanes.admission
         try:
             token, session = _find_token(scope), find_session(scope)
             if token is None and session is not None:
-                scope[CALLER] = await run_in_threadpool(_find_caller, scope)
+                scope[CALLER] = await admission.run(_find_caller, scope)
                 if scope["method"] not in SAFE:
                     check_csrf(session, find_header(scope, CSRF_HEADER))
             else:
                 rooms.meter.check_address(address, token)
-                scope[CALLER] = await run_in_threadpool(_find_caller, scope)
+                scope[CALLER] = await admission.run(_find_caller, scope)
                 rooms.meter.note_key(token)
             rooms.meter.take(scope[CALLER].key)
         except GarmentqError as error:
@@ -177,7 +178,8 @@ class Guard:
 
         most = self.limits.upload_bytes if is_upload else self._body_bytes(scope)
         seconds = self.limits.upload_seconds if is_upload else self.limits.answer_seconds
-        task = asyncio.create_task(self.app(scope, self._counted(receive, most, standing), note))
+        sending = self.limits.upload_seconds if is_upload else self.limits.body_seconds
+        task = asyncio.create_task(self.app(scope, self._counted(receive, (most, sending), standing), note))
         waiter = asyncio.create_task(begun.wait())
         try:
             await asyncio.wait({task, waiter}, timeout=seconds, return_when=asyncio.FIRST_COMPLETED)
@@ -199,18 +201,19 @@ class Guard:
     def _body_bytes(self, scope: Message) -> int:
         return self.limits.template_bytes if scope["path"].startswith(DOCUMENTS) else self.limits.body_bytes
 
-    def _counted(self, receive: Receive, most: int, standing: Standing) -> Receive:
-        """Count what a client sends, and give up on one that falls silent in the middle of it."""
-        total, is_whole = 0, False
+    def _counted(self, receive: Receive, bounds: tuple[int, float], standing: Standing) -> Receive:
+        """Count what a client sends, and give up on one that falls silent in the middle of it, or drips."""
+        most, seconds = bounds
+        total, is_whole, until = 0, False, time.monotonic() + seconds
 
         async def counted() -> Message:
             nonlocal total, is_whole
             if is_whole:
                 return await receive()  # waits for the client to go away
             try:
-                message = await asyncio.wait_for(receive(), self.limits.chunk_seconds)
+                message = await asyncio.wait_for(receive(), min(self.limits.chunk_seconds, until - time.monotonic()))
             except TimeoutError:
-                raise refuse(408, "request.too_slow", "nothing came for a while; send the file again.") from None
+                raise refuse(408, "request.too_slow", "the body did not come in time; send it again.") from None
             if (ended := await standing.find_end()) is not None:
                 raise ended
             total += len(message.get("body", b""))
@@ -242,7 +245,8 @@ class Standing:
         if self._scope.get(CALLER) is None or time.monotonic() - self._seen < ADMITTED_SECONDS:
             return None
         try:
-            await run_in_threadpool(_find_caller, self._scope)
+            admission = self._scope["app"].state.rooms.lanes.admission
+            await admission.run(_find_caller, self._scope)
         except Unavailable:
             pass
         except GarmentqError as error:

@@ -13,7 +13,7 @@ from ... import __version__
 from ...core.errors import GarmentqError
 from ..health import find_troubles, hide_places, read_queue
 from ..shown_errors import show_message
-from .access import RoomsOf, Watcher
+from .access import Rooms, RoomsOf, Watcher
 from .answers import Health, Readiness
 from .problems import ALWAYS, make_problem, show_answer, show_refusals
 
@@ -41,11 +41,15 @@ async def tell_health() -> Any:
     "/readyz", summary="Tell whether database and store can be used.",
     responses={200: READY, **show_refusals(403, 503)},
 )  # fmt: skip
-def tell_readiness(rooms: RoomsOf) -> Response:
+async def tell_readiness(rooms: RoomsOf) -> Response:
     """Answer 503 where database or store is away: then nothing can be taken. Nothing is written for the answer.
 
     What keeps jobs from running is told beside it; jobs can be handed in all the same.
     """
+    return await rooms.lanes.watching.run(_look, rooms)
+
+
+def _look(rooms: Rooms) -> Response:
     found: dict[str, str] = {}
     troubles: list[str] = []
     told: list[str] = []

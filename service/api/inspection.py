@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Depends, Query
+from fastapi import APIRouter, Depends, Query, Request
 
+from ...core.limited import IsStopped
 from ..inspection import inspect_scan
 from ..submission import clean_name
 from ..uploads import find_upload
@@ -50,18 +51,23 @@ class Looked:
     "/scans/{sha256}/inspection", summary="Tell what is understood of an uploaded scan.",
     responses=show_answer(EXAMPLE, model=Inspection),
 )  # fmt: skip
-def inspect(sha256: Sha256, rooms: RoomsOf, caller: Submitter, asked: Annotated[Looked, Depends()]) -> Any:
+async def inspect(
+    sha256: Sha256, request: Request, rooms: RoomsOf, caller: Submitter, asked: Annotated[Looked, Depends()]
+) -> Any:
     """Read a scan as a job's first stage does; nothing is queued or kept.
 
     With `quick` the file alone is read (2 s of CPU time), and `is_sure` may be false: a person is then told by its
-    height. Otherwise the wearer is looked for too (7 s). `needs` has the code of what is missing for a job. At most two
-    scans are looked at at a time; `service.inspections_full` then says to come back.
+    height. Otherwise the wearer is looked for too (7 s). `needs` has the code of what is missing for a job.
     """
-    row = find_upload(rooms.database, caller.key, sha256, "scans")
     options = {"given_as": asked.given_as, "body": asked.body, "units": asked.units, "up": asked.up}
-    with rooms.meter.inspecting(), tempfile.TemporaryDirectory(dir=_prepare(rooms.incoming)) as folder:
-        path = rooms.store.copy(row.sha256, Path(folder) / clean_name(row.name))
-        return inspect_scan(path, options | {"is_quick": asked.is_quick})
+
+    def work(is_stopped: IsStopped) -> Any:
+        row = find_upload(rooms.database, caller.key, sha256, "scans")
+        with tempfile.TemporaryDirectory(dir=_prepare(rooms.incoming)) as folder:
+            path = rooms.store.copy(row.sha256, Path(folder) / clean_name(row.name))
+            return inspect_scan(path, options | {"is_quick": asked.is_quick}, is_stopped)
+
+    return await rooms.limited.run(request, caller.key, work)
 
 
 def _prepare(folder: Path) -> Path:

@@ -6,20 +6,22 @@ import hashlib
 import json
 import tempfile
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Header, Query, Response
+from fastapi import APIRouter, Depends, Header, Query, Request, Response
 from starlette.concurrency import run_in_threadpool
 
 from ...core.body import is_builtin
+from ...core.limited import IsStopped, never_stopped
 from ...core.settings import RecoverySettings
 from ..deletion import Deleted, delete_jobs
 from ..derived import DerivedOrder, submit_derived
 from ..families import cancel, retry
 from ..jobs import find_job
 from ..keys import Caller
-from ..kinds import FileRef
+from ..kinds import FileRef, find_kind
 from ..models import JobRow
 from ..order import Order, PartOrder
 from ..ordering import check_order
@@ -72,7 +74,12 @@ def show_created() -> dict[int | str, dict[str, Any]]:
 
 @router.post("", status_code=202, summary="Ask for a recovery or a derived job.", responses=show_created())
 async def create_job(
-    wanted: AnyJobIn, response: Response, rooms: RoomsOf, caller: Submitter, idempotency_key: Token = None
+    wanted: AnyJobIn,
+    request: Request,
+    response: Response,
+    rooms: RoomsOf,
+    caller: Submitter,
+    idempotency_key: Token = None,
 ) -> Any:
     """Queue the job. The same files with the same settings are the same job: 200, not 202.
 
@@ -81,7 +88,11 @@ async def create_job(
     another one that has succeeded.
     """
     caller.may_hurry(wanted.priority)
-    done = await run_in_threadpool(_create, rooms, caller, wanted, idempotency_key)
+    create = partial(_create, rooms, caller, wanted, idempotency_key)
+    if isinstance(wanted, DerivedIn) and find_kind(rooms.settings, wanted.kind).is_refused_early:
+        done = await rooms.limited.run(request, caller.key, create)
+    else:
+        done = await run_in_threadpool(create)
     response.headers["location"] = f"/v1/jobs/{done.job}"
     response.status_code = 202 if done.is_new else 200
     return {"job": done.job, "state": done.state, "is_new": done.is_new}
@@ -176,7 +187,13 @@ def answer_query(rooms: Rooms, caller: Caller, wanted: JobQuery) -> dict[str, An
     return {"jobs": [job.as_json() for job in report_jobs(rooms.database, rows, rooms.settings)]}
 
 
-def _create(rooms: Rooms, caller: Caller, wanted: JobIn | DerivedIn, token: str | None) -> Submitted:
+def _create(
+    rooms: Rooms,
+    caller: Caller,
+    wanted: JobIn | DerivedIn,
+    token: str | None,
+    is_stopped: IsStopped = never_stopped,
+) -> Submitted:
     known = None
     if token is not None:
         known = begin_once(rooms.database, caller.key, token, json.dumps(fingerprint(wanted), sort_keys=True))
@@ -184,7 +201,7 @@ def _create(rooms: Rooms, caller: Caller, wanted: JobIn | DerivedIn, token: str 
         return Submitted(known, False, find_job(rooms.database, known).state)
     nonce = "" if token is None else hashlib.sha256(f"{caller.key} {token}".encode()).hexdigest()
     if isinstance(wanted, DerivedIn):
-        done = submit_derived(rooms, _derive(rooms, caller, wanted, nonce))
+        done = submit_derived(rooms, _derive(rooms, caller, wanted, nonce), is_stopped)
     else:
         with tempfile.TemporaryDirectory(prefix="order-", dir=_incoming(rooms)) as folder:
             order = check_order(rooms, _unpack(rooms, caller, wanted, Path(folder)), wanted.template)

@@ -35,6 +35,11 @@ class ApiLimits:
         connections_per_address: Connections that one address may hold open. A proxy is one address: it needs as many as
             it has clients, up to `server.CONNECTIONS`.
         wrong_keys: Wrong keys that one address may try at once; one more each 10 s.
+        body_seconds: Longest time until a body that is no upload is whole [s]; 4 MiB at 150 kB/s.
+        limited: Limited processes at a time, whoever asks: each takes a core for some seconds, and 60 MB to 4 GiB.
+        limited_per_key: Those of one key; others wait for their turn.
+        limited_waiting: Requests of one key that wait for it; a page that compares or edits asks for two or three.
+        limited_wait_seconds: How long they wait [s]; a pattern of six panels is checked in 1.
         day_bytes: Bytes of the files that one key uploads in 24 hours; a studio's 1000 scans of 20 MB are 20 GB.
     """
 
@@ -51,6 +56,11 @@ class ApiLimits:
     head_seconds: float = 10.0
     connections_per_address: int = 200
     wrong_keys: int = 20
+    body_seconds: float = 30.0
+    limited: int = 3
+    limited_per_key: int = 1
+    limited_waiting: int = 8
+    limited_wait_seconds: float = 10.0
     day_bytes: int = 64 * 1024**3
 
 

@@ -7,9 +7,10 @@ import tempfile
 from pathlib import Path
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Request
 
 from ...core.errors import NotFound
+from ...core.limited import IsStopped
 from ..matching import match_files
 from ..results import export_files
 from ..templates import read_template
@@ -30,9 +31,10 @@ PAIR = {
     "/match", summary="Compare two patterns panel by panel.",
     responses=show_answer({"pairs": [PAIR], "only_first": [], "only_second": ["pocket"]}, model=Match),
 )  # fmt: skip
-def match(
+async def match(
     first: Annotated[str, Query(max_length=64, examples=["3685ecfd4f81"])],
     second: Annotated[str, Query(max_length=64, examples=["tshirt"])],
+    request: Request,
     rooms: RoomsOf,
     caller: Reader,
     pair: Annotated[list[str], Query(max_length=200, examples=[["front:back"]])] = [],  # noqa: B006
@@ -50,9 +52,13 @@ def match(
         if not colon or ours in given:
             raise RequestBad(f"'{words[:60]}' pairs no two panels; write PANEL:PANEL, each panel once.")
         given[ours] = theirs
-    with tempfile.TemporaryDirectory() as folder:
-        files = [_find_file(rooms, caller, word, Path(folder) / str(at)) for at, word in enumerate((first, second))]
-        return match_files(files[0], files[1], given, only_given, outlines)
+
+    def work(is_stopped: IsStopped) -> Any:
+        with tempfile.TemporaryDirectory() as folder:
+            files = [_find_file(rooms, caller, word, Path(folder) / str(at)) for at, word in enumerate((first, second))]
+            return match_files(files[0], files[1], given, only_given, outlines, is_stopped)
+
+    return await rooms.limited.run(request, caller.key, work)
 
 
 def _find_file(rooms: Rooms, caller: Reader, word: str, folder: Path) -> Path:

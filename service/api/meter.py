@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from ...core.errors import GarmentqError
-from ..inspection import InspectionsFull
 from .limits import ApiLimits
 
 FORGIVEN_SECONDS = 10.0
@@ -17,9 +16,6 @@ FORGIVEN_SECONDS = 10.0
 TRIAL_SECONDS, TRIALS = 10.0, 5
 """A key may send a webhook a message for trial so often [s] in the long run, and so many at once: a person who sets one
 up tries some times a minute, and who looks for hosts by it gets nowhere."""
-
-INSPECTIONS = 2
-"""Scans that this process lets be looked at at a time: each takes a core for some seconds, and up to 4 GiB."""
 
 MOST_ADDRESSES = 10_000
 """Addresses and keys that are remembered, so that nobody fills the memory."""
@@ -48,8 +44,25 @@ class StreamsFull(GarmentqError):
     code = "request.streams_full"
 
 
+class LimitedOpen(GarmentqError):
+    """The key has as many patterns and scans looked at as it may; wait until one is done."""
+
+    code = "key.limited_open"
+
+
+class LimitedFull(GarmentqError):
+    """The service looks at as many patterns and scans as it may at a time; wait as long as Retry-After says."""
+
+    code = "service.limited_full"
+
+    def __init__(self, message: str | None = None) -> None:
+        """Refuse for some seconds."""
+        super().__init__(message)
+        self.retry_seconds = 5.0
+
+
 class Meter:
-    """Count requests, uploads and event streams by key."""
+    """Count requests, uploads, event streams and limited processes by key."""
 
     def __init__(self, limits: ApiLimits, now: Callable[[], float] = time.monotonic) -> None:
         """Begin with every key at rest.
@@ -156,18 +169,39 @@ class Meter:
             self._end("stream", key)
 
     @contextmanager
-    def inspecting(self) -> Iterator[None]:
-        """Count one scan that is looked at for the block, whoever asks.
+    def waiting(self, key: str) -> Iterator[None]:
+        """Count one request that waits for its turn at a limited process, for the block.
 
         Raises:
-            InspectionsFull: where as many are looked at as may be.
+            LimitedOpen: where the key has as many waiting as it may.
         """
-        if not self._begin("inspection", "", INSPECTIONS):
-            raise InspectionsFull()
+        if not self._begin("waiting", key, self._limits.limited_waiting):
+            raise LimitedOpen(f"{self._limits.limited_waiting} requests of the key wait for their turn; ask less.")
         try:
             yield
         finally:
-            self._end("inspection", "")
+            self._end("waiting", key)
+
+    @contextmanager
+    def limited(self, key: str) -> Iterator[None]:
+        """Count one limited process for the block.
+
+        Raises:
+            LimitedOpen: where the key has as many as it may.
+            LimitedFull: where all keys together have.
+        """
+        most = self._limits.limited_per_key if key else None
+        if not self._begin("limited", key, most):
+            raise LimitedOpen()
+        try:
+            if not self._begin("limited in all", "", self._limits.limited):
+                raise LimitedFull()
+            try:
+                yield
+            finally:
+                self._end("limited in all", "")
+        finally:
+            self._end("limited", key)
 
     def _begin(self, what: str, key: str, most: int | None) -> bool:
         with self._lock:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 import tempfile
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Request
 
+from ...core.limited import IsStopped
 from ..patterns import edit_pattern, examine_pattern
-from .access import Reader
+from .access import Reader, RoomsOf
 from .answers import PatternCheck, PatternEdited
 from .problems import show_answer
 from .schemas import SQUARE, DocumentIn, PatternEditIn
@@ -44,26 +46,31 @@ EXAMPLE = {
     "/check", summary="Say what is wrong with a pattern, and where.",
     responses=show_answer(EXAMPLE, model=PatternCheck, refusals=(408,)),
 )  # fmt: skip
-def check(document: DocumentIn, caller: Reader) -> Any:
+async def check(document: DocumentIn, request: Request, rooms: RoomsOf, caller: Reader) -> Any:
     """Check a GarmentCode or NeuralTailor document: outlines, seams, mesh; nothing is kept.
 
     `is_sound` is false where a finding of severity `error` keeps the pattern from being draped. Edges, control points
     and seams have the document's numbers, points its unit.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "pattern.json"
-        path.write_text(json.dumps(document.model_dump()), encoding="utf-8")
-        return examine_pattern(path)
+
+    def work(is_stopped: IsStopped) -> Any:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "pattern.json"
+            path.write_text(json.dumps(document.model_dump()), encoding="utf-8")
+            return examine_pattern(path, is_stopped)
+
+    return await rooms.limited.run(request, caller.key, work)
 
 
 @router.post(
     "/edit", summary="Change a pattern by operations.",
     responses=show_answer({"pattern": SQUARE, **EXAMPLE}, model=PatternEdited, refusals=(408,)),
 )  # fmt: skip
-def edit(wanted: PatternEditIn, caller: Reader) -> Any:
+async def edit(wanted: PatternEditIn, request: Request, rooms: RoomsOf, caller: Reader) -> Any:
     """Apply operations to a document, one after the other, and examine the new one; nothing is kept.
 
     An operation that cannot be done is refused with its number, and in `findings` with its place. docs/edit.md has
     each operation with its fields.
     """
-    return edit_pattern(wanted.pattern.model_dump(), wanted.operations)
+    work = partial(edit_pattern, wanted.pattern.model_dump(), wanted.operations)
+    return await rooms.limited.run(request, caller.key, work)

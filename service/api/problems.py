@@ -11,6 +11,7 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
 
 from ...core.errors import BadInput, GarmentqError, NotFound, keep_printable
 from ...core.limited import LONGEST_MESSAGE
@@ -33,6 +34,7 @@ STATUSES = {
     "key.queue_full": 429,
     "key.too_many_requests": 429,
     "key.uploads_open": 429,
+    "key.limited_open": 429,
     "key.day_bytes": 429,
     "job.kind_unknown": 422,
     "job.not_ended": 409,
@@ -65,11 +67,16 @@ def error_status(error: GarmentqError) -> int:
     return 503 if is_ours(error) else 500
 
 
+def tell_retry(status: int, seconds: float) -> dict[str, str]:
+    """Return the header that says when to ask again, where a status means that it helps."""
+    return {"retry-after": str(max(1, math.ceil(seconds)))} if status in (429, 503) else {}
+
+
 def make_problem(
     status: int, code: str, detail: str, retry_seconds: float = RETRY_SECONDS, findings: Sequence[Any] = ()
 ) -> JSONResponse:
     """Answer with one problem; what was found in a pattern goes with it."""
-    headers = {"retry-after": str(max(1, math.ceil(retry_seconds)))} if status in (429, 503) else {}
+    headers = tell_retry(status, retry_seconds)
     if status == 401:
         headers["www-authenticate"] = "Bearer"
     clean = keep_printable(detail)[:LONGEST_MESSAGE]
@@ -112,6 +119,9 @@ def add_handlers(app: FastAPI) -> None:
         answer.headers.update(error.headers or {})
         return answer
 
+    def on_gone(request: Request, error: Exception) -> JSONResponse:
+        return make_problem(499, "request.gone", "the client went away.")
+
     def on_fault(request: Request, error: Exception) -> JSONResponse:
         log.error("a request failed", exc_info=error)
         return make_problem(500, "service.fault", "a fault of garmentq; please report it with the log.")
@@ -119,6 +129,7 @@ def add_handlers(app: FastAPI) -> None:
     app.add_exception_handler(GarmentqError, on_ours)
     app.add_exception_handler(RequestValidationError, on_invalid)
     app.add_exception_handler(HTTPException, on_http)
+    app.add_exception_handler(ClientDisconnect, on_gone)
     app.add_exception_handler(Exception, on_fault)
 
 

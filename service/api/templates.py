@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import tempfile
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from fastapi import APIRouter, Request, Response
-from starlette.concurrency import run_in_threadpool
 
+from ...core.limited import IsStopped
 from ..catalogue import ImportedTemplate, Template
 from ..templates import delete_template, import_template, list_templates, read_template
 from .access import Admin, Reader, Rooms, RoomsOf
@@ -45,7 +46,7 @@ def show(name: TemplateName, rooms: RoomsOf, caller: Reader) -> Response:
 async def import_one(name: TemplateName, request: Request, rooms: RoomsOf, caller: Admin) -> Any:
     """Check a GarmentCode or NeuralTailor pattern file and keep it; one imported before under the name is replaced."""
     content = await request.body()
-    return await run_in_threadpool(_import, rooms, name, content)
+    return await rooms.limited.run(request, caller.key, partial(_import, rooms, name, content))
 
 
 @router.delete("/{name}", summary="Delete an imported template.", responses=show_answer(DELETED, model=Template))
@@ -54,8 +55,8 @@ def delete_one(name: TemplateName, rooms: RoomsOf, caller: Admin) -> Any:
     return delete_template(rooms.database, name)
 
 
-def _import(rooms: Rooms, name: str, content: bytes) -> ImportedTemplate:
+def _import(rooms: Rooms, name: str, content: bytes, is_stopped: IsStopped) -> ImportedTemplate:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "pattern.json"
         path.write_bytes(content)
-        return import_template(rooms, name, path)
+        return import_template(rooms, name, path, is_stopped)

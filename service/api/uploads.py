@@ -63,7 +63,7 @@ def _add(kind: str) -> None:
             async with _received(request, rooms, Path(cleaned).suffix.lower()) as path:
                 await run_in_threadpool(_check, kind, path, cleaned)
                 keep = (rooms.database, rooms.store, caller.key, path, (name, kind), most)
-                kept = await run_in_threadpool(keep_upload, *keep)
+                kept = await rooms.lanes.transfers.run(keep_upload, *keep)
         response.headers["location"] = f"/v1/{kind}/{kept.sha256}"
         response.headers["etag"] = f'"{kept.sha256}"'
         return {"sha256": kept.sha256, "name": cleaned, "size": kept.size}

@@ -19,6 +19,7 @@ from .rows import add_metrics, add_pattern, describe_body, show_garment, summari
 if TYPE_CHECKING:
     from ...core.edit import Edited
     from ...core.hooks import Hooks
+    from ...core.limited import IsStopped
     from ..settings import ServiceSettings
     from ..store import Store
 
@@ -38,9 +39,9 @@ class Edit(Kind):
         """Return the reader of patterns."""
         return PATTERN_CHECKER
 
-    def refuse(self, store: Store, request: EditRequest) -> None:
+    def refuse(self, store: Store, request: EditRequest, is_stopped: IsStopped) -> None:
         """Refuse a pattern that cannot be sewn or meshed, with its place, when it is submitted."""
-        refuse_unsound(store, request.pattern.sha256)
+        refuse_unsound(store, request.pattern.sha256, is_stopped)
 
     def adopt(self, session: Session, request: dict[str, Any], row: JobRow) -> dict[str, Any]:
         """Return the request with the recovered pattern."""

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from ...core.errors import GarmentqError
     from ...core.hooks import Hooks
+    from ...core.limited import IsStopped
     from ..jobs import Claim
     from ..models import JobRow
     from ..settings import ServiceSettings
@@ -123,7 +124,7 @@ class Kind(ABC):
         """
         return ""
 
-    def refuse(self, store: Store, request: Any) -> None:
+    def refuse(self, store: Store, request: Any, is_stopped: IsStopped) -> None:
         """Refuse a derived job when it is submitted, where its own small files cannot be used; in a limited process.
 
         What is let through is checked again by `checker`.
@@ -132,6 +133,11 @@ class Kind(ABC):
             BadInput: where they cannot.
         """
         return
+
+    @property
+    def is_refused_early(self) -> bool:
+        """Return whether `refuse` does anything, so that a service counts it."""
+        return type(self).refuse is not Kind.refuse
 
     def adopt(self, session: Session, request: dict[str, Any], row: JobRow) -> dict[str, Any]:
         """Return a derived job's request with what it takes of the job whose result it reads, when it is submitted.

@@ -13,7 +13,7 @@ from starlette.concurrency import run_in_threadpool
 from ...core.errors import GarmentqError
 from ..api.access import Rooms, RoomsOf
 from ..api.guard import find_session, name_cookie
-from ..api.problems import error_status, tell_message
+from ..api.problems import RETRY_SECONDS, error_status, tell_message, tell_retry
 from ..keys import LOCAL, Caller, KeyBad, KeyMissing, admit
 from ..sessions import (
     SESSION_SECONDS,
@@ -88,7 +88,7 @@ async def sign_in(request: Request, rooms: RoomsOf) -> Response:
     """Begin a session for who has a key, or the token of a home without keys."""
     given = parse_qs((await request.body()).decode("utf-8", "replace"))
     token, target = given.get("token", [""])[0].strip(), given.get("next", ["/"])[0]
-    return await run_in_threadpool(_sign_in, request, rooms, token, target)
+    return await rooms.lanes.admission.run(_sign_in, request, rooms, token, target)
 
 
 @router.post("/signout")
@@ -111,6 +111,7 @@ def _sign_in(request: Request, rooms: Rooms, token: str, target: str) -> Respons
         _refuse_foreign(request)
         rooms.meter.check_address(_address(request), token or None)
         caller = admit(rooms.database, token or None, rooms.local_token)
+        rooms.meter.take(caller.key)
     except GarmentqError as error:
         _note(request, rooms, error)
         return _draw_form(rooms, target, error)
@@ -147,13 +148,15 @@ def _address(request: Request) -> str:
 
 
 def _draw_form(rooms: Rooms, target: str, error: GarmentqError | None = None) -> Response:
-    refused, status = Html(), 200
+    refused, status, seconds = Html(), 200, getattr(error, "retry_seconds", RETRY_SECONDS)
     if error is not None:
         message = "enter a key." if isinstance(error, KeyMissing) else tell_message(error)
         refused, status = html('<p class="error" role="alert">{}</p>', message), error_status(error)
     told = html(TOLD) if rooms.local_token else Html()
     form = html(FORM, refused=refused, target=target if LOCAL_PATH.fullmatch(target) else "/", told=told)
-    return draw_shell("Sign in", form, status=status)
+    answer = draw_shell("Sign in", form, status=status)
+    answer.headers.update(tell_retry(status, seconds))
+    return answer
 
 
 FORM = """<section class="signin"><h1>Sign in</h1>{refused}

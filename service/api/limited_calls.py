@@ -1,0 +1,101 @@
+"""What a request has done by a limited process: few at a time, in threads of their own, until the client leaves."""
+
+from __future__ import annotations
+
+import asyncio
+import contextvars
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, suppress
+from typing import Any, TypeVar
+
+from fastapi import Request
+from starlette.exceptions import HTTPException
+
+from ...core.errors import Cancelled
+from ...core.limited import IsStopped
+from .limits import ApiLimits
+from .meter import LimitedFull, LimitedOpen, Meter
+from .problems import refuse
+
+POLL_SECONDS = 0.05
+"""How often a request that waits looks for its turn [s]."""
+
+Result = TypeVar("Result")
+
+
+class LimitedCalls:
+    """Run functions that call limited processes; no other request waits for their threads."""
+
+    def __init__(self, limits: ApiLimits, meter: Meter) -> None:
+        """Begin with none.
+
+        Args:
+            limits: How many run and wait at a time.
+            meter: Counts them.
+        """
+        self._wait_seconds = limits.limited_wait_seconds
+        self._meter = meter
+        self._threads = ThreadPoolExecutor(limits.limited, "limited")
+
+    async def run(self, request: Request, key: str, work: Callable[[IsStopped], Result]) -> Result:
+        """Run a function in its turn, and return what it returns.
+
+        Args:
+            request: Whose body was read whole; where its client leaves, or the answer is given up, the work is stopped.
+            key: Id of the key that asks, or empty.
+            work: Given what tells whether it is to stop; it hands that on to `call_limited`.
+
+        Raises:
+            LimitedOpen, LimitedFull: where its turn does not come in time.
+            HTTPException: 499 where the client went away.
+        """
+        gone = asyncio.create_task(_wait_gone(request))
+        stopped = threading.Event()
+        try:
+            turn = await self._wait_for_turn(key, gone)
+
+            def work_once() -> Result:
+                with turn:  # ends with the process, not with the request
+                    return work(stopped.is_set)
+
+            running = asyncio.wrap_future(self._threads.submit(contextvars.copy_context().run, work_once))
+            running.add_done_callback(lambda ended: ended.cancelled() or ended.exception())  # nobody may wait for it
+            ends: tuple[asyncio.Future[Any], ...] = (running, gone)
+            await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
+            if not running.done():
+                stopped.set()
+            return await asyncio.shield(running)
+        except Cancelled:
+            raise _refuse_gone() from None
+        finally:
+            stopped.set()
+            gone.cancel()
+
+    async def _wait_for_turn(self, key: str, gone: asyncio.Task[None]) -> ExitStack:
+        """Return what counts the work until it is closed."""
+        until = time.monotonic() + self._wait_seconds
+        with self._meter.waiting(key), ExitStack() as turn:
+            while True:
+                try:
+                    turn.enter_context(self._meter.limited(key))
+                    return turn.pop_all()
+                except (LimitedOpen, LimitedFull):
+                    if time.monotonic() > until:
+                        raise
+                await asyncio.wait({gone}, timeout=POLL_SECONDS)
+                if gone.done():
+                    raise _refuse_gone()
+
+
+def _refuse_gone() -> HTTPException:
+    return refuse(499, "request.gone", "the client went away.")
+
+
+async def _wait_gone(request: Request) -> None:
+    """Wait until the client has closed the connection, or breaks off a body that nobody asked for."""
+    with suppress(HTTPException):
+        while (await request.receive())["type"] != "http.disconnect":
+            pass
