@@ -3,6 +3,7 @@
 python benchmarks/hostile_load.py bombs      # files that are small to send and large to read; about 4 minutes
 python benchmarks/hostile_load.py mutated --count 2000 --seed 7 --minutes 20
 python benchmarks/hostile_load.py silent     # 5000 silent connections and 200 that drip, from 127.0.0.2
+python benchmarks/hostile_load.py checks     # 45 checks at once of a pattern of 2000 edges, by one key that may read
 
 API, broker and worker are those of `garmentq up --serve`. Files are checked as in production; a job whose files pass is
 ended by the stand-in for the recovery. `mutated` hands in every file and lets the worker read them for some minutes.
@@ -35,6 +36,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "standin"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "scan"))
 
+from garmentq.service.database import open_database
+from garmentq.service.keys import create_key
 from garmentq.service.local_token import read_local_token
 from garmentq.service.settings import ServiceSettings
 from garmentq.workers.broker import run_folder
@@ -44,6 +47,8 @@ from test_mutated_files import make_files, mutate
 BODY = "builtin:female,height=1.70"
 ENDED = ("succeeded", "failed", "dead", "cancelled")
 PERIOD_SECONDS = 0.2
+KEYS = {"greedy": ("read",), "other": ("read", "submit")}
+"""Scopes of the keys of `measure_checks`."""
 
 
 class Watcher:
@@ -330,9 +335,59 @@ def measure_silent(_: argparse.Namespace) -> None:
             one.close()
 
 
+def draw_circle(count: int) -> dict[str, object]:
+    """Return a document of one round panel."""
+    angle = 2 * np.pi * np.arange(count) / count
+    vertices = (30 * np.stack([np.cos(angle), np.sin(angle)], axis=1)).tolist()
+    panel = {"vertices": vertices, "edges": [{"endpoints": [i, (i + 1) % count]} for i in range(count)]}
+    return {"pattern": {"panels": {"front": panel}, "stitches": []}, "properties": {"units_in_meter": 100}}
+
+
+def measure_checks(_: argparse.Namespace) -> None:
+    """Ask for 45 checks at once by one key, and meanwhile for other pages by another."""
+    with serving() as (client, watcher, home):
+        database = open_database(ServiceSettings(home=home))
+        made = [create_key(database, name, scopes, 100)[1] for name, scopes in KEYS.items()]
+        keys = [{"authorization": f"Bearer {token}"} for token in made]
+        url, document, answered = str(client.base_url), draw_circle(1990), Counter[str]()
+        most = [0, 0.0]
+
+        def check() -> None:
+            try:
+                answer = httpx.post(f"{url}/v1/patterns/check", json=document, headers=keys[0], timeout=120)
+                answered[f"{answer.status_code} {answer.json().get('code', '')}"] += 1
+            except httpx.HTTPError as error:
+                answered[type(error).__name__] += 1
+
+        askers = [threading.Thread(target=check) for _ in range(45)]
+        for asker in askers:
+            asker.start()
+        slowest = dict.fromkeys(("/healthz", "/readyz", "/v1/jobs", "/signin"), 0.0)
+        while any(asker.is_alive() for asker in askers):
+            for path in slowest:
+                begun = time.monotonic()
+                with suppress(httpx.TimeoutException):
+                    httpx.get(url + path, headers=keys[1], timeout=10)
+                slowest[path] = max(slowest[path], time.monotonic() - begun)
+            below = set(list_below(watcher.api)) - set(list_below(watcher.worker))
+            children = [pid for pid in below if b"core.limited" in read_command(pid)]
+            most = [max(most[0], len(children)), max(most[1], sum(read_mb(pid) for pid in children))]
+            time.sleep(PERIOD_SECONDS)
+        print(f"answers {dict(answered)}; at most {most[0]} processes at a time with {most[1]:.0f} MB")
+        print(f"slowest [s]: { {path: round(seconds, 2) for path, seconds in slowest.items()} }; {watcher.tell()}")
+        print_logs(home)
+
+
+def read_command(pid: int) -> bytes:
+    """Return the command line of a process; empty where it is gone."""
+    with suppress(OSError):
+        return Path(f"/proc/{pid}/cmdline").read_bytes()
+    return b""
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parts = {"bombs": measure_bombs, "mutated": measure_mutated, "silent": measure_silent}
+    parts = {"bombs": measure_bombs, "mutated": measure_mutated, "silent": measure_silent, "checks": measure_checks}
     parser.add_argument("part", choices=[*parts])
     parser.add_argument("--count", type=int, default=2000, help="mutated files")
     parser.add_argument("--seed", type=int, default=7, help="of the first mutated file")

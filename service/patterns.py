@@ -12,6 +12,8 @@ from ..core.errors import BadInput
 from ..core.limited import Bounds, IsStopped, call_limited, never_stopped
 from .store import Store
 
+EXAMINER = "garmentq.core.pattern.examine:examine_file"
+
 BOUNDS = Bounds(memory_bytes=1024**3, cpu_seconds=20, wall_seconds=60.0, answer_bytes=8 * 1024**2)
 """What examining a document may cost: a pattern of six panels takes 1 s, most of it to start."""
 
@@ -33,7 +35,7 @@ def examine_pattern(path: Path, is_stopped: IsStopped = never_stopped) -> dict[s
         JSON values as `core.pattern.examine_file` gives them.
     """
     given = {"source": str(path.absolute())}
-    return call_limited("garmentq.core.pattern.examine:examine_file", given, BOUNDS, is_stopped).result
+    return call_limited(EXAMINER, given, BOUNDS, is_stopped).result
 
 
 def edit_pattern(

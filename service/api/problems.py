@@ -150,7 +150,7 @@ REASONS = {
     416: "The file has no such range.",
     422: "Bad input.",
     429: "The key asks for more than it may; wait as long as Retry-After says.",
-    503: "Database or store is away, or there was no answer in time; Retry-After says when to ask again.",
+    503: "Database or store is away, all is in use, or there was no answer in time; Retry-After says when to ask.",
     507: "There is no room for the file.",
 }
 """What the refusals mean."""

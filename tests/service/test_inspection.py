@@ -10,8 +10,8 @@ from garmentq.core.errors import BadInput
 from garmentq.core.person import inspect as found_by
 from garmentq.core.person.inspect import inspect_order
 from garmentq.service.api.limits import ApiLimits
-from garmentq.service.api.meter import INSPECTIONS, Meter
-from garmentq.service.inspection import BodyNotBuiltin, InspectionsFull, inspect_scan
+from garmentq.service.api.meter import LimitedFull, LimitedOpen, Meter
+from garmentq.service.inspection import BodyNotBuiltin, inspect_scan
 
 DATA = Path(__file__).parents[2] / "examples" / "data"
 
@@ -43,16 +43,24 @@ def test_the_wearer_is_found():
     assert person["is_sure"] and abs(person["body"]["height_m"] - 1.66) < 0.02
 
 
-def test_few_are_looked_at_at_a_time(tmp_path):
-    """Broken where many questions take the machine from the jobs, or a path is taken for a body."""
-    meter = Meter(ApiLimits())
-    held = [meter.inspecting() for _ in range(INSPECTIONS)]
+def test_few_are_looked_at_at_a_time():
+    """Broken where many questions take the machine from the jobs, or one key takes the share of the others."""
+    limits = ApiLimits()
+    meter = Meter(limits)
+    held = [meter.limited(f"key {number}") for number in range(limits.limited)]
     for one in held:
         one.__enter__()
-    with pytest.raises(InspectionsFull), meter.inspecting():
+    with pytest.raises(LimitedOpen), meter.limited("key 0"):
+        pass
+    with pytest.raises(LimitedFull), meter.limited("another"):
         pass
     held[0].__exit__(None, None, None)
-    with meter.inspecting():
-        pass
+    for key in ("another", "key 0", ""):
+        with meter.limited(key):
+            pass
+
+
+def test_a_path_is_no_body(tmp_path):
+    """Broken where a path is taken for a body."""
     with pytest.raises(BodyNotBuiltin):
         inspect_scan(tmp_path, {"body": "/etc/passwd"})
