@@ -20,23 +20,28 @@ def command(context: click.Context, file: Path, overwrite: bool, home: Path | No
     """Save the embedded database and its files into one tar file.
 
     Jobs may go on meanwhile: the file holds the state of the moment it was begun. Stored files that are missing or
-    damaged are left out and counted; the exit status is 11 then.
+    damaged are left out and counted, rows of the database that cannot be read are kept as they are and named; the exit
+    status is 11 then.
 
     \b
     Example:
       garmentq backup monday.tar
     """
     from ..service.backup import make_backup
+    from ..service.damage import tell_rows
     from ..service.settings import read_settings
     from .terminal import note, print_json
 
     saved = make_backup(read_settings(home=home), file.absolute(), overwrite)
+    status = exits.INCOMPLETE if saved.damaged or saved.missing or saved.rows else exits.OK
     if as_json:
-        lost = {"missing": len(saved.missing), "damaged": len(saved.damaged)}
+        lost = {"missing": len(saved.missing), "damaged": len(saved.damaged), "rows": len(saved.rows)}
         print_json({"file": str(saved.path), "files": saved.files, "bytes": saved.size, **lost})
-        context.exit(exits.INCOMPLETE if saved.damaged or saved.missing else exits.OK)
+        context.exit(status)
     note(f"saved the database and {saved.files} files of {saved.size / 1e6:.1f} MB in {saved.path}")
     if saved.missing or saved.damaged:
         left = f"{len(saved.missing)} files that the database names are gone, {len(saved.damaged)} are damaged"
         note(f"{left}; the backup is without them, and `garmentq verify --read-data` names their jobs")
-        context.exit(exits.INCOMPLETE)
+    if saved.rows:
+        note(f"kept as they are: {tell_rows(saved.rows)}")
+    context.exit(status)

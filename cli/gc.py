@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from . import exits
 from .options import json_option, known_home_option
 
 GRACE_HOURS = 24.0
@@ -23,17 +24,20 @@ GRACE_HOURS = 24.0
 )
 @known_home_option
 @json_option
-def command(is_delete: bool, grace_hours: float, home: Path | None, as_json: bool) -> None:
+@click.pass_context
+def command(context: click.Context, is_delete: bool, grace_hours: float, home: Path | None, as_json: bool) -> None:
     """Remove stored files that no job names.
 
     Such files are left by crashes and by checkpoints that newer ones replaced. Without --delete nothing is changed.
-    Each database must have a store of its own.
+    Each database must have a store of its own. Where a row of the database is damaged nothing is removed, for it may
+    name any file; the exit status is 11 then.
 
     \b
     Example:
       garmentq gc
       garmentq gc --delete
     """
+    from ..service.damage import tell_rows
     from ..service.database import open_database
     from ..service.garbage import collect_garbage
     from ..service.settings import read_settings
@@ -48,7 +52,10 @@ def command(is_delete: bool, grace_hours: float, home: Path | None, as_json: boo
         database.dispose()
     if as_json:
         counts = {"files": len(found.files), "bytes": found.size, "removed": found.removed}
-        print_json({**counts, "kept_bytes": found.kept_bytes})
-        return
+        print_json({**counts, "kept_bytes": found.kept_bytes, "damaged_rows": len(found.damaged)})
+        context.exit(exits.INCOMPLETE if found.damaged else exits.OK)
     what = f"{len(found.files)} files of {found.size / 1e6:.1f} MB that no job names"
     note(f"removed {found.removed} of {what}" if is_delete else f"{what}; `garmentq gc --delete` removes them")
+    if found.damaged:
+        note(f"nothing is removed, for one of these may name a file: {tell_rows(found.damaged)}")
+        context.exit(exits.INCOMPLETE)

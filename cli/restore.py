@@ -25,6 +25,7 @@ def command(file: Path, overwrite: bool, home: Path | None, as_json: bool) -> No
       garmentq restore monday.tar --home new
     """
     from ..service.backup import BackupRefused, restore_backup
+    from ..service.damage import tell_rows
     from ..service.settings import read_settings
     from ..workers.embedded import is_worker_up
     from .terminal import note, print_json
@@ -34,6 +35,9 @@ def command(file: Path, overwrite: bool, home: Path | None, as_json: bool) -> No
         raise BackupRefused("the home's worker runs; stop it with `garmentq down` first.")
     saved = restore_backup(settings, file, overwrite)
     if as_json:
-        print_json({"home": str(saved.path), "files": saved.files, "bytes": saved.size, "missing": len(saved.missing)})
+        lost = {"missing": len(saved.missing), "rows": len(saved.rows)}
+        print_json({"home": str(saved.path), "files": saved.files, "bytes": saved.size, **lost})
         return
     note(f"restored the database and {saved.files} files of {saved.size / 1e6:.1f} MB into {saved.path}")
+    if saved.rows:
+        note(tell_rows(saved.rows))

@@ -18,8 +18,8 @@ from .options import json_option, known_home_option
 def command(context: click.Context, read_data: bool, home: Path | None, as_json: bool) -> None:
     """Look whether every stored file is there and sound.
 
-    Names each file that is missing or damaged, with the jobs, templates and uploads that it belongs to. Exit status 11
-    where there is one. Nothing is changed.
+    Names each file that is missing or damaged, with the jobs, templates and uploads that it belongs to, and each row of
+    the database that cannot be read. Exit status 11 where there is one. Nothing is changed.
 
     \b
     Example:
@@ -28,6 +28,7 @@ def command(context: click.Context, read_data: bool, home: Path | None, as_json:
     """
     from dataclasses import asdict
 
+    from ..service.damage import tell_rows
     from ..service.database import check_integrity
     from ..service.services import open_services
     from ..service.settings import read_settings
@@ -38,13 +39,20 @@ def command(context: click.Context, read_data: bool, home: Path | None, as_json:
     check_integrity(services.database)
     found = verify_store(services.database, services.store, read_data)
     services.database.dispose()
+    status = exits.INCOMPLETE if found.faults or found.rows else exits.OK
     if as_json:
-        for fault in found.faults:
-            print_json(asdict(fault))
-    elif found.faults:
+        for line in (*map(asdict, found.faults), *map(asdict, found.rows)):
+            print_json(line)
+        context.exit(status)
+    if found.rows:
+        print_table(
+            ["damaged row of", "key", "columns"], [[one.table, one.key, ", ".join(one.columns)] for one in found.rows]
+        )
+        note(tell_rows(found.rows))
+    if found.faults:
         rows = [[one.owner, one.name, fault.fault, fault.sha256[:12]] for fault in found.faults for one in fault.named]
         print_table(["belongs to", "file", "", "hash"], rows)
     what = f"{found.files} files of {found.size / 1e6:.1f} MB {'were read' if read_data else 'are named'}"
     wrong = f"{len(found.faults)} missing or damaged; restore them from a backup, or run their jobs with --force"
     note(f"{what}: {wrong if found.faults else 'all there' + (' and sound' if read_data else '')}")
-    context.exit(exits.INCOMPLETE if found.faults else exits.OK)
+    context.exit(status)

@@ -18,8 +18,9 @@ from sqlalchemy.engine import make_url
 
 from .. import __version__
 from ..core.errors import BadInput
+from .damage import DamagedRow
 from .database import Database, reachable
-from .garbage import find_references
+from .garbage import find_all_references
 from .home import take_home
 from .settings import ServiceSettings
 from .store import ArtifactDamaged, ArtifactMissing, Store
@@ -52,6 +53,7 @@ class Saved:
         size: Their bytes.
         missing: Files that the database names and the store has lost; the backup is sound without them.
         damaged: Files whose bytes changed in the store; they are left out as if they were missing.
+        rows: Rows of the database that cannot be read; they are kept as they are, with the files that are left in them.
     """
 
     path: Path
@@ -59,6 +61,7 @@ class Saved:
     size: int
     missing: tuple[str, ...] = ()
     damaged: tuple[str, ...] = ()
+    rows: tuple[DamagedRow, ...] = ()
 
 
 def make_backup(settings: ServiceSettings, destination: Path, is_overwrite: bool = False) -> Saved:
@@ -108,11 +111,11 @@ def restore_backup(settings: ServiceSettings, source: Path, is_overwrite: bool =
         snapshot = Path(folder) / DATABASE
         with _open_tar(source) as archive:
             kept, size = _read_members(archive, store, snapshot)
-        named, missing = _check_snapshot(snapshot, kept)
+        named, missing, rows = _check_snapshot(snapshot, kept)
         for ending in ("-wal", "-shm"):
             target.with_name(target.name + ending).unlink(missing_ok=True)
         os.replace(snapshot, target)
-    return Saved(settings.home, len(named & kept), size, missing)
+    return Saved(settings.home, len(named & kept), size, missing, rows=rows)
 
 
 @contextmanager
@@ -138,7 +141,8 @@ def _write(settings: ServiceSettings, source: Path, stream: IO[bytes], destinati
             live.backup(copy)
             copy.execute("pragma journal_mode = delete")  # one file, no log beside it
         tar.add(snapshot, DATABASE, recursive=False)
-        for key in sorted(_references(snapshot)):
+        named, rows = _references(snapshot)
+        for key in sorted(named):
             try:
                 file = store.copy(key, Path(folder) / "blob")
             except ArtifactMissing:
@@ -153,7 +157,7 @@ def _write(settings: ServiceSettings, source: Path, stream: IO[bytes], destinati
         member = tarfile.TarInfo(ABOUT)
         member.size = len(about)
         tar.addfile(member, io.BytesIO(about))  # last: a backup that was cut off has none
-    return Saved(destination, count, size, tuple(missing), tuple(damaged))
+    return Saved(destination, count, size, tuple(missing), tuple(damaged), rows)
 
 
 def _read_members(archive: tarfile.TarFile, store: Store, snapshot: Path) -> tuple[set[str], int]:
@@ -184,23 +188,23 @@ def _read_members(archive: tarfile.TarFile, store: Store, snapshot: Path) -> tup
     return kept, size
 
 
-def _check_snapshot(snapshot: Path, kept: set[str]) -> tuple[set[str], tuple[str, ...]]:
+def _check_snapshot(snapshot: Path, kept: set[str]) -> tuple[set[str], tuple[str, ...], tuple[DamagedRow, ...]]:
     try:
         with closing(sqlite3.connect(snapshot)) as copy:
             sound = copy.execute("pragma integrity_check").fetchone()[0]
             if sound != "ok":
                 raise BackupDamaged(f"the backup's database is damaged: {sound[:100]}.")
-        named = _references(snapshot)
+        named, rows = _references(snapshot)
     except sqlite3.DatabaseError as error:
         raise BackupDamaged(f"the backup's database cannot be read: {error}.") from error
-    return named, tuple(sorted(named - kept))
+    return named, tuple(sorted(named - kept)), rows
 
 
-def _references(snapshot: Path) -> set[str]:
+def _references(snapshot: Path) -> tuple[set[str], tuple[DamagedRow, ...]]:
+    """Return the files that a snapshot names, and its damaged rows."""
     opened = Database(f"sqlite:///{snapshot}", pooled=False)
     try:
-        with opened.read() as session:
-            return set(find_references(session))
+        return find_all_references(opened)[0], tuple(opened.find_damaged())
     finally:
         opened.dispose()
 

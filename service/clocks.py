@@ -6,7 +6,7 @@ import time
 
 from sqlalchemy import delete, exists, or_, select, update
 
-from .database import Database, clock
+from .database import Database, clock, pass_damage
 from .models import JobRow, LockRow, OutageRow, WorkerRow
 from .states import OPEN
 
@@ -14,6 +14,7 @@ AHEAD_SECONDS = 2.0
 """How far a row may lie ahead of the clock that wrote it [s]: it cannot at all, but for the rounding of a second."""
 
 
+@pass_damage
 def set_right(database: Database) -> int:
     """Move what was written before the clock was set back to now; a lease begins anew, whoever holds it.
 

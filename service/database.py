@@ -2,15 +2,32 @@
 
 from __future__ import annotations
 
+import logging
+import math
 import os
 import sqlite3
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from copy import copy
+from functools import wraps
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
-from sqlalchemy import Connection, CursorResult, Delete, Engine, Float, Update, create_engine, event, inspect, text
+from sqlalchemy import (
+    ColumnElement,
+    Connection,
+    CursorResult,
+    Delete,
+    Engine,
+    Float,
+    Update,
+    create_engine,
+    event,
+    func,
+    inspect,
+    text,
+)
 from sqlalchemy.engine import make_url
 from sqlalchemy.exc import ArgumentError, DatabaseError, OperationalError
 from sqlalchemy.ext.compiler import compiles
@@ -20,8 +37,15 @@ from sqlalchemy.sql.functions import FunctionElement
 
 from ..core.errors import GarmentqError, Unavailable
 from ..core.text import TextBad, has_unkept
+from .columns import RowDamaged, add_functions
+from .damage import DamagedRow, SoundSession, find_damaged, tell_rows
 from .lock import hold_lock
 from .settings import ServiceSettingBad, ServiceSettings, hide_password
+
+log = logging.getLogger(__name__)
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 WRITE = "garmentq_write"
 """Name of the execution option that marks a transaction as one that writes."""
@@ -32,8 +56,17 @@ CONNECT_SECONDS = 10
 BUSY_SECONDS = 30
 """How long SQLite waits for another writer [s]; a write here takes milliseconds, so this outlasts any queue of them."""
 
-DAMAGED = ("malformed", "file is not a database")
-"""What SQLite says of a file whose bytes changed."""
+UNREADABLE = "Could not decode to UTF-8"
+"""What the driver says of a text that is none."""
+
+DAMAGED = ("malformed", "file is not a database", "unsupported file format", "no such table", "no such column")
+"""What SQLite says of a file whose bytes changed; the tables of another version are told before any question."""
+
+DAMAGED_CODES = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_FORMAT)
+"""How it classes them, whatever it says."""
+
+DOUBT_SECONDS = 60.0
+"""How long damaged rows that were met once are left out without another try [s]: each is a look through a table."""
 
 WAL_SECONDS = 0.05
 """Pause between two tries to enter the write-ahead log [s]: a connection opens or closes in less."""
@@ -88,7 +121,16 @@ def _clock_postgresql(element: clock, compiler: Any, **options: Any) -> str:
 
 
 class Database:
-    """Hand out transactions. One object per process: never carry it over a fork."""
+    """Hand out transactions. One object per process: never carry it over a fork.
+
+    A transaction that comes to a value which its column cannot hold ends with `RowDamaged`, which names table and key.
+
+    Attributes:
+        url: SQLAlchemy address.
+        engine: The connections.
+        sound: The same database as if its damaged rows were not there; `pass_damage` asks it.
+        doubtful_until: Until when `sound` is asked at once [s, monotonic].
+    """
 
     def __init__(self, url: str, pooled: bool = True) -> None:
         """Prepare an engine; nothing is opened before the first transaction.
@@ -100,18 +142,36 @@ class Database:
         self.url = url
         self.engine = _make_engine(url, pooled)
         self._writer = self.engine.execution_options(**{WRITE: True})
+        self._session: type[Session] = Session
+        self.doubtful_until = -math.inf
+        self.sound = copy(self)
+        self.sound.sound, self.sound._session, self.sound.doubtful_until = self.sound, SoundSession, math.inf
 
     @contextmanager
     def read(self) -> Iterator[Session]:
         """Open a session that only reads."""
-        with reachable(self.url), Session(self.engine, expire_on_commit=False) as session, session.begin():
+        with self._open(self.engine) as session:
             yield session
 
     @contextmanager
     def write(self) -> Iterator[Session]:
         """Open a session that may write; SQLite takes its write lock at once (`BEGIN IMMEDIATE`)."""
-        with reachable(self.url), Session(self._writer, expire_on_commit=False) as session, session.begin():
+        with self._open(self._writer) as session:
             yield session
+
+    @contextmanager
+    def _open(self, engine: Engine) -> Iterator[Session]:
+        try:
+            with reachable(self.url), self._session(engine, expire_on_commit=False) as session, session.begin():
+                yield session
+        except RowDamaged as error:
+            rows = self.find_damaged([error.table] if error.table else ())
+            raise RowDamaged(tell_rows(rows) if rows else "", error.table) from error
+
+    def find_damaged(self, tables: Sequence[str] = ()) -> list[DamagedRow]:
+        """Return every row that cannot be read, of some tables or of all."""
+        with reachable(self.url), Session(self.engine) as session, session.begin():
+            return find_damaged(session, tables)
 
     @property
     def is_sqlite(self) -> bool:
@@ -121,6 +181,22 @@ class Database:
     def dispose(self) -> None:
         """Close every connection."""
         self.engine.dispose()
+
+
+def pass_damage(ask: Callable[Concatenate[Database, P], T]) -> Callable[Concatenate[Database, P], T]:
+    """Make a question to a database, or a change of it, go on past damaged rows; the log names them."""
+
+    @wraps(ask)
+    def go_on(database: Database, *args: P.args, **kwargs: P.kwargs) -> T:
+        if time.monotonic() >= database.doubtful_until:
+            try:
+                return ask(database, *args, **kwargs)
+            except RowDamaged as error:
+                log.warning("%s: %s They are left out.", error.code, error.message)
+                database.doubtful_until = time.monotonic() + DOUBT_SECONDS
+        return ask(database.sound, *args, **kwargs)
+
+    return go_on
 
 
 def open_database(settings: ServiceSettings, pooled: bool = True, is_upgraded: bool = False) -> Database:
@@ -180,6 +256,11 @@ def serialise(session: Session, key: str) -> None:
     """
     if session.connection().dialect.name == "postgresql":
         session.execute(text("select pg_advisory_xact_lock(hashtextextended(:key, 0))"), {"key": key})
+
+
+def begins(column: Any, text: str) -> ColumnElement[bool]:
+    """Return the condition of a value that begins with a text; unlike LIKE it knows no signs and, on SQLite, case."""
+    return cast(ColumnElement[bool], func.substr(column, 1, len(text)) == text)
 
 
 def change_rows(session: Session, statement: Update | Delete) -> int:
@@ -258,6 +339,7 @@ def _refuse_text(connection: Any, cursor: Any, statement: str, values: Any, cont
 def _prepare_sqlite(connection: Any, record: Any) -> None:
     connection.isolation_level = None  # the driver starts no transaction of its own; `_begin_sqlite` does
     _enter_wal(connection)
+    add_functions(connection)
     connection.execute("pragma foreign_keys = on")
 
 
@@ -291,13 +373,22 @@ def reachable(url: str) -> Iterator[None]:
     """
     try:
         yield
+    except UnicodeDecodeError as error:  # the driver quotes a table's definition that is no text any more
+        raise _tell_damage(url, "a table's definition is no text") from error
     except (DatabaseError, sqlite3.DatabaseError) as error:
-        reason = str(getattr(error, "orig", error)).strip().splitlines()[0]
-        if any(words in reason for words in DAMAGED):
-            raise DatabaseDamaged(
-                f"the database {hide_password(url)} is damaged ({reason}); `garmentq down`, keep the file aside, then "
-                "`garmentq restore BACKUP.tar`, or run it on what `sqlite3 FILE .recover` saves."
-            ) from error
+        reason = (str(getattr(error, "orig", error)).strip().splitlines() or [""])[0]
+        if UNREADABLE in reason:
+            raise RowDamaged(reason) from error
+        code = getattr(getattr(error, "orig", error), "sqlite_errorcode", 0) & 0xFF  # without SQLite's further classes
+        if code in DAMAGED_CODES or any(words in reason for words in DAMAGED):
+            raise _tell_damage(url, reason) from error
         if not isinstance(error, OperationalError | sqlite3.OperationalError):
             raise
         raise DatabaseUnreachable(f"the database {hide_password(url)} does not answer: {reason}.") from error
+
+
+def _tell_damage(url: str, reason: str) -> DatabaseDamaged:
+    return DatabaseDamaged(
+        f"the database {hide_password(url)} is damaged ({reason}); `garmentq down`, keep the file aside, then "
+        "`garmentq restore BACKUP.tar`, or run it on what `sqlite3 FILE .recover` saves."
+    )

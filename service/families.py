@@ -15,7 +15,7 @@ from sqlalchemy import delete as delete_rows
 from sqlalchemy.orm import Session, aliased
 
 from ..core.errors import BadInput, GarmentqError
-from .database import Database
+from .database import Database, pass_damage
 from .jobs import IDS_AT_ONCE, JobUnknown, create, move, record
 from .keys import check_quota, own
 from .kinds.kind import PARENT, ChildRequest
@@ -181,6 +181,7 @@ def delete(database: Database, job: str) -> tuple[str, ...]:
         return tuple(ids)
 
 
+@pass_damage
 def advance(database: Database) -> int:
     """Queue the waiting jobs whose siblings have succeeded, and end those with a sibling that ended otherwise.
 

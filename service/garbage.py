@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from time import time
 from typing import Any
@@ -11,12 +12,17 @@ from typing import Any
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from .columns import RowDamaged
+from .damage import DamagedRow, read_remains
 from .database import Database
 from .models import Base, JobRow
 from .store import ArtifactMissing, Kept, Store
 
 HASH = re.compile(r"[0-9a-f]{64}")
 """What a key looks like inside a job's request."""
+
+FOUND = re.compile(HASH.pattern.encode())
+"""The same in the bytes of a request that cannot be read."""
 
 GRACE_HOURS = 24.0
 """How old a file must be before it may be removed [h]: a worker puts its files first and names them some seconds later,
@@ -31,11 +37,13 @@ class Garbage:
         files: The stored files, oldest first.
         removed: How many of them are gone now.
         kept_bytes: Bytes of everything in the store that stays.
+        damaged: Rows that cannot be read and may name any file; nothing is removed where there are some.
     """
 
     files: tuple[Kept, ...]
     removed: int
     kept_bytes: int
+    damaged: tuple[DamagedRow, ...] = ()
 
     @property
     def size(self) -> int:
@@ -60,22 +68,31 @@ def collect_garbage(
     """
     before = (time() if now is None else now) - grace_seconds
     listed = list(store.list_kept())
-    with database.read() as session:
-        named = set(find_references(session))
+    named, damaged = find_all_references(database)
     files = sorted((one for one in listed if one.sha256 not in named and one.modified < before), key=_age)
-    removed = sum(_remove(store, one, before) for one in files) if is_delete else 0
+    removed = sum(_remove(store, one, before) for one in files) if is_delete and not damaged else 0
     kept = sum(one.size for one in listed) - sum(one.size for one in files)
-    return Garbage(tuple(files), removed, kept)
+    return Garbage(tuple(files), removed, kept, damaged)
+
+
+def find_all_references(database: Database) -> tuple[set[str], tuple[DamagedRow, ...]]:
+    """Return every key that a row names, and the damaged rows that may name more than what their remains hold."""
+    with suppress(RowDamaged), database.read() as session:
+        return set(find_references(session)), ()
+    with database.sound.read() as session:
+        left = {key.decode() for remains in read_remains(session) for key in FOUND.findall(remains)}
+        return left.union(find_references(session)), tuple(database.find_damaged())
 
 
 def find_references(session: Session) -> Iterator[str]:
     """Return every key that a row names: each column `sha256` of any table, scans of jobs, the files of requests."""
-    for table in Base.metadata.sorted_tables:
-        if "sha256" in table.columns:
-            yield from session.scalars(select(table.columns["sha256"]))
-    for scan, request in session.execute(select(JobRow.scan, JobRow.request).execution_options(yield_per=1000)):
-        yield scan
-        yield from find_hashes(request)
+    for mapper in Base.registry.mappers:
+        if "sha256" in mapper.columns:
+            yield from session.scalars(select(mapper.attrs["sha256"]))
+    with session.execute(select(JobRow.scan, JobRow.request).execution_options(yield_per=1000)) as jobs:
+        for scan, request in jobs:
+            yield scan
+            yield from find_hashes(request)
 
 
 def find_hashes(value: Any) -> Iterator[str]:

@@ -17,7 +17,7 @@ from sqlalchemy.orm import Session
 from .. import __version__
 from ..core.errors import BadInput, GarmentqError, NotFound, Unavailable
 from ..core.verdict import Verdict, worst_verdict
-from .database import Database, change_rows, clock
+from .database import Database, begins, change_rows, clock, pass_damage
 from .fairness import choose_job
 from .models import EventRow, JobInputRow, JobRow, JobTagRow, JobWaitRow, OutboxRow
 from .new_job import NewJob
@@ -170,6 +170,7 @@ def claim(database: Database, job: str, owner: str, lease_seconds: float) -> Cla
         return _claim(session, job, owner, lease_seconds)
 
 
+@pass_damage
 def claim_next(database: Database, wakeup: str, owner: str, lease_seconds: float) -> Claim | None:
     """Take the most urgent queued job of the queue that the woken job is in, or None where that queue is empty.
 
@@ -220,6 +221,7 @@ def succeed(session: Session, claim: Claim, result: dict[str, Any]) -> None:
     move(session, claim, State.SUCCEEDED, "succeeded", progress=1.0, overall=1.0, result=result, verdict=verdict)
 
 
+@pass_damage
 def fail(database: Database, claim: Claim, code: str, message: str, bad_input: bool) -> None:
     """End a job with an error.
 
@@ -243,6 +245,7 @@ def refuse(session: Session, claim: Claim, error: GarmentqError, result: dict[st
     move(session, claim, State.FAILED, "failed", note, result=result, **told)
 
 
+@pass_damage
 def end_cancelled(database: Database, claim: Claim) -> None:
     """End a running job that was asked to stop.
 
@@ -253,6 +256,7 @@ def end_cancelled(database: Database, claim: Claim) -> None:
         move(session, claim, State.CANCELLED, "cancelled")
 
 
+@pass_damage
 def release(database: Database, claim: Claim) -> None:
     """Return a running job to the queue; the attempt does not count, since the worker was told to stop.
 
@@ -263,6 +267,7 @@ def release(database: Database, claim: Claim) -> None:
         _give_back(session, claim, "released")
 
 
+@pass_damage
 def put_off(database: Database, claim: Claim, outage: Unavailable, first_seconds: float) -> None:
     """Return a running job to the queue, where it rests: what it needs is away, and no attempt is spent on that.
 
@@ -303,7 +308,7 @@ def find_job(database: Database, job: str) -> JobRow:
         row = session.get(JobRow, job)
         if row is not None:
             return row
-        rows = session.scalars(select(JobRow).where(JobRow.id.startswith(job, autoescape=True)).limit(2)).all()
+        rows = session.scalars(select(JobRow).where(begins(JobRow.id, job)).limit(2)).all()
     if len(rows) == 1 and len(job) >= 4:
         return rows[0]
     raise JobUnknown(f"there is no job '{job}'; `garmentq status` lists them all.")

@@ -11,7 +11,7 @@ from sqlalchemy import ColumnElement, exists, func, select, update
 from sqlalchemy.orm import Session
 
 from ..core.errors import BadInput, GarmentqError, NotFound
-from .database import Database, clock
+from .database import Database, clock, pass_damage
 from .models import ApiKeyRow, JobRow, OwnerRow
 from .states import OPEN
 
@@ -163,6 +163,7 @@ def create_key(
     return row, token
 
 
+@pass_damage
 def list_keys(database: Database) -> list[ApiKeyRow]:
     """Return every key, oldest first."""
     with database.read() as session:

@@ -9,7 +9,7 @@ from sqlalchemy import select
 
 from ..core.errors import BadInput
 from .catalogue import read_fabric, show_fabric
-from .database import Database, clock
+from .database import Database, clock, pass_damage
 from .models import FabricRow
 
 if TYPE_CHECKING:
@@ -50,6 +50,7 @@ def keep_materials(database: Database, fabrics: list[Fabric]) -> None:
             session.merge(FabricRow(name=fabric.name, fabric=show_fabric(fabric), created=clock()))
 
 
+@pass_damage
 def list_materials(database: Database) -> list[Fabric]:
     """Return shipped and imported fabrics, each kind by name."""
     from ..core.simulate import load_fabrics

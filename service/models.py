@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from sqlalchemy import JSON, BigInteger, Double, Enum, ForeignKey, Index, Integer, MetaData, String, Text, text
+from sqlalchemy import ForeignKey, Index, MetaData, text
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
+from .columns import SERIAL, Flag, Name, Real, Values, Whole, Words, tell_places
 from .states import State
 
 NAMING = {
@@ -17,29 +18,33 @@ NAMING = {
 }
 """Fixed names of constraints, so that a later migration can drop them on every database."""
 
-SERIAL = BigInteger().with_variant(Integer(), "sqlite")
-"""A growing key; SQLite grows only its own INTEGER."""
-
 
 class Base(DeclarativeBase):
     """Gather the tables."""
 
     metadata = MetaData(naming_convention=NAMING)
     type_annotation_map = {  # noqa: RUF012
-        float: Double(),
-        dict[str, Any]: JSON(none_as_null=True),
-        list[Any]: JSON(none_as_null=True),
-        State: Enum(State, native_enum=False, length=16, values_callable=lambda states: [one.value for one in states]),
+        float: Real(),
+        int: Whole(),
+        bool: Flag(),
+        dict[str, Any]: Values(dict),
+        list[Any]: Values(list),
+        State: Name(State, 16),
     }
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        """Make the table, and tell each column's type where it stands."""
+        super().__init_subclass__(**options)
+        tell_places(cls.__table__)
 
 
 class ScanRow(Base):
     """Keep one file that was handed in, by the hash of its bytes."""
 
     __tablename__ = "scans"
-    sha256: Mapped[str] = mapped_column(String(64), primary_key=True)
-    name: Mapped[str] = mapped_column(String(255))
-    size: Mapped[int] = mapped_column(BigInteger)
+    sha256: Mapped[str] = mapped_column(Words(64), primary_key=True)
+    name: Mapped[str] = mapped_column(Words(255))
+    size: Mapped[int] = mapped_column(Whole(is_big=True))
     created: Mapped[float]
     details: Mapped[dict[str, Any]] = mapped_column(default=dict)
 
@@ -59,38 +64,38 @@ class JobRow(Base):
         Index("ix_jobs_family", "family"),
         Index("ix_jobs_parent", "parent"),
     )
-    id: Mapped[str] = mapped_column(String(16), primary_key=True)
-    dedup: Mapped[str] = mapped_column(String(64), unique=True)
+    id: Mapped[str] = mapped_column(Words(16), primary_key=True)
+    dedup: Mapped[str] = mapped_column(Words(64), unique=True)
     scan: Mapped[str] = mapped_column(ForeignKey("scans.sha256"), index=True)
-    name: Mapped[str] = mapped_column(String(255))
+    name: Mapped[str] = mapped_column(Words(255))
     request: Mapped[dict[str, Any]]
-    kind: Mapped[str] = mapped_column(String(32), default="recover", server_default="recover")
+    kind: Mapped[str] = mapped_column(Words(32), default="recover", server_default="recover")
     parent: Mapped[str | None] = mapped_column(ForeignKey("jobs.id"))
-    family: Mapped[str] = mapped_column(String(16), default="", server_default="")
-    version: Mapped[str] = mapped_column(String(32))
+    family: Mapped[str] = mapped_column(Words(16), default="", server_default="")
+    version: Mapped[str] = mapped_column(Words(32))
     priority: Mapped[int] = mapped_column(default=0)
-    queue: Mapped[str] = mapped_column(String(16), default="cpu", server_default="cpu")
-    payer: Mapped[str] = mapped_column(String(16), default="", server_default="")
+    queue: Mapped[str] = mapped_column(Words(16), default="cpu", server_default="cpu")
+    payer: Mapped[str] = mapped_column(Words(16), default="", server_default="")
     state: Mapped[State]
     cancel: Mapped[bool] = mapped_column(default=False)
     attempts: Mapped[int] = mapped_column(default=0)
     fence: Mapped[int] = mapped_column(default=0)
-    owner: Mapped[str | None] = mapped_column(String(255))
+    owner: Mapped[str | None] = mapped_column(Words(255))
     lease_until: Mapped[float | None]
     touched: Mapped[float]
     created: Mapped[float]
     started: Mapped[float | None]
     finished: Mapped[float | None]
-    stage: Mapped[str] = mapped_column(String(32), default="")
+    stage: Mapped[str] = mapped_column(Words(32), default="")
     progress: Mapped[float] = mapped_column(default=0.0)
     overall: Mapped[float] = mapped_column(default=0.0, server_default="0")
     expected_end: Mapped[float | None]
-    error_code: Mapped[str | None] = mapped_column(String(64))
-    error_message: Mapped[str | None] = mapped_column(Text)
+    error_code: Mapped[str | None] = mapped_column(Words(64))
+    error_message: Mapped[str | None] = mapped_column(Words())
     bad_input: Mapped[bool] = mapped_column(default=False)
-    verdict: Mapped[str | None] = mapped_column(String(16), index=True)
+    verdict: Mapped[str | None] = mapped_column(Words(16), index=True)
     delays: Mapped[int] = mapped_column(default=0, server_default="0")
-    delay_code: Mapped[str | None] = mapped_column(String(64))
+    delay_code: Mapped[str | None] = mapped_column(Words(64))
     not_before: Mapped[float | None]
     result: Mapped[dict[str, Any] | None]
     checked: Mapped[dict[str, Any] | None]
@@ -101,7 +106,7 @@ class JobInputRow(Base):
 
     __tablename__ = "job_inputs"
     job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
-    name: Mapped[str] = mapped_column(String(64), primary_key=True)
+    name: Mapped[str] = mapped_column(Words(64), primary_key=True)
     input: Mapped[str] = mapped_column(ForeignKey("jobs.id"), index=True)
 
 
@@ -118,7 +123,7 @@ class JobTagRow(Base):
 
     __tablename__ = "job_tags"
     job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
-    tag: Mapped[str] = mapped_column(String(64), primary_key=True, index=True)
+    tag: Mapped[str] = mapped_column(Words(64), primary_key=True, index=True)
 
 
 class EventRow(Base):
@@ -128,7 +133,7 @@ class EventRow(Base):
     id: Mapped[int] = mapped_column(SERIAL, primary_key=True, autoincrement=True)
     job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), index=True)
     at: Mapped[float]
-    kind: Mapped[str] = mapped_column(String(32))
+    kind: Mapped[str] = mapped_column(Words(32))
     data: Mapped[dict[str, Any]] = mapped_column(default=dict)
 
 
@@ -145,8 +150,8 @@ class LockRow(Base):
     """Assign a duty to one process at a time, for as long as it renews it."""
 
     __tablename__ = "locks"
-    name: Mapped[str] = mapped_column(String(32), primary_key=True)
-    owner: Mapped[str] = mapped_column(String(255))
+    name: Mapped[str] = mapped_column(Words(32), primary_key=True)
+    owner: Mapped[str] = mapped_column(Words(255))
     until: Mapped[float]
 
 
@@ -154,8 +159,8 @@ class OutageRow(Base):
     """Describe what a host's workers wait for, by its error's code; `seen` is renewed as long as they do."""
 
     __tablename__ = "outages"
-    place: Mapped[str] = mapped_column(String(255), primary_key=True)
-    code: Mapped[str] = mapped_column(String(64), primary_key=True)
+    place: Mapped[str] = mapped_column(Words(255), primary_key=True)
+    code: Mapped[str] = mapped_column(Words(64), primary_key=True)
     since: Mapped[float]
     seen: Mapped[float]
 
@@ -164,7 +169,7 @@ class PayerRow(Base):
     """Remember when a job of a payer (an API key, or empty) was claimed last: who waited longest is next."""
 
     __tablename__ = "payers"
-    payer: Mapped[str] = mapped_column(String(16), primary_key=True)
+    payer: Mapped[str] = mapped_column(Words(16), primary_key=True)
     served: Mapped[float]
 
 
@@ -172,8 +177,8 @@ class WorkerRow(Base):
     """Describe one living worker, by its parent process; `seen` is renewed in each of its rounds."""
 
     __tablename__ = "workers"
-    name: Mapped[str] = mapped_column(String(255), primary_key=True)
-    queues: Mapped[str] = mapped_column(String(64))
+    name: Mapped[str] = mapped_column(Words(255), primary_key=True)
+    queues: Mapped[str] = mapped_column(Words(64))
     concurrency: Mapped[int]
     started: Mapped[float]
     seen: Mapped[float]
@@ -183,9 +188,9 @@ class TemplateRow(Base):
     """Keep one imported template pattern."""
 
     __tablename__ = "templates"
-    name: Mapped[str] = mapped_column(String(64), primary_key=True)
-    sha256: Mapped[str] = mapped_column(String(64))
-    category: Mapped[str] = mapped_column(String(32), default="")
+    name: Mapped[str] = mapped_column(Words(64), primary_key=True)
+    sha256: Mapped[str] = mapped_column(Words(64))
+    category: Mapped[str] = mapped_column(Words(32), default="")
     panels: Mapped[int] = mapped_column(default=0)
     created: Mapped[float]
 
@@ -194,7 +199,7 @@ class FabricRow(Base):
     """Keep one imported fabric: its parameters in SI units with their sources, as JSON values."""
 
     __tablename__ = "fabrics"
-    name: Mapped[str] = mapped_column(String(64), primary_key=True)
+    name: Mapped[str] = mapped_column(Words(64), primary_key=True)
     fabric: Mapped[dict[str, Any]]
     created: Mapped[float]
 
@@ -203,9 +208,9 @@ class MaterialRow(Base):
     """Keep one fabric as it was used: H [N/m], k [N m], density [kg/m2], thickness [m]."""
 
     __tablename__ = "materials"
-    id: Mapped[str] = mapped_column(String(64), primary_key=True)
-    name: Mapped[str] = mapped_column(String(64), index=True)
-    title: Mapped[str] = mapped_column(String(255), default="")
+    id: Mapped[str] = mapped_column(Words(64), primary_key=True)
+    name: Mapped[str] = mapped_column(Words(64), index=True)
+    title: Mapped[str] = mapped_column(Words(255), default="")
     H00: Mapped[float]
     H01: Mapped[float]
     H11: Mapped[float]
@@ -222,7 +227,7 @@ class BodyRow(Base):
 
     __tablename__ = "bodies"
     job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
-    source: Mapped[str] = mapped_column(String(255))
+    source: Mapped[str] = mapped_column(Words(255))
     fit_rms: Mapped[float]
     joints: Mapped[dict[str, Any]] = mapped_column(default=dict)
     parameters: Mapped[dict[str, Any]] = mapped_column(default=dict)
@@ -233,9 +238,9 @@ class PatternRow(Base):
 
     __tablename__ = "patterns"
     job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
-    name: Mapped[str] = mapped_column(String(255))
-    category: Mapped[str] = mapped_column(String(32), index=True)
-    template: Mapped[str] = mapped_column(String(255))
+    name: Mapped[str] = mapped_column(Words(255))
+    category: Mapped[str] = mapped_column(Words(32), index=True)
+    template: Mapped[str] = mapped_column(Words(255))
     material: Mapped[str] = mapped_column(ForeignKey("materials.id"))
     seams: Mapped[int]
 
@@ -245,8 +250,8 @@ class PanelRow(Base):
 
     __tablename__ = "panels"
     job: Mapped[str] = mapped_column(ForeignKey("patterns.job", ondelete="CASCADE"), primary_key=True)
-    name: Mapped[str] = mapped_column(String(255), primary_key=True)
-    label: Mapped[str] = mapped_column(String(255), default="")
+    name: Mapped[str] = mapped_column(Words(255), primary_key=True)
+    label: Mapped[str] = mapped_column(Words(255), default="")
     points: Mapped[list[Any]]
     edges: Mapped[list[Any]]
     area: Mapped[float]
@@ -257,7 +262,7 @@ class PieceRow(Base):
 
     __tablename__ = "pieces"
     job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
-    name: Mapped[str] = mapped_column(String(32), primary_key=True)
+    name: Mapped[str] = mapped_column(Words(32), primary_key=True)
     quantity: Mapped[int]
     is_pair: Mapped[bool]
     is_folded: Mapped[bool]
@@ -272,10 +277,10 @@ class ArtifactRow(Base):
 
     __tablename__ = "artifacts"
     job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
-    kind: Mapped[str] = mapped_column(String(16), primary_key=True)
-    name: Mapped[str] = mapped_column(String(255), primary_key=True)
-    sha256: Mapped[str] = mapped_column(String(64), index=True)
-    size: Mapped[int] = mapped_column(BigInteger)
+    kind: Mapped[str] = mapped_column(Words(16), primary_key=True)
+    name: Mapped[str] = mapped_column(Words(255), primary_key=True)
+    sha256: Mapped[str] = mapped_column(Words(64), index=True)
+    size: Mapped[int] = mapped_column(Whole(is_big=True))
     created: Mapped[float]
 
 
@@ -285,7 +290,7 @@ class MetricRow(Base):
     __tablename__ = "metrics"
     __table_args__ = (Index("ix_metrics_name_value", "name", "value"),)
     job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), primary_key=True)
-    name: Mapped[str] = mapped_column(String(128), primary_key=True)
+    name: Mapped[str] = mapped_column(Words(128), primary_key=True)
     value: Mapped[float | None]
 
 
@@ -293,9 +298,9 @@ class ApiKeyRow(Base):
     """Keep one API key by the hash of its token; the token itself is shown once and never kept."""
 
     __tablename__ = "api_keys"
-    id: Mapped[str] = mapped_column(String(16), primary_key=True)
-    name: Mapped[str] = mapped_column(String(255))
-    hash: Mapped[str] = mapped_column(String(64), unique=True)
+    id: Mapped[str] = mapped_column(Words(16), primary_key=True)
+    name: Mapped[str] = mapped_column(Words(255))
+    hash: Mapped[str] = mapped_column(Words(64), unique=True)
     scopes: Mapped[list[Any]]
     quota: Mapped[int]
     created: Mapped[float]
@@ -311,19 +316,19 @@ class AuditRow(Base):
     __tablename__ = "audit"
     id: Mapped[int] = mapped_column(SERIAL, primary_key=True, autoincrement=True)
     at: Mapped[float] = mapped_column(index=True)
-    key: Mapped[str] = mapped_column(String(16))
-    action: Mapped[str] = mapped_column(String(32))
-    subject: Mapped[str] = mapped_column(String(255))
-    address: Mapped[str] = mapped_column(String(64))
-    request: Mapped[str] = mapped_column(String(64))
+    key: Mapped[str] = mapped_column(Words(16))
+    action: Mapped[str] = mapped_column(Words(32))
+    subject: Mapped[str] = mapped_column(Words(255))
+    address: Mapped[str] = mapped_column(Words(64))
+    request: Mapped[str] = mapped_column(Words(64))
 
 
 class SessionRow(Base):
     """Keep a browser's session, or a link that begins one, by its token's hash; `key` is empty for the local user."""
 
     __tablename__ = "sessions"
-    hash: Mapped[str] = mapped_column(String(64), primary_key=True)
-    key: Mapped[str] = mapped_column(String(16))
+    hash: Mapped[str] = mapped_column(Words(64), primary_key=True)
+    key: Mapped[str] = mapped_column(Words(16))
     is_link: Mapped[bool] = mapped_column(default=False)
     created: Mapped[float]
     expires: Mapped[float] = mapped_column(index=True)
@@ -341,10 +346,10 @@ class UploadRow(Base):
     """Name a file that a key (empty: no key) uploaded and may use, with the name that it gave."""
 
     __tablename__ = "uploads"
-    key: Mapped[str] = mapped_column(String(16), primary_key=True)
-    sha256: Mapped[str] = mapped_column(String(64), primary_key=True)
-    name: Mapped[str] = mapped_column(String(255))
-    size: Mapped[int] = mapped_column(BigInteger)
+    key: Mapped[str] = mapped_column(Words(16), primary_key=True)
+    sha256: Mapped[str] = mapped_column(Words(64), primary_key=True)
+    name: Mapped[str] = mapped_column(Words(255))
+    size: Mapped[int] = mapped_column(Whole(is_big=True))
     created: Mapped[float]
     kinds: Mapped[list[Any]] = mapped_column(default=list, server_default="[]")
 
@@ -353,10 +358,10 @@ class IdempotencyRow(Base):
     """Remember what a client's Idempotency-Key was used for."""
 
     __tablename__ = "idempotency"
-    key: Mapped[str] = mapped_column(String(16), primary_key=True)
-    token: Mapped[str] = mapped_column(String(128), primary_key=True)
-    fingerprint: Mapped[str] = mapped_column(String(64))
-    job: Mapped[str | None] = mapped_column(String(16))
+    key: Mapped[str] = mapped_column(Words(16), primary_key=True)
+    token: Mapped[str] = mapped_column(Words(128), primary_key=True)
+    fingerprint: Mapped[str] = mapped_column(Words(64))
+    job: Mapped[str | None] = mapped_column(Words(16))
     created: Mapped[float]
 
 
@@ -368,16 +373,16 @@ class WebhookRow(Base):
     """
 
     __tablename__ = "webhooks"
-    id: Mapped[str] = mapped_column(String(16), primary_key=True)
-    key: Mapped[str] = mapped_column(String(16), index=True)
-    url: Mapped[str] = mapped_column(String(2000))
-    secret: Mapped[str] = mapped_column(String(64))
+    id: Mapped[str] = mapped_column(Words(16), primary_key=True)
+    key: Mapped[str] = mapped_column(Words(16), index=True)
+    url: Mapped[str] = mapped_column(Words(2000))
+    secret: Mapped[str] = mapped_column(Words(64))
     states: Mapped[list[Any]]
     created: Mapped[float]
     served: Mapped[float] = mapped_column(default=0.0)
     taken_until: Mapped[float] = mapped_column(default=0.0)
     status: Mapped[int | None]
-    error: Mapped[str | None] = mapped_column(String(255))
+    error: Mapped[str | None] = mapped_column(Words(255))
 
 
 class DeliveryRow(Base):
@@ -385,7 +390,7 @@ class DeliveryRow(Base):
 
     __tablename__ = "deliveries"
     __table_args__ = (Index("ix_deliveries_webhook_due", "webhook", "due"),)
-    id: Mapped[str] = mapped_column(String(32), primary_key=True)
+    id: Mapped[str] = mapped_column(Words(32), primary_key=True)
     webhook: Mapped[str] = mapped_column(ForeignKey("webhooks.id", ondelete="CASCADE"))
     job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), index=True)
     body: Mapped[dict[str, Any]]

@@ -12,7 +12,7 @@ from sqlalchemy import delete, exists, select, update
 from sqlalchemy.exc import IntegrityError
 
 from ..core.errors import Unavailable
-from .database import Database, change_rows, clock
+from .database import Database, change_rows, clock, pass_damage
 from .models import OutageRow
 from .queue_records import Outage
 from .store import StorageFull, StoreUnreachable
@@ -65,6 +65,7 @@ def end_outages(database: Database, place: str) -> None:
         session.execute(delete(OutageRow).where(OutageRow.place == place))
 
 
+@pass_damage
 def list_outages(database: Database) -> list[Outage]:
     """Return what workers wait for, the oldest first."""
     with database.read() as session:

@@ -13,7 +13,8 @@ from sqlalchemy import ColumnElement, Select, Text, exists, func, select
 from sqlalchemy.orm import Session, aliased
 
 from ..core.errors import BadInput
-from .database import Database
+from .columns import json_or_null
+from .database import Database, pass_damage
 from .models import BodyRow, JobRow, JobTagRow, MaterialRow, MetricRow, OwnerRow, PatternRow
 from .states import State
 
@@ -31,8 +32,8 @@ TEXTS: dict[str, Any] = {
     "template": PatternRow.template,
     "fabric": MaterialRow.name,
     "body": BodyRow.source,
-    "method": JobRow.request["settings"]["method"].as_string(),
-    "preset": JobRow.request["settings"]["preset"].as_string(),
+    "method": json_or_null(JobRow.request)["settings"]["method"].as_string(),
+    "preset": json_or_null(JobRow.request)["settings"]["preset"].as_string(),
 }
 """Fields that hold text: compared by = and != only; so is `tag`, of which a job may have several."""
 
@@ -44,8 +45,8 @@ NUMBERS: dict[str, Any] = {
     "finished": JobRow.finished,
     "attempts": JobRow.attempts,
     "priority": JobRow.priority,
-    "cpu_seconds": JobRow.result["cpu_seconds"].as_float(),
-    "peak_mb": JobRow.result["peak_mb"].as_float(),
+    "cpu_seconds": json_or_null(JobRow.result)["cpu_seconds"].as_float(),
+    "peak_mb": json_or_null(JobRow.result)["peak_mb"].as_float(),
 }
 """Fields that hold numbers; every metric is one more."""
 
@@ -163,6 +164,7 @@ def parse_conditions(text: str) -> list[Condition]:
         at = joint.end()
 
 
+@pass_damage
 def find_jobs(
     database: Database,
     conditions: Sequence[Condition] = (),
@@ -200,6 +202,7 @@ def find_jobs(
         )
 
 
+@pass_damage
 def find_roots(
     database: Database, conditions: Sequence[Condition], limit: int, owner: str | None = None, before: str | None = None
 ) -> list[JobRow]:
@@ -323,6 +326,7 @@ def _check_metric(session: Session, name: str) -> None:
             raise QueryBad(f"there is no '{name[:60]}'; there are {names}.")
 
 
+@pass_damage
 def list_jobs(database: Database, limit: int = 50) -> list[JobRow]:
     """Return the jobs that run, then the newest others, each newest first."""
     newest, runs = select(JobRow).order_by(JobRow.created.desc(), JobRow.id), JobRow.state == State.RUNNING
@@ -331,6 +335,7 @@ def list_jobs(database: Database, limit: int = 50) -> list[JobRow]:
         return [*first, *session.scalars(newest.where(~runs).limit(limit - len(first)))]
 
 
+@pass_damage
 def count_states(database: Database) -> dict[State, int]:
     """Count the jobs by state."""
     with database.read() as session:

@@ -12,7 +12,7 @@ from sqlalchemy import ColumnElement, delete, exists, insert, select, update
 from sqlalchemy.exc import IntegrityError
 
 from .clocks import AHEAD_SECONDS
-from .database import Database, change_rows, clock
+from .database import Database, change_rows, clock, pass_damage
 from .fairness import is_due
 from .jobs import LOSS, expire, record
 from .models import JobRow, LockRow, OutboxRow, WorkerRow
@@ -55,6 +55,7 @@ def drop_duty(database: Database, name: str, owner: str) -> None:
         session.execute(delete(LockRow).where(LockRow.name == name, LockRow.owner == owner))
 
 
+@pass_damage
 def reap(database: Database, max_attempts: int) -> int:
     """Take back the jobs whose owners no longer renew their lease; one that was lost too often ends as `dead`.
 
@@ -71,6 +72,7 @@ def reap(database: Database, max_attempts: int) -> int:
         return len(expired)
 
 
+@pass_damage
 def remind(database: Database, seconds: float, is_broker_empty: Callable[[], bool]) -> int:
     """Owe a new wake-up to each queued job that saw nothing for so long [s] while the broker holds no message at all.
 
@@ -110,6 +112,7 @@ def end_life(database: Database, name: str) -> None:
         session.execute(delete(WorkerRow).where(WorkerRow.name == name))
 
 
+@pass_damage
 def list_workers(database: Database) -> list[WorkerRow]:
     """Return the living workers by name; whoever died without a word is off the list after `FORGET_SECONDS`."""
     lives = (WorkerRow.seen > clock() - FORGET_SECONDS) & (WorkerRow.seen < clock() + AHEAD_SECONDS)
@@ -117,6 +120,7 @@ def list_workers(database: Database) -> list[WorkerRow]:
         return list(session.scalars(select(WorkerRow).where(lives).order_by(WorkerRow.name)))
 
 
+@pass_damage
 def report_loss(database: Database, mark: str, reason: str) -> None:
     """Release the lease of a process that is known to be dead, so that its job need not wait for the end of it.
 
@@ -132,6 +136,7 @@ def report_loss(database: Database, mark: str, reason: str) -> None:
             record(session, row.id, LOSS, attempt=row.attempts, reason=reason[:200])
 
 
+@pass_damage
 def dispatch(database: Database, publish: Callable[[str, str], None]) -> int:
     """Publish what the outbox owes; a row goes only after its message was taken, so a crash between repeats it.
 

@@ -10,7 +10,7 @@ from sqlalchemy import delete, select, update
 from sqlalchemy.orm import Session
 
 from ..core.errors import NotFound
-from .database import Database, clock
+from .database import Database, clock, pass_damage
 from .families import make_children
 from .jobs import Claim, refuse, succeed, write_fenced
 from .kinds import Kind, KindUnknown, find_kind
@@ -47,6 +47,7 @@ class ResultMissing(NotFound):
     code = "result.missing"
 
 
+@pass_damage
 def store_result(database: Database, store: Store, claim: Claim, kind: Kind, result: Any, folder: Path) -> State:
     """Keep the files first, then write all rows, end the job and make its children in one fenced transaction.
 
@@ -136,6 +137,7 @@ def choose_files(job: str, files: Sequence[Artifact], names: Sequence[str]) -> l
     return [file for file in files if not names or file.name in names]
 
 
+@pass_damage
 def report_jobs(database: Database, rows: Sequence[JobRow], settings: ServiceSettings) -> list[JobReport]:
     """Return jobs with what they found, in the order of their rows; ten questions for each `JOBS_AT_ONCE`."""
     reports: list[JobReport] = []

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from .damage import DamagedRow
 from .database import Database
 from .garbage import find_hashes
 from .models import ArtifactRow, JobRow, ScanRow, TemplateRow, UploadRow
@@ -35,15 +36,16 @@ class Fault:
 
 @dataclass(frozen=True)
 class Verified:
-    """Describe what was looked at, and what is wrong with it."""
+    """Describe what was looked at, and what is wrong with it: files, and rows that cannot be read."""
 
     files: int
     size: int
     faults: tuple[Fault, ...]
+    rows: tuple[DamagedRow, ...] = ()
 
 
 def verify_store(database: Database, store: Store, is_data_read: bool) -> Verified:
-    """Look for every file that a row names.
+    """Look for every file that a row names, and for rows that cannot be read; it goes on past both.
 
     Args:
         database: Whose rows name the files.
@@ -53,7 +55,8 @@ def verify_store(database: Database, store: Store, is_data_read: bool) -> Verifi
     Raises:
         StoreUnreachable: where the store is away.
     """
-    with database.read() as session:
+    rows = database.find_damaged()
+    with (database.sound if rows else database).read() as session:
         owners: dict[str, list[Named]] = {}
         for one in find_named(session):
             owners.setdefault(one.sha256, []).append(one)
@@ -67,7 +70,7 @@ def verify_store(database: Database, store: Store, is_data_read: bool) -> Verifi
             fault = "missing"
         if fault:
             faults.append(Fault(key, fault, tuple(named)))
-    return Verified(len(owners), size, tuple(faults))
+    return Verified(len(owners), size, tuple(faults), tuple(rows))
 
 
 def is_sound(store: Store, sha256: str) -> bool:

@@ -18,7 +18,7 @@ from sqlalchemy.orm import Session
 
 from ..core.errors import BadInput, NotFound
 from .clocks import AHEAD_SECONDS
-from .database import Database, change_rows, clock
+from .database import Database, change_rows, clock, pass_damage
 from .keys import lock_key
 from .models import ApiKeyRow, DeliveryRow, JobRow, OwnerRow, WebhookRow
 from .states import ENDED, State
@@ -106,6 +106,7 @@ def create_webhook(
     return Webhook.from_row(row, 0), secret
 
 
+@pass_damage
 def list_webhooks(database: Database, key: str | None = None) -> list[Webhook]:
     """Return the webhooks of a key, or with None all, the oldest first."""
     owed = select(func.count()).select_from(DeliveryRow)
@@ -167,6 +168,7 @@ def has_due(database: Database) -> bool:
         return bool(session.scalar(select(exists().where(_is_waiting()))))
 
 
+@pass_damage
 def take_due(database: Database, most: int) -> list[Message]:
     """Take some messages to send, one for each webhook, whoever was served longest ago first."""
     wanted = select(WebhookRow).where(_is_waiting()).order_by(WebhookRow.served, WebhookRow.id)
@@ -199,6 +201,7 @@ def find_pause(tries: int) -> float:
     return min(LONGEST_PAUSE, FIRST_PAUSE * GROWTH ** (min(tries, 20) - 1))
 
 
+@pass_damage
 def forget_messages(database: Database) -> int:
     """Remove what was taken or given up long ago, or is owed to a key that is no more; return how many rows."""
     over = DeliveryRow.due.is_(None) & (DeliveryRow.created < clock() - KEPT_SECONDS)

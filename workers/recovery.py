@@ -24,6 +24,7 @@ from ..core.errors import BadInput, GarmentqError, Unavailable
 from ..core.hooks import Arrays, Hooks
 from ..core.limited import is_memory_short
 from ..service.checking import STAGE, check_files
+from ..service.columns import RowDamaged
 from ..service.database import Database, DatabaseUnreachable
 from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, put_off, release
 from ..service.kinds import Kind, Turned, Work, find_files, find_kind, read_request
@@ -75,7 +76,7 @@ def run_job(
     try:
         ready = wait_for_store(settings, database, store, is_draining)
         held = claim_next(database, wakeup, owner, settings.lease_seconds) if ready else None
-    except DatabaseUnreachable as error:
+    except (DatabaseUnreachable, RowDamaged) as error:
         log.warning("no job is begun: %s", error)
         held = None
     if held is None:
@@ -100,7 +101,7 @@ def run_job(
             outcome = _work(Services(settings, database, store), held, watch)
     except FenceLost:
         outcome = "lost"
-    except DatabaseUnreachable as error:
+    except (DatabaseUnreachable, RowDamaged) as error:
         outcome = "lost"
         log.warning("job %s: %s", held.job, error, extra=note)
     log.info("job %s: %s", held.job, outcome, extra=note)
@@ -121,7 +122,7 @@ def _work(services: Services, held: Claim, watch: Watch) -> str:
             if turned is not None:
                 held = persist(partial(turn, database, held, turned.kind, turned.request), watch)
                 kind, request, work, _ = _begin(services, held, watch, folder / "2")
-            pace = persist(partial(learn_pace, database, held.kind, held.request, kind.stages), watch)
+            pace = learn_pace(database, held.kind, held.request, kind.stages)
             result = kind.run(request, work, make_hooks(database, store, held, watch, pace))
             if watch.reason in ("lost", "cancelled"):
                 return _stop(database, held, watch.reason, settings.max_seconds)

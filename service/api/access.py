@@ -11,6 +11,7 @@ from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 from sqlalchemy import select
 
 from ...core.text import TextBad, has_unkept
+from ..database import begins
 from ..jobs import JobUnknown, find_job
 from ..keys import Caller
 from ..models import JobRow, OwnerRow
@@ -137,7 +138,7 @@ def find_own(rooms: Rooms, caller: Caller, job: str) -> JobRow:
         return find_job(rooms.database, job)
     with rooms.database.read() as session:
         own = select(JobRow).join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == caller.key)
-        rows = session.scalars(own.where(JobRow.id.startswith(job)).limit(2)).all()
+        rows = session.scalars(own.where(begins(JobRow.id, job)).limit(2)).all()
     if len(rows) != 1:
         raise unknown
     return rows[0]

@@ -31,7 +31,7 @@ from garmentq.service.records import Progress
 from garmentq.service.results import load_checkpoint, save_checkpoint, store_result
 from garmentq_home import make_environment
 from garmentq_standin import make_recovery
-from sqlalchemy import func, select, update
+from sqlalchemy import func, select, text, update
 
 
 def expire(database, job):
@@ -260,3 +260,18 @@ def test_the_outbox_row_comes_with_the_job(database, queue_job):
     job = queue_job()
     with database.read() as session:
         assert session.scalars(select(OutboxRow.job)).all() == [job]
+
+
+def test_a_beginning_is_no_pattern(database, queue_job):
+    """Broken where an id is found by another one's letters: by a sign of LIKE, or in capitals on SQLite alone."""
+    job = queue_job()
+    assert find_job(database, job[:6]).id == job
+    wrong = ("______", "%%%%%%", job[:5] + "_", "ABCDEF")
+    with database.write() as session:
+        session.execute(text("delete from outbox"))
+        session.execute(text("delete from events"))
+        session.execute(text("update jobs set id = 'abcdefghijkl', family = 'abcdefghijkl'"))
+    for one in wrong:
+        with pytest.raises(JobUnknown):
+            find_job(database, one)
+    assert find_job(database, "abcdef").id == "abcdefghijkl"

@@ -1,0 +1,275 @@
+"""Types of the tables' columns that check what they read: a value that no program of ours wrote is never handed on.
+
+SQLite keeps any value in any column, and flipped bits, a careless UPDATE or a torn copy of the file leave some there.
+PostgreSQL checks for itself all but a state's name and the form of a JSON value.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from copy import copy
+from decimal import Decimal
+from enum import StrEnum
+from typing import Any
+
+from sqlalchemy import JSON, BigInteger, Boolean, Dialect, Double, Enum, Integer, String, Text
+from sqlalchemy.ext.compiler import compiles
+from sqlalchemy.sql.functions import FunctionElement
+from sqlalchemy.types import TypeDecorator, TypeEngine
+
+from ..core.errors import GarmentqError
+
+SQLITE = "sqlite"
+
+SERIAL = BigInteger().with_variant(Integer(), SQLITE)
+"""A growing key; SQLite grows only its own INTEGER."""
+
+FORMS: dict[type, str] = {dict: "object", list: "array"}
+"""How SQL calls the forms of JSON values."""
+
+PLAIN = "*[^ -~]*"
+"""Pattern (GLOB) of a text that holds a letter outside of printable ASCII: only such a one may be no UTF-8."""
+
+
+class RowDamaged(GarmentqError):
+    """A row of the database cannot be read; `garmentq verify` names it: mend it, or restore a backup."""
+
+    code = "service.row_damaged"
+
+    def __init__(self, message: str = "", table: str = "") -> None:
+        """Name the table, where it is known."""
+        super().__init__(message)
+        self.table = table
+
+
+class json_or_null(FunctionElement[Any]):
+    """Return a column of JSON values, NULL where it holds none: one damaged row would end SQLite's whole question."""
+
+    inherit_cache = True
+    name = "json_or_null"
+    type = JSON()
+
+
+@compiles(json_or_null, SQLITE)
+def _compile_sqlite(element: json_or_null, compiler: Any, **options: Any) -> str:
+    column = compiler.process(element.clauses, **options)
+    return f"CASE WHEN json_valid({column}) THEN {column} END"
+
+
+@compiles(json_or_null)
+def _compile(element: json_or_null, compiler: Any, **options: Any) -> str:
+    return str(compiler.process(element.clauses, **options))
+
+
+class Checked(TypeDecorator[Any]):
+    """Read a column's values, and refuse one that the column cannot hold."""
+
+    impl = String
+    cache_ok = True
+    storage = "text"
+    """Name that SQLite's `typeof` gives to a sound value."""
+    raw: tuple[type, ...] = (object,)
+    """Types of what the driver hands out, where its conversion takes anything."""
+    coerce_to_is_types = (type(None), bool)
+
+    def __init__(self, kept: TypeEngine[Any], read: tuple[type, ...]) -> None:
+        """Keep values as a type of the database's; Python reads them as one of some types."""
+        super().__init__()
+        self.read = read
+        self.impl = kept  # type: ignore[assignment]
+        self.place, self.is_optional = ("", ""), True
+
+    def at(self, column: Any) -> Checked:
+        """Return the type for one column, which errors then name."""
+        own = copy(self)
+        own.place, own.is_optional = (column.table.name, column.name), bool(column.nullable)
+        return own
+
+    def coerce_compared_value(self, op: Any, value: Any) -> Any:
+        """Return the type of what a column is compared with, as without the check."""
+        return self.impl_instance.coerce_compared_value(op, value)
+
+    def result_processor(self, dialect: Dialect, coltype: object) -> Callable[[Any], Any]:
+        """Return what reads a value.
+
+        Raises (when a value is read):
+            RowDamaged: where it cannot be one of this column.
+        """
+        convert = self.impl_instance.result_processor(dialect, coltype)
+        (table, column), known, raw, is_optional = self.place, self.read, self.raw, self.is_optional
+
+        def read(value: Any) -> Any:
+            if value is None:  # of an outer join, say
+                return None
+            try:
+                found = value if convert is None else convert(value)
+            except (LookupError, ValueError, TypeError, RecursionError) as error:
+                raise RowDamaged(f"{table}.{column}: {type(error).__name__}", table) from error
+            if found is None and is_optional:  # JSON's null, as an earlier version kept it
+                return None
+            if isinstance(found, known) and isinstance(value, raw):
+                return found
+            raise RowDamaged(f"{table}.{column}: {type(value).__name__}", table)
+
+        return read
+
+    def is_kept(self, value: str) -> str:
+        """Return the SQL condition of a value, itself SQL, that SQLite has as it was written."""
+        return f"typeof({value}) = '{self.storage}'"
+
+    def is_allowed(self, value: str) -> str:
+        """Return the SQL condition of a value that is not only of the right type, which PostgreSQL has seen to."""
+        return "true"
+
+
+class Words(Checked):
+    """Read a text of at most so many letters; 0: of any length."""
+
+    cache_ok = True
+
+    def __init__(self, length: int = 0) -> None:
+        """Keep as VARCHAR, or as TEXT."""
+        super().__init__(String(length) if length else Text(), (str,))
+        self.length = length
+
+    def is_kept(self, value: str) -> str:
+        """Return the SQL condition of a value, itself SQL, that SQLite has as it was written."""
+        return f"{super().is_kept(value)} AND {is_utf8(value)}"
+
+
+class Real(Checked):
+    """Read a number."""
+
+    cache_ok = True
+    storage = "real"
+
+    def __init__(self) -> None:
+        """Keep as DOUBLE."""
+        super().__init__(Double(), (float, int, Decimal))
+
+
+class Whole(Checked):
+    """Read a whole number."""
+
+    cache_ok = True
+    storage = "integer"
+
+    def __init__(self, is_big: bool = False) -> None:
+        """Keep as INTEGER, or as BIGINT."""
+        super().__init__(BigInteger() if is_big else Integer(), (int, Decimal))  # a sum comes as a Decimal
+        self.is_big = is_big
+
+
+class Flag(Checked):
+    """Read true or false."""
+
+    cache_ok = True
+    storage = "integer"
+    raw = (int, bool)
+
+    def __init__(self) -> None:
+        """Keep as BOOLEAN."""
+        super().__init__(Boolean(), (bool,))
+
+
+class Name(Checked):
+    """Read one of a closed set of names."""
+
+    cache_ok = True
+
+    def __init__(self, names: type[StrEnum], length: int) -> None:
+        """Keep as VARCHAR of a length."""
+        values = [one.value for one in names]
+        kept = Enum(names, native_enum=False, length=length, values_callable=lambda _: values)
+        super().__init__(kept, (names,))
+        self.names, self.length = names, length
+
+    def is_kept(self, value: str) -> str:
+        """Return the SQL condition of a value, itself SQL, that SQLite has as it was written."""
+        return f"{super().is_kept(value)} AND {self.is_allowed(value)}"
+
+    def is_allowed(self, value: str) -> str:
+        """Return the SQL condition of a value, itself SQL, that is one of the names."""
+        return f"{value} IN ({', '.join(repr(one.value) for one in self.names)})"
+
+
+class Values(Checked):
+    """Read JSON values: an object, or an array."""
+
+    cache_ok = True
+
+    def __init__(self, form: type) -> None:
+        """Keep as JSON; `form` is dict or list."""
+        super().__init__(JSON(none_as_null=True), (form,))
+        self.form = form
+
+    def is_kept(self, value: str) -> str:
+        """Return the SQL condition of a value, itself SQL, that SQLite has as it was written."""
+        form = f"CASE WHEN json_valid({value}) THEN json_type({value}) ELSE garmentq_form(CAST({value} AS BLOB)) END"
+        return f"{super().is_kept(value)} AND {is_utf8(value)} AND coalesce({form}, '') IN {self._list_forms()}"
+
+    def is_allowed(self, value: str) -> str:
+        """Return the SQL condition of a value, itself SQL, that has the form."""
+        return f"json_typeof({value}) IN {self._list_forms()}"
+
+    def _list_forms(self) -> str:
+        """Return how SQL calls the form; an optional one was kept as JSON's null by an earlier version."""
+        form = FORMS[self.form]
+        return f"('{form}', 'null')" if self.is_optional else f"('{form}')"
+
+
+class is_sound(FunctionElement[bool]):
+    """Return whether the values of some columns can all be read."""
+
+    inherit_cache = True
+    name = "is_sound"
+    type = Boolean()
+
+
+@compiles(is_sound)
+def _compile_sound(element: is_sound, compiler: Any, **options: Any) -> str:
+    is_sqlite, parts = compiler.dialect.name == SQLITE, ["1 = 1"]
+    for column in element.clauses:
+        if isinstance(column.type, Checked):
+            value = compiler.process(column, **options)
+            sound = column.type.is_kept(value) if is_sqlite else column.type.is_allowed(value)
+            parts.append(
+                f"({value} IS NULL OR {sound})" if column.type.is_optional else f"({value} IS NOT NULL AND {sound})"
+            )
+    return f"({' AND '.join(parts)})"
+
+
+def is_utf8(value: str) -> str:
+    """Return the condition (SQLite) of a text, itself SQL, that can be read as one."""
+    return f"CASE WHEN {value} GLOB '{PLAIN}' THEN garmentq_is_utf8(CAST({value} AS BLOB)) ELSE 1 END"
+
+
+def tell_places(table: Any) -> None:
+    """Tell the type of each column of a table where it stands."""
+    for column in table.columns:
+        if isinstance(column.type, Checked):
+            column.type = column.type.at(column)
+
+
+def add_functions(connection: Any) -> None:
+    """Give a driver's connection to SQLite the functions that the conditions call."""
+    connection.create_function("garmentq_is_utf8", 1, _is_utf8, deterministic=True)
+    connection.create_function("garmentq_form", 1, _find_form, deterministic=True)
+
+
+def _is_utf8(value: bytes) -> bool:
+    try:
+        value.decode()
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
+def _find_form(value: bytes | None) -> str | None:
+    """Return the form of a JSON text as Python reads it, which takes the NaN that SQLite refuses; None: no JSON."""
+    try:
+        found = None if value is None else json.loads(value)
+    except (ValueError, RecursionError):
+        return None
+    return next((name for form, name in FORMS.items() if isinstance(found, form)), None)

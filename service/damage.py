@@ -1,0 +1,106 @@
+"""Rows that cannot be read: find them, name them, and leave them out of a question."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import LargeBinary, String, Table, Text, case, cast, event, func, not_, select
+from sqlalchemy import type_coerce as coerce
+from sqlalchemy.ext.compiler import compiles
+from sqlalchemy.orm import ORMExecuteState, Session, with_loader_criteria
+from sqlalchemy.sql.functions import FunctionElement
+from sqlalchemy.sql.visitors import iterate
+
+from .columns import SQLITE, is_sound, is_utf8
+from .models import Base
+
+MOST_NAMED = 5
+"""Damaged rows that one line of text names; `garmentq verify` lists them all."""
+
+NAMING = ("sha256", "scan", "request")
+"""Columns that name stored files; see `garbage.find_references`."""
+
+
+@dataclass(frozen=True)
+class DamagedRow:
+    """Name a row that cannot be read: its table, its key, and the columns whose values cannot be."""
+
+    table: str
+    key: str
+    columns: tuple[str, ...]
+
+    def __str__(self) -> str:
+        """Return it for people."""
+        return f"{self.table} '{self.key}' ({', '.join(self.columns)})"
+
+
+class SoundSession(Session):
+    """Read as if damaged rows were not there; what is written is as in any other session."""
+
+
+@event.listens_for(SoundSession, "do_orm_execute")
+def _leave_out(state: ORMExecuteState) -> None:
+    if state.is_select:
+        named = {one for one in iterate(state.statement) if isinstance(one, Table)}  # type: ignore[arg-type]
+        rows = [mapper.class_ for mapper in Base.registry.mappers if mapper.local_table in named]
+        sound = [with_loader_criteria(one, is_sound(*_list_columns(one)), include_aliases=True) for one in rows]
+        state.statement = state.statement.options(*sound)
+
+
+def _list_columns(row: type[Base]) -> list[Any]:
+    return [getattr(row, attribute.key) for attribute in row.__mapper__.column_attrs]
+
+
+def find_damaged(session: Session, tables: Sequence[str] = ()) -> list[DamagedRow]:
+    """Return every row that cannot be read, of some tables or of all."""
+    found: list[DamagedRow] = []
+    for table in Base.metadata.sorted_tables:
+        if not tables or table.name in tables:
+            keys = [readable(column) for column in table.primary_key]
+            flags = [case((is_sound(column), 1), else_=0) for column in table.columns]
+            rows = session.connection().execute(select(*keys, *flags).where(not_(is_sound(*table.columns))))
+            for row in rows:
+                names = (column.name for column, flag in zip(table.columns, row[len(keys) :], strict=True) if not flag)
+                found.append(DamagedRow(table.name, " ".join(map(str, row[: len(keys)])), tuple(names)))
+    return found
+
+
+def read_remains(session: Session) -> Iterator[bytes]:
+    """Return the bytes of what may name a stored file in the damaged rows."""
+    dialect = session.get_bind().dialect.name
+    for table in Base.metadata.sorted_tables:
+        texts = [cast(coerce(table.columns[name], String()), Text) for name in NAMING if name in table.columns]
+        if texts:
+            plain = [cast(one, LargeBinary) if dialect == SQLITE else func.convert_to(one, "UTF8") for one in texts]
+            for row in session.connection().execute(select(*plain).where(not_(is_sound(*table.columns)))):
+                yield from (bytes(value) for value in row if value is not None)
+
+
+def tell_rows(rows: Sequence[DamagedRow]) -> str:
+    """Return what is damaged and what to do, in one sentence."""
+    named = ", ".join(str(row) for row in rows[:MOST_NAMED])
+    more = f" and {len(rows) - MOST_NAMED} more" if len(rows) > MOST_NAMED else ""
+    counted = f"{len(rows)} damaged row{'' if len(rows) == 1 else 's'} in the database"
+    return (
+        f"{counted}: {named}{more}; `garmentq verify` lists all. Mend or delete them by SQL, or take a backup from "
+        "before (`garmentq restore BACKUP.tar` into another --home)."
+    )
+
+
+class readable(FunctionElement[str]):
+    """Return a value as a text that can be read, whatever is in it."""
+
+    inherit_cache = True
+    name = "readable"
+    type = Text()
+
+
+@compiles(readable)
+def _compile(element: readable, compiler: Any, **options: Any) -> str:
+    value = compiler.process(element.clauses, **options)
+    plain = f"CAST({value} AS TEXT)"
+    return (
+        f"CASE WHEN {is_utf8(value)} THEN {plain} ELSE hex({value}) END" if compiler.dialect.name == SQLITE else plain
+    )
