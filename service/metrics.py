@@ -7,8 +7,9 @@ from collections.abc import Iterable, Mapping
 
 from sqlalchemy import func, select
 
-from .database import Database, clock
+from .database import Database, clock, pass_damage
 from .models import EventRow, JobRow, OutboxRow, WorkerRow
+from .progress import read_stage_seconds
 from .states import QUEUES, State
 
 LATEST = 1000
@@ -17,6 +18,7 @@ LATEST = 1000
 Labelled = tuple[Mapping[str, str], float]
 
 
+@pass_damage
 def prometheus_text(database: Database) -> str:
     """Return every metric as text: jobs, ages [s], stage times [CPU s], attempts, workers, and what was lost."""
     with database.read() as session:
@@ -76,8 +78,8 @@ def prometheus_text(database: Database) -> str:
 def _mean_stages(results: Iterable[Mapping[str, Mapping[str, float]] | None]) -> dict[str, float]:
     seconds: dict[str, list[float]] = defaultdict(list)
     for result in results:
-        for stage, value in ((result or {}).get("stage_seconds") or {}).items():
-            seconds[stage].append(float(value))
+        for stage, value in read_stage_seconds(result).items():
+            seconds[stage].append(value)
     return {stage: sum(values) / len(values) for stage, values in seconds.items()}
 
 

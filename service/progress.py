@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -9,11 +11,13 @@ from typing import Any
 
 from sqlalchemy import case, select
 
-from .database import Database, clock
+from .database import Database, clock, pass_damage
 from .jobs import Claim, record, write_fenced
 from .models import JobRow
 from .records import Progress
 from .states import State
+
+log = logging.getLogger(__name__)
 
 LATEST_JOBS = 1000
 """Newest jobs among which earlier ones of a kind are looked for: a look into one index, however many there are."""
@@ -66,6 +70,7 @@ class Pacer:
 
     def note(self, stage: str, fraction: float, message: str) -> Progress:
         """Return a stage's progress with that of the whole."""
+        fraction = min(1.0, max(0.0, fraction)) if math.isfinite(fraction) else 0.0
         found = self.pace.find_share(stage, fraction)
         if found is None:
             return Progress(stage, fraction, message)
@@ -75,7 +80,7 @@ class Pacer:
 
 
 def learn_pace(database: Database, kind: str, request: Mapping[str, Any], stages: Sequence[str]) -> Pace:
-    """Return what earlier jobs of a kind took, those with the same method.
+    """Return what earlier jobs of a kind took, those with the same method; an estimate fails nobody's job.
 
     Args:
         database: Where they are.
@@ -83,23 +88,48 @@ def learn_pace(database: Database, kind: str, request: Mapping[str, Any], stages
         request: The job's own request, as it was stored.
         stages: The kind's stages in order; without earlier jobs each has the same share, and no time is told.
     """
+    try:
+        seen = _find_paces(database, kind, request)
+    except Exception as error:
+        log.warning("nothing is learned of earlier jobs: %s: %s", type(error).__name__, error)
+        seen = []
+    weights: dict[str, float] = {}
+    for taken, _ in seen:
+        for stage, seconds in taken.items():
+            weights[stage] = weights.get(stage, 0.0) + seconds
+    if sum(weights.values()) <= 0.0:
+        return Pace(dict.fromkeys(stages, 1.0))
+    return Pace(weights, sum(seconds for _, seconds in seen) / len(seen))
+
+
+def read_stage_seconds(result: object) -> dict[str, float]:
+    """Return the time of each stage [s] as a job's result tells it, without what is no time."""
+    stages = result.get("stage_seconds") if isinstance(result, Mapping) else None
+    found = stages.items() if isinstance(stages, Mapping) else ()
+    return {str(stage): float(seconds) for stage, seconds in found if is_time(seconds)}
+
+
+def is_time(seconds: object) -> bool:
+    """Return whether a value is a time [s]: a finite number that is not negative."""
+    return isinstance(seconds, int | float) and math.isfinite(seconds) and seconds >= 0.0
+
+
+@pass_damage
+def _find_paces(database: Database, kind: str, request: Mapping[str, Any]) -> list[tuple[dict[str, float], float]]:
+    """Return the times of the stages, and of the whole, of each of the latest jobs of a kind and method [s]."""
     newest = select(JobRow.id).order_by(JobRow.created.desc()).limit(LATEST_JOBS).scalar_subquery()
     wanted = (
         select(JobRow.request, JobRow.result, (JobRow.finished - JobRow.started).label("seconds"))
         .where(JobRow.id.in_(newest), JobRow.kind == kind, JobRow.state == State.SUCCEEDED, JobRow.attempts == 1)
+        .where(JobRow.finished >= JobRow.started)
         .order_by(JobRow.created.desc())
         .limit(3 * LEARNT_JOBS)
     )
     with database.read() as session:
         rows = session.execute(wanted).all()
-    rows = [row for row in rows if _method(row.request) == _method(request)][:LEARNT_JOBS]
-    weights: dict[str, float] = {}
-    for row in rows:
-        for stage, seconds in ((row.result or {}).get("stage_seconds") or {}).items():
-            weights[stage] = weights.get(stage, 0.0) + float(seconds)
-    if not weights:
-        return Pace(dict.fromkeys(stages, 1.0))
-    return Pace(weights, sum(float(row.seconds) for row in rows) / len(rows))
+    found = [row for row in rows if _method(row.request) == _method(request)][:LEARNT_JOBS]
+    timed = [(read_stage_seconds(row.result), float(row.seconds)) for row in found if is_time(row.seconds)]
+    return [(taken, seconds) for taken, seconds in timed if taken]
 
 
 def report(database: Database, claim: Claim, progress: Progress) -> None:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 from garmentq.service.jobs import claim, find_job, read_events, release
+from garmentq.service.metrics import prometheus_text
 from garmentq.service.models import JobRow
 from garmentq.service.progress import LEARNT_JOBS, Pace, Pacer, learn_pace, report
 from garmentq.service.records import Job, Progress
 from garmentq.service.states import State
+from garmentq.workers.recovery import run_job
+from sqlalchemy import text
 
 PACE = Pace({"scan": 1.0, "drape": 3.0, "deform": 4.0}, 80.0)
 
@@ -63,3 +68,40 @@ def test_what_is_learned(database, queue_job):
     found = learn_pace(database, "recover", {"settings": {"method": "x"}}, ("a",))
     assert dict(found.weights) == {"scan": 2.0, "drape": 9.0} and found.seconds == 35.0 and LEARNT_JOBS > 1
     assert list(found.weights) == ["scan", "drape"]
+
+
+def test_no_estimate_fails_a_job(settings, database, queue_job):
+    """Broken where an earlier job's row without a start, or with times that are none, fails every further job."""
+    jobs = [queue_job(f"job{index}") for index in range(7)]
+    spoilt = (
+        {"started": None}, {"finished": None}, {"result": {"stage_seconds": {"scan": "long"}}},
+        {"result": {"stage_seconds": [1.0]}}, {"started": 9000.0},
+    )  # fmt: skip
+    with database.write() as session:
+        for job, wrong in zip(jobs, (*spoilt, {}), strict=False):
+            row = session.get(JobRow, job)
+            row.state, row.attempts = State.SUCCEEDED, 1
+            row.started, row.finished = 1000.0, 1010.0
+            row.result = {"stage_seconds": {"scan": 4.0}}
+            for name, value in wrong.items():
+                setattr(row, name, value)
+        request = session.get(JobRow, jobs[0]).request
+    assert learn_pace(database, "recover", request, ("scan",)) == Pace({"scan": 4.0}, 10.0)
+    assert 'garmentq_stage_seconds{stage="scan"} 4.0' in prometheus_text(database)
+    assert run_job(settings, database, jobs[-1], lambda: False) == "succeeded"
+
+
+def test_a_question_that_fails_is_no_estimate(database, queue_job):
+    """Broken where a job ends because nothing can be learned of earlier ones."""
+    with database.write() as session:
+        session.execute(text("alter table jobs rename column started to begun"))
+    assert learn_pace(database, "recover", {}, ("a", "b")) == Pace({"a": 1.0, "b": 1.0})
+
+
+def test_a_fraction_that_is_none(database, queue_job):
+    """Broken where a stage that tells nonsense of itself ends the job that it reports for."""
+    held = claim(database, queue_job(), "a", 30.0)
+    for fraction in (math.nan, math.inf, -1.0, 7.0):
+        for pace in (PACE, Pace()):
+            report(database, held, Pacer(pace).note("drape", fraction, ""))
+    assert 0.0 <= find_job(database, held.job).progress <= 1.0
