@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from sqlalchemy import delete, select
 
-from .database import Database, change_rows, clock
+from .database import Database, change_rows, clock, pass_damage
 from .models import AuditRow
 
 
@@ -28,6 +28,9 @@ KEPT_DAYS = 400
 DOWNLOADS = ("/artifacts/", "/result.zip")
 """Parts of the paths by which results leave the service; every request that changes something is recorded as well."""
 
+PERSONS = "/v1/persons/"
+"""Beginning of the paths that end in a person's name, which must not outlive the person's data here."""
+
 ASKING = ("/states", "/patterns/check", "/patterns/edit")
 """Ends of the paths that are asked by POST and change nothing."""
 
@@ -46,14 +49,16 @@ def record_access(database: Database, key: str, action: str, subject: str, came:
         database: Where it is kept.
         key: Id of the API key; empty: the local user.
         action: Method and status.
-        subject: The path.
+        subject: The path; of a person's the log keeps no name.
         came: Address of the client, and the request's id.
     """
+    subject = f"{PERSONS}{{name}}" if subject.startswith(PERSONS) else subject
     clean = "".join(letter if letter.isprintable() else "?" for letter in subject)[:255]
     with database.write() as session:
         session.add(AuditRow(at=clock(), key=key, action=action, subject=clean, address=came[0][:64], request=came[1]))
 
 
+@pass_damage
 def list_accesses(database: Database, limit: int = 100, key: str | None = None) -> list[Access]:
     """Return the newest rows, newest first; with `key` those of one API key."""
     asked = select(AuditRow).order_by(AuditRow.id.desc()).limit(limit)
