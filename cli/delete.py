@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from .options import json_option, known_home_option
+
+if TYPE_CHECKING:
+    from ..service.persons import Person, PersonJob
 
 UNITS = {"h": 3600.0, "d": 86400.0, "w": 7 * 86400.0}
 
@@ -15,29 +20,38 @@ UNITS = {"h": 3600.0, "d": 86400.0, "w": 7 * 86400.0}
 @click.command("delete")
 @click.argument("jobs", nargs=-1, metavar="[JOB...]")
 @click.option("--older-than", metavar="90d", help="All that ended longer ago than so many h, d or w.")
-@click.option("--person", metavar="NAME", help="Scans and uploads of this name, and everything made of them.")
+@click.option("--person", metavar="NAME", help="Scans and uploads of exactly this name, and everything made of them.")
+@click.option("--dry-run", is_flag=True, help="List what would be deleted, and delete nothing.")
 @click.option("--yes", is_flag=True, help="Do not ask.")
 @known_home_option
 @json_option
 def command(
-    jobs: tuple[str, ...], older_than: str | None, person: str | None, yes: bool, home: Path | None, as_json: bool
+    jobs: tuple[str, ...],
+    older_than: str | None,
+    person: str | None,
+    dry_run: bool,
+    yes: bool,
+    home: Path | None,
+    as_json: bool,
 ) -> None:
     """Delete ended jobs with their files.
 
     All below a job goes with it, and so does every job that reads its result. Files that nobody else names are removed
-    at once. A person's data is found by the name of a job, a scan or an upload, and then by the files themselves,
-    whatever they were called elsewhere; backups are not touched.
+    at once. A person's data is found by the exact name of a job or of a scan or upload (`anna`, or `anna.ply`: one
+    ending), and then by the files themselves, whatever they were called elsewhere; backups are not touched. With
+    --dry-run all that would go is listed.
 
     \b
     Example:
       garmentq delete 3685ecfd4f81
       garmentq delete --older-than 90d
-      garmentq delete --person anna
+      garmentq delete --person anna --dry-run
     """
     from dataclasses import asdict
 
-    from ..service.deletion import delete_jobs, delete_person, find_old, find_person
+    from ..service.deletion import delete_jobs, find_doomed, find_old
     from ..service.jobs import find_job
+    from ..service.persons import delete_person, describe_jobs, find_person
     from ..service.services import open_services
     from ..service.settings import read_settings
     from .terminal import note, print_json
@@ -47,20 +61,22 @@ def command(
     services = open_services(read_settings(home=home))
     database, store = services.database, services.store
     try:
-        scans: list[str] = []
-        if person is not None:
-            chosen, scans = find_person(database, person)
-        elif older_than is not None:
+        found = None if person is None else find_person(database, person)
+        chosen = [find_job(database, job).id for job in jobs]
+        if older_than is not None:
             chosen = find_old(database, _seconds(older_than))
-        else:
-            chosen = [find_job(database, job).id for job in jobs]
-        if not chosen and not scans:
+        if found is None and not chosen:
             note("nothing to delete")
             return
+        if dry_run or not yes:
+            going = found.jobs if found else describe_jobs(database, find_doomed(database, chosen))
+            _show(going, found, as_json)
+            if dry_run and as_json:
+                print_json(asdict(found) if found else {"jobs": [asdict(one) for one in going]})
+        if dry_run:
+            return
         if not yes:
-            more = f" and {len(scans)} files of '{person}'" if person else ""
-            what = f"{len(chosen)} jobs, all made of them{more}"
-            click.confirm(f"Delete {what}? This cannot be undone.", abort=True, err=True)
+            click.confirm("Delete all of these? This cannot be undone.", abort=True, err=True)
         done = delete_jobs(database, store, chosen) if person is None else delete_person(database, store, person)
     finally:
         database.dispose()
@@ -70,6 +86,20 @@ def command(
     later = f"; {done.young} files put a moment ago go with `garmentq gc` in a day" if done.young else ""
     size = f"{done.size / 1e6:.1f} MB"
     note(f"deleted {len(done.jobs)} jobs, {done.uploads} uploads, {done.files} files of {size}{later}")
+
+
+def _show(jobs: Sequence[PersonJob], person: Person | None, as_json: bool) -> None:
+    """Show what would go; as JSON it is not a table beside what standard output holds."""
+    from .terminal import note, print_table
+
+    uploads = person.uploads if person else ()
+    if not as_json:
+        rows = [[f"job {one.job}", one.name, one.kind, " ".join(one.keys)] for one in jobs]
+        rows += [[f"upload {one.sha256[:12]}", one.name, "", one.key] for one in uploads]
+        print_table(["what would go", "name", "kind", "API keys"], rows)
+    keys = sorted({key for one in jobs for key in one.keys} | {one.key for one in uploads if one.key})
+    whose = f" of {len(keys)} API keys ({', '.join(keys)})" if keys else ""
+    note(f"{len(jobs)} jobs and {len(uploads)} uploads{whose}, with their files")
 
 
 def _seconds(text: str) -> float:

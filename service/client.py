@@ -14,8 +14,10 @@ from urllib.parse import quote
 
 from .connection import ServiceUnreachable
 from .deletion import Deleted
+from .persons import Person, PersonDeleted
 from .records import check_id
 from .remote import RemoteBackend
+from .remote_libraries import read
 from .states import State
 from .submission import Submitted
 
@@ -91,9 +93,16 @@ class Client(RemoteBackend):
         """Delete an ended job with all below it and all that reads its results."""
         return Deleted(**self._ask_object("DELETE", f"/v1/jobs/{quote(job, safe='')}", tries=1))
 
-    def delete_person(self, name: str) -> Deleted:
-        """Delete the scans and uploads of a name, and all that was made of them."""
-        return Deleted(**self._ask_object("DELETE", f"/v1/persons/{quote(name, safe='')}", tries=1))
+    def find_person(self, name: str) -> Person:
+        """Return what is kept of a person, whose jobs, scans or uploads have exactly this name."""
+        found = self._ask_object("GET", f"/v1/persons/{quote(name, safe='')}")
+        return read(lambda: Person.from_json(found))
+
+    def delete_person(self, name: str, dry_run: bool = False) -> PersonDeleted:
+        """Delete the scans and uploads of exactly this name, and all made of them; a dry run tells what would go."""
+        params = {"dry_run": True} if dry_run else {}
+        found = self._ask_object("DELETE", f"/v1/persons/{quote(name, safe='')}", tries=1, params=params)
+        return read(lambda: PersonDeleted(**{**found, "found": Person.from_json(found["found"])}))
 
     def forget_upload(self, kind: str, sha256: str) -> Deleted:
         """Forget an upload, one of `scans`, `bodies`, `labels`, `patterns`, `motions`; jobs keep what they name."""

@@ -1,30 +1,28 @@
-"""Delete jobs and persons with all that was made of them: rows, uploads, and the files that nobody else names."""
+"""Delete jobs and uploads with all that was made of them: rows, uploads, and the files that nobody else names."""
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from time import time
 
 from sqlalchemy import delete, exists, or_, select
 
-from ..core.errors import BadInput, NotFound
+from ..core.errors import BadInput
+from .damage import tell_rows
 from .database import Database, clock
 from .families import JobInUse, JobNotEnded, find_below
 from .families import delete as delete_family
-from .garbage import find_hashes, find_references
+from .garbage import find_all_references, find_hashes
 from .models import ArtifactRow, IdempotencyRow, JobInputRow, JobRow, OwnerRow, ScanRow, UploadRow
 from .states import ENDED
 from .store import ArtifactMissing, Store
 
+log = logging.getLogger(__name__)
+
 YOUNG_SECONDS = 60.0
 """A file put so lately may be about to be named by another order [s]; `gc` removes it a day later."""
-
-
-class PersonUnknown(NotFound):
-    """No job, scan or upload has this name; `garmentq status` lists the jobs."""
-
-    code = "person.unknown"
 
 
 class JobShared(BadInput):
@@ -42,7 +40,7 @@ class Deleted:
         uploads: Uploads that may not be used any more.
         files: Stored files that are gone.
         size: Their bytes.
-        young: Files that `gc` removes later, since they were put a moment ago.
+        young: Files that `gc` removes later, since they were put a moment ago, or a damaged row may name them.
     """
 
     jobs: tuple[str, ...] = ()
@@ -62,35 +60,10 @@ def find_old(database: Database, seconds: float) -> list[str]:
         return list(session.scalars(old))
 
 
-def find_person(database: Database, name: str, key: str = "") -> tuple[list[str], list[str]]:
-    """Find everything of a person: by the name of a job, a scan or an upload, then by the files themselves.
-
-    Args:
-        database: Where to look.
-        name: What the person's jobs, scan or upload are called.
-        key: Only what this API key may see; empty: everything.
-
-    Returns:
-        Ids of all root jobs that go back to one of the person's files, and the hashes of those files.
-
-    Raises:
-        PersonUnknown: where there is nothing of that name.
-    """
-    with database.read() as session:
-        named = select(JobRow.scan).where(JobRow.name == name, JobRow.parent.is_(None))
-        uploads = select(UploadRow.sha256).where(or_(UploadRow.name == name, UploadRow.name.startswith(f"{name}.")))
-        if key:
-            named = named.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == key)
-            uploads = uploads.where(UploadRow.key == key)
-        files = {*session.scalars(named), *session.scalars(uploads)}
-        if not files:
-            raise PersonUnknown(f"nothing is called '{name[:80]}'; `garmentq status` lists the jobs.")
-        asked = select(JobRow.id, JobRow.scan, JobRow.request).where(JobRow.parent.is_(None))
-        if key:
-            asked = asked.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == key)
-        rows = session.execute(asked.order_by(JobRow.created, JobRow.id)).all()
-    jobs = [job for job, scan, request in rows if scan in files or not files.isdisjoint(find_hashes(request))]
-    return jobs, sorted(files)
+def find_doomed(database: Database, jobs: Sequence[str]) -> list[str]:
+    """Return all that goes with some jobs: these, all that reads a result of theirs, and all below each."""
+    roots = _add_readers(database, jobs)
+    return [*roots, *(row.id for row in find_below(database, roots))]
 
 
 def delete_jobs(database: Database, store: Store, jobs: Sequence[str], key: str = "") -> Deleted:
@@ -116,7 +89,7 @@ def delete_jobs(database: Database, store: Store, jobs: Sequence[str], key: str 
         _delete_all(database, left, gone)
     finally:  # one may have been queued again meanwhile: what is gone leaves nothing behind
         _forget_scans(database, files)
-        done = _remove_files(database, store, files, Deleted(tuple(gone)), begun)
+        done = remove_files(database, store, files, Deleted(tuple(gone)), begun)
     return done
 
 
@@ -134,26 +107,11 @@ def _delete_all(database: Database, left: list[str], gone: list[str]) -> None:
         left = [job for job in waiting if job not in gone]
 
 
-def delete_person(database: Database, store: Store, name: str, key: str = "") -> Deleted:
-    """Delete a person's scans, uploads, jobs and all that was made of them.
-
-    Raises:
-        PersonUnknown: where there is nothing of that name.
-        JobNotEnded, JobShared: with the job that forbids it.
-    """
-    jobs, scans = find_person(database, name, key)
-    begun = time()
-    done = delete_jobs(database, store, jobs, key)
-    uploads = sum(_forget_upload(database, one, key) for one in scans)
-    rest = _remove_files(database, store, set(scans), Deleted(done.jobs, uploads), begun)
-    return Deleted(done.jobs, uploads, done.files + rest.files, done.size + rest.size, done.young + rest.young)
-
-
 def delete_upload(database: Database, store: Store, sha256: str, key: str = "") -> Deleted:
     """Forget that a key uploaded a file, and remove the file where no job names it."""
     begun = time()
-    count = _forget_upload(database, sha256, key)
-    return _remove_files(database, store, {sha256}, Deleted(uploads=count), begun)
+    count = forget_upload(database, sha256, key)
+    return remove_files(database, store, {sha256}, Deleted(uploads=count), begun)
 
 
 def _add_readers(database: Database, jobs: Sequence[str]) -> list[str]:
@@ -204,7 +162,8 @@ def _forget_scans(database: Database, files: Iterable[str]) -> None:
         session.execute(delete(ScanRow).where(ScanRow.sha256.in_(list(files)), unused))
 
 
-def _forget_upload(database: Database, sha256: str, key: str) -> int:
+def forget_upload(database: Database, sha256: str, key: str) -> int:
+    """Forget that a key (empty: any) uploaded a file; return how many rows that were."""
     with database.write() as session:
         wanted = UploadRow.sha256 == sha256
         rows = session.scalars(select(UploadRow).where(wanted & (UploadRow.key == key) if key else wanted)).all()
@@ -215,11 +174,13 @@ def _forget_upload(database: Database, sha256: str, key: str) -> int:
         return len(rows)
 
 
-def _remove_files(database: Database, store: Store, files: set[str], done: Deleted, begun: float) -> Deleted:
-    """Remove those of some files that no row names any more."""
-    with database.read() as session:
-        named = set(find_references(session))
+def remove_files(database: Database, store: Store, files: set[str], done: Deleted, begun: float) -> Deleted:
+    """Remove those of some files that no row names any more; none where a row is damaged, which may name one."""
+    named, damaged = find_all_references(database)
     count = size = young = 0
+    if damaged:
+        log.warning("no file is removed: %s", tell_rows(damaged))
+        return Deleted(done.jobs, done.uploads, young=len(files - named))
     for key in sorted(files - named):
         try:
             bytes_ = store.size(key)

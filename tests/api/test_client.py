@@ -120,7 +120,7 @@ def ask_everything(service: Client, finished: str, folder: Path) -> None:
     hook, _ = service.create_webhook("https://127.0.0.1.invalid/")
     assert service.test_webhook(hook.id).error and service.list_webhooks() == [hook]
     service.delete_webhook(hook.id)
-    refused(service.delete_person, "nobody")
+    refused(service.find_person, "nobody"), refused(service.delete_person, "nobody", True)
     service.list_materials(), service.read_material("denim"), service.import_materials(folder / "fabric.json")
     service.delete_material("mine")
     assert "garmentq" in service.read_metrics() and service.read_health()["version"] == garmentq.__version__

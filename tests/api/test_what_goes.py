@@ -41,6 +41,30 @@ def test_a_person_goes(client, keys, settings, database, store, tmp_path, monkey
     assert make_ply(0.25) in kept and not {make_ply(), make_ply(0.5), b"<svg/>" * 100} & kept
 
 
+def test_a_person_is_listed_first(client, keys, settings, database, store, tmp_path):
+    """Broken where a name is a pattern, a dry run deletes, or the operator is not told that it goes over other keys."""
+    mine, other, root = keys
+    job = ask(client, headers=mine, name="scan_01").json()["job"]
+    theirs = ask(client, headers=other, name="scan_01").json()["job"]
+    near = ask(client, 0.25, headers=mine, name="scan-01").json()["job"]
+    for one in (job, theirs, near):
+        finish(settings, database, store, one, tmp_path / one)
+    for wrong in ("%25", "scan%25", "SCAN_01", "scan_0_", "%00"):
+        for call in (client.get, client.delete):
+            assert code_of(call(f"/v1/persons/{wrong}", headers=mine)) == "person.unknown"
+    found = client.get("/v1/persons/scan_01", headers=mine).json()
+    assert [one["job"] for one in found["jobs"]] == [job] and len(found["keys"]) == 1
+    assert found["names"] == ["scan_01", "skirt.ply"] and [one["name"] for one in found["uploads"]] == ["skirt.ply"]
+    tried = client.delete("/v1/persons/scan_01", params={"dry_run": True}, headers=mine).json()
+    assert tried == {**tried, "found": found, "dry_run": True, "jobs": [], "uploads": 0}
+    every = client.delete("/v1/persons/scan_01", params={"dry_run": True}, headers=root).json()["found"]
+    assert {one["job"] for one in every["jobs"]} == {job, theirs} and len(every["keys"]) == 2
+    done = client.delete("/v1/persons/scan_01", headers=mine).json()
+    assert done["jobs"] == [job] and done["found"] == found
+    for one, headers in ((theirs, other), (near, mine)):
+        assert client.get(f"/v1/jobs/{one}", headers=headers).status_code == 200
+
+
 def test_a_template_goes(client, keys):
     """Broken where an imported template cannot be removed, a shipped one can, or anybody may."""
     pattern = client.get("/v1/templates/skirt", headers=keys[0]).content

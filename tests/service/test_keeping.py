@@ -12,13 +12,14 @@ from garmentq.core.pattern import Edge, Panel, Pattern
 from garmentq.core.simulate import Fabric
 from garmentq.service import audit
 from garmentq.service.backup import BackupRefused, make_backup, restore_backup
-from garmentq.service.deletion import PersonUnknown, delete_jobs, delete_person, find_old
+from garmentq.service.deletion import delete_jobs, find_old
 from garmentq.service.families import JobNotEnded
 from garmentq.service.home import HomeBusy, sweep, take_home, use_home
 from garmentq.service.jobs import JobUnknown, claim, fail, find_job
 from garmentq.service.kinds.recover import Recover
 from garmentq.service.kinds.rows import add_pattern
-from garmentq.service.models import AuditRow, JobRow, PanelRow, PatternRow, ScanRow
+from garmentq.service.models import ArtifactRow, AuditRow, JobRow, PanelRow, PatternRow, ScanRow, UploadRow
+from garmentq.service.persons import PersonUnknown, delete_person, find_person
 from garmentq.service.results import store_result
 from garmentq.service.verify import verify_store
 from garmentq_standin import make_recovery
@@ -152,6 +153,34 @@ def test_a_person_is_deleted_with_all_that_was_made(database, store, done, cli, 
     assert find_job(database, other) and verify_store(database, store, True).faults == ()
 
 
+def test_a_name_is_no_pattern(database, store, done, cli):
+    """Broken where `_` or `%` in a name, its case, or a second ending takes another person along."""
+    names = ("scan_01", "scan-01", "scanX01", "SCAN_01", "Scan_01.b", "other")
+    jobs = {name: done(name, name) for name in names}
+    with database.write() as session:
+        for number, name in enumerate(names):
+            scan = find_job(database, jobs[name]).scan
+            session.add(UploadRow(key="", sha256=scan, name=f"{name}.ply", size=1, created=float(number), kinds=[]))
+    for name in ("%", "scan%", "_can_01", "scan_0_", "scan_01.", "scan_01.PLY", "scan\x00", "Scan_01"):
+        with pytest.raises(PersonUnknown):
+            delete_person(database, store, name)
+    for name in ("scan_01", "scan_01.ply"):
+        found = find_person(database, name)
+        assert [one.job for one in found.jobs] == [jobs["scan_01"]] and found.names == ("scan_01", "scan_01.ply")
+    tried = cli("delete", "--person", "scan_01", "--dry-run", "--json")
+    assert [one["name"] for one in json.loads(tried.stdout)["uploads"]] == ["scan_01.ply"], tried
+    assert "scan_01.ply" in cli("delete", "--person", "scan_01", "--dry-run").stdout
+    old = json.loads(cli("delete", jobs["scan_01"], "--dry-run", "--json").stdout)
+    assert [one["job"] for one in old["jobs"]] == [jobs["scan_01"]]
+    assert all(find_job(database, job) for job in jobs.values()), "a dry run deletes nothing"
+    done_ = json.loads(cli("delete", "--person", "scan_01", "--yes", "--json").stdout)
+    assert done_["jobs"] == [jobs["scan_01"]] and done_["uploads"] == 1
+    assert [one["job"] for one in done_["found"]["jobs"]] == [jobs["scan_01"]]
+    assert all(find_job(database, jobs[name]) for name in names[1:])
+    with database.read() as session:
+        assert session.query(UploadRow).count() == len(names) - 1
+
+
 def test_what_is_old_is_found(database, done, queue_job, cli):
     """Broken where an open or a young job is deleted for its age."""
     old, young, open_ = done("old"), done("young"), queue_job("open")
@@ -215,3 +244,30 @@ def test_old_accesses_are_forgotten(database):
             session.add(AuditRow(at=at, key="", action="deleted", subject=subject, address="", request=""))
     assert audit.forget_accesses(database) == 1
     assert [access.subject for access in audit.list_accesses(database)] == ["young"]
+
+
+def test_the_log_keeps_no_person(database):
+    """Broken where the name of a person who was deleted stays in the log for a year."""
+    for path in ("/v1/persons/Anna%20B", "/v1/persons/Anna/x", "/v1/templates/mine"):
+        audit.record_access(database, "", "DELETE 200", path, ("", ""))
+    assert [one.subject for one in audit.list_accesses(database)] == ["/v1/templates/mine"] + ["/v1/persons/{name}"] * 2
+
+
+def test_an_export_is_its_keys(database, store, done):
+    """Broken where a key that shares a job finds the file that another one made of it."""
+    from garmentq.service.exports import find_export
+    from garmentq.service.keys import create_key, own
+    from garmentq.service.results import RESULT, ResultMissing
+    from garmentq.service.submission import JobRequest, add_job
+
+    first = done("first")
+    scan = find_job(database, first).scan
+    keys = [create_key(database, name, ("read",), 1)[0].id for name in ("a", "b")]
+    with database.write() as session:
+        made = add_job(session, JobRequest("export", {}, scan, "cut", inputs={"result": first})).job
+        session.get(JobRow, made).state = "succeeded"
+        own(session, keys[0], made)
+        session.add(ArtifactRow(job=made, kind=RESULT, name="pieces.pdf", sha256=scan, size=1, created=1.0))
+    assert {find_export(database, first, "pieces.pdf", key).sha256 for key in ("", keys[0])} == {scan}
+    with pytest.raises(ResultMissing):
+        find_export(database, first, "pieces.pdf", keys[1])

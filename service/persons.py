@@ -1,0 +1,172 @@
+"""Find what is kept of a person, and delete it: jobs and uploads of a name, and all made of the same files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from time import time
+from typing import Any, ClassVar, Self
+
+from sqlalchemy import Select, or_, select
+from sqlalchemy.orm import Session
+
+from ..core.errors import NotFound
+from .database import Database, begins
+from .deletion import Deleted, delete_jobs, find_doomed, forget_upload, remove_files
+from .garbage import find_hashes
+from .jobs import IDS_AT_ONCE, find_jobs_by_id
+from .models import JobRow, OwnerRow, ScanRow, UploadRow
+from .query import UNKEPT
+from .records import CLOSED
+from .store import Store
+
+
+class PersonUnknown(NotFound):
+    """No job, scan or upload has exactly this name; `garmentq status` lists the jobs."""
+
+    code = "person.unknown"
+
+
+@dataclass(frozen=True)
+class PersonJob:
+    """Name a job that goes with a person, and the API keys that see it; without keys it is the operator's own."""
+
+    __pydantic_config__: ClassVar = CLOSED
+    job: str
+    name: str
+    kind: str
+    keys: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class PersonUpload:
+    """Name a file that was uploaded of a person: its hash, the name that it was given, and the API key or empty."""
+
+    __pydantic_config__: ClassVar = CLOSED
+    sha256: str
+    name: str
+    key: str = ""
+
+
+@dataclass(frozen=True)
+class Person:
+    """Describe what is kept of a person.
+
+    Attributes:
+        name: Name that was asked for.
+        names: Names of jobs, scans and uploads that were found by it or by the files, sorted.
+        keys: Ids of all API keys that see one of the jobs or uploads, sorted; empty text: no key.
+        jobs: Jobs that go with the person: those of its files, all below them, and all that read their results.
+        uploads: Uploads of its files.
+        files: Hashes of the person's files.
+    """
+
+    __pydantic_config__: ClassVar = CLOSED
+    name: str
+    names: tuple[str, ...] = ()
+    keys: tuple[str, ...] = ()
+    jobs: tuple[PersonJob, ...] = ()
+    uploads: tuple[PersonUpload, ...] = ()
+    files: tuple[str, ...] = ()
+
+    @classmethod
+    def from_json(cls, found: Mapping[str, Any]) -> Self:
+        """Read a service's answer."""
+        jobs = tuple(PersonJob(**{**one, "keys": tuple(one["keys"])}) for one in found["jobs"])
+        uploads = tuple(PersonUpload(**one) for one in found["uploads"])
+        names, keys, files = (tuple(map(str, found[field])) for field in ("names", "keys", "files"))
+        return cls(str(found["name"]), names, keys, jobs, uploads, files)
+
+
+@dataclass(frozen=True)
+class PersonDeleted(Deleted):
+    """Describe what is gone of a person, and what was found of it before; a dry run deletes nothing."""
+
+    found: Person = field(default_factory=lambda: Person(""))
+    dry_run: bool = False
+
+
+def find_person(database: Database, name: str, key: str = "") -> Person:
+    """Find everything of a person: by the name of a job, a scan or an upload, then by the files themselves.
+
+    Names are compared exactly, letter by letter. A job has to be called `name`; a file `name`, or `name` and one
+    ending, which is what follows its last dot: `anna` finds `anna.ply`, neither `Anna.ply` nor `anna.smith.ply`.
+
+    Args:
+        database: Where to look.
+        name: What the person's jobs, scan or upload are called.
+        key: Only what this API key may see; empty: everything, of all keys.
+
+    Raises:
+        PersonUnknown: where there is nothing of that name.
+    """
+    return _find(database, name, key)[0]
+
+
+def delete_person(
+    database: Database, store: Store, name: str, key: str = "", is_dry_run: bool = False
+) -> PersonDeleted:
+    """Delete a person's scans, uploads, jobs and all that was made of them, and return what was found of it.
+
+    Raises:
+        PersonUnknown: where there is nothing of that name.
+        JobNotEnded, JobShared: with the job that forbids it.
+    """
+    found, roots = _find(database, name, key)
+    if is_dry_run:
+        return PersonDeleted(found=found, dry_run=True)
+    begun = time()
+    done = delete_jobs(database, store, roots, key)
+    uploads = sum(forget_upload(database, one, key) for one in found.files)
+    rest = remove_files(database, store, set(found.files), Deleted(done.jobs, uploads), begun)
+    files, size, young = done.files + rest.files, done.size + rest.size, done.young + rest.young
+    return PersonDeleted(done.jobs, uploads, files, size, young, found)
+
+
+def _find(database: Database, name: str, key: str) -> tuple[Person, list[str]]:
+    """Return a person, and the root jobs that go back to one of its files."""
+    with database.read() as session:
+        files = set() if UNKEPT.search(name) else _find_files(session, name, key)
+        if not files:
+            raise PersonUnknown(f"nothing is called exactly '{name[:80]}'; `garmentq status` lists the jobs.")
+        asked = _of_key(select(JobRow.id, JobRow.scan, JobRow.request).where(JobRow.parent.is_(None)), key)
+        rows = session.execute(asked.order_by(JobRow.created, JobRow.id)).all()
+    roots = [job for job, scan, request in rows if scan in files or not files.isdisjoint(find_hashes(request))]
+    doomed = find_doomed(database, roots)
+    jobs = describe_jobs(database, doomed, key)
+    with database.read() as session:
+        wanted = select(UploadRow).where(UploadRow.sha256.in_(files)).order_by(UploadRow.created, UploadRow.sha256)
+        rows_of_uploads = session.scalars(wanted.where(UploadRow.key == key) if key else wanted).all()
+        scans = [] if key else session.scalars(select(ScanRow.name).where(ScanRow.sha256.in_(files))).all()
+    uploads = tuple(PersonUpload(row.sha256, row.name, row.key) for row in rows_of_uploads)
+    names = {*(one.name for one in jobs), *(one.name for one in uploads), *scans}
+    keys = {one.key for one in uploads}.union(*(one.keys or ("",) for one in jobs))
+    return Person(name, tuple(sorted(names)), tuple(sorted(keys)), jobs, uploads, tuple(sorted(files))), roots
+
+
+def _find_files(session: Session, name: str, key: str) -> set[str]:
+    """Return the hashes of the files that a name stands for."""
+    named = _of_key(select(JobRow.scan).where(JobRow.name == name, JobRow.parent.is_(None)), key)
+    files = set(session.scalars(named))
+    for table in (UploadRow,) if key else (UploadRow, ScanRow):  # a scan's row has the name that the first key gave it
+        asked = select(table.sha256, table.name).where(or_(table.name == name, begins(table.name, f"{name}.")))
+        found = session.execute(asked.where(UploadRow.key == key) if key else asked)
+        files.update(sha256 for sha256, given in found if name in (given, given.rpartition(".")[0]))
+    return files
+
+
+def _of_key(asked: Select[Any], key: str) -> Select[Any]:
+    """Return a question for jobs, for those alone that an API key may see; empty: for all."""
+    return asked.join(OwnerRow, OwnerRow.job == JobRow.id).where(OwnerRow.key == key) if key else asked
+
+
+def describe_jobs(database: Database, jobs: Sequence[str], key: str = "") -> tuple[PersonJob, ...]:
+    """Describe those of some jobs that an API key may see; empty: all, with the keys that see them."""
+    keys = dict[str, list[str]]()
+    with database.read() as session:
+        for start in range(0, len(jobs), IDS_AT_ONCE):
+            owners = select(OwnerRow.job, OwnerRow.key).where(OwnerRow.job.in_(jobs[start : start + IDS_AT_ONCE]))
+            for job, owner in session.execute(owners.where(OwnerRow.key == key) if key else owners):
+                keys.setdefault(job, []).append(owner)
+    rows = find_jobs_by_id(database, [job for job in jobs if not key or job in keys])
+    return tuple(PersonJob(row.id, row.name, row.kind, tuple(sorted(keys.get(row.id, ())))) for row in rows)
