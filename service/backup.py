@@ -21,7 +21,8 @@ from ..core.errors import BadInput
 from .damage import DamagedRow
 from .database import Database, reachable
 from .garbage import find_all_references
-from .home import take_home
+from .home import take_home, tighten
+from .private import FILE, make_private
 from .settings import ServiceSettings
 from .store import ArtifactDamaged, ArtifactMissing, Store
 from .stores import open_store
@@ -78,7 +79,7 @@ def make_backup(settings: ServiceSettings, destination: Path, is_overwrite: bool
         raise BackupRefused(f"there is no database {source}; nothing to save.")
     if destination.exists() and not is_overwrite:
         raise BackupRefused(f"{destination} exists; name another file, or add --overwrite.")
-    destination.parent.mkdir(parents=True, exist_ok=True)
+    make_private(destination.parent)
     descriptor, partial = tempfile.mkstemp(prefix=f".{destination.name}.", dir=destination.parent)
     try:
         with os.fdopen(descriptor, "wb") as stream:
@@ -105,7 +106,7 @@ def restore_backup(settings: ServiceSettings, source: Path, is_overwrite: bool =
     target = _find_database(settings)
     if target.exists() and not is_overwrite:
         raise BackupRefused(f"{target} exists; restore into another --home, or add --overwrite to lose what is there.")
-    target.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+    make_private(target.parent)
     store = open_store(settings)
     with _alone(settings), tempfile.TemporaryDirectory(prefix=".restore-", dir=target.parent) as folder:
         snapshot = Path(folder) / DATABASE
@@ -114,7 +115,9 @@ def restore_backup(settings: ServiceSettings, source: Path, is_overwrite: bool =
         named, missing, rows = _check_snapshot(snapshot, kept)
         for ending in ("-wal", "-shm"):
             target.with_name(target.name + ending).unlink(missing_ok=True)
+        snapshot.chmod(FILE)
         os.replace(snapshot, target)
+    tighten(settings)
     return Saved(settings.home, len(named & kept), size, missing, rows=rows)
 
 

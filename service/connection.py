@@ -18,7 +18,9 @@ from .store import BLOCK
 SECONDS = httpx.Timeout(150.0, connect=5.0)
 """The service answers within 120 s or says that it cannot; a connection takes milliseconds."""
 
-PATIENT = ("key.too_many_requests", "key.uploads_open", "key.limited_open", "service.limited_full")
+PATIENT = (
+    "key.too_many_requests", "key.uploads_open", "key.downloads_open", "key.limited_open", "service.limited_full",
+)  # fmt: skip
 """Refusals that pass by themselves within seconds: the client waits as long as it is told, and asks again."""
 
 PATIENCE_SECONDS = 60.0

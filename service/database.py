@@ -40,6 +40,7 @@ from ..core.text import TextBad, has_unkept
 from .columns import RowDamaged, add_functions
 from .damage import DamagedRow, SoundSession, find_damaged, tell_rows
 from .lock import hold_lock
+from .private import make_private
 from .settings import ServiceSettingBad, ServiceSettings, hide_password
 
 log = logging.getLogger(__name__)
@@ -213,7 +214,7 @@ def open_database(settings: ServiceSettings, pooled: bool = True, is_upgraded: b
         DatabaseTooOld, DatabaseTooNew: where an older or a newer version made it.
     """
     try:
-        settings.home.mkdir(parents=True, exist_ok=True, mode=0o700)
+        make_private(settings.home)
         if not settings.database_url:  # SQLite would make it with the rights that the user's files have
             os.close(os.open(settings.home / "garmentq.db", os.O_RDWR | os.O_CREAT, 0o600))
     except OSError as error:

@@ -9,11 +9,18 @@ from time import time
 
 from ..core.errors import GarmentqError
 from .lock import share_lock, take_lock
+from .private import MASK, make_private_all
 from .settings import ServiceSettings
 
 IN_USE = "home.lock"
 """File of a home that its workers and its API hold together, and that a restore holds alone."""
 
+
+PARTS = ("store", "incoming", "work", "run", "cache", "broker", "results", "api.token")
+"""What a home holds beside its database, logs and locks; results of commands may lie there, too, and are the user's."""
+
+ENDINGS = (".db", ".db-wal", ".db-shm", ".log", ".lock")
+"""How the names of databases, logs and locks end."""
 
 LEFT_SECONDS = 86400.0
 """Age of what a killed process left behind [s]; no upload and no job takes so long."""
@@ -36,12 +43,23 @@ def use_home(settings: ServiceSettings) -> int:
     Raises:
         HomeBusy: where a restore goes on.
     """
-    os.umask(0o077)
+    os.umask(MASK)
     lock = share_lock(settings.home / IN_USE)
     if lock is None:
         raise HomeBusy()
     sweep(settings)
     return lock
+
+
+def tighten(settings: ServiceSettings) -> None:
+    """Take a home, and a store beside it, from all other users of the machine: earlier versions made some readable."""
+    if settings.home.is_dir():
+        settings.home.chmod(settings.home.stat().st_mode & 0o777 & ~MASK)
+        for path in settings.home.iterdir():
+            if path.name in PARTS or path.name.endswith(ENDINGS):
+                make_private_all(path)
+    if not settings.is_store_remote and settings.store_path.is_dir():
+        make_private_all(settings.store_path)
 
 
 def sweep(settings: ServiceSettings, now: float | None = None) -> int:

@@ -7,6 +7,8 @@ import secrets
 from pathlib import Path
 from urllib.parse import urlsplit
 
+from .private import make_private
+
 NAME = "api.token"
 
 
@@ -28,7 +30,7 @@ def make_local_token(home: Path) -> str:
     """Return the home's token; it is made where there is none, in a file that only its owner can read."""
     if known := read_local_token(home):
         return known
-    home.mkdir(parents=True, exist_ok=True, mode=0o700)
+    make_private(home)
     try:
         descriptor = os.open(home / NAME, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
     except FileExistsError:

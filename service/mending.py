@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -55,9 +54,9 @@ def submit_mended(services: Services, row: JobRow, wanted: Mended) -> Submitted:
         raise InputWrong(f"job {row.id} is a job '{row.kind}'; labels are of a job '{PERSON_KIND}'.")
     if LABELS not in {file.name for file in list_files(services.database, row.id)}:
         raise ResultMissing(f"job {row.id} left no labels; `garmentq status {row.id}` tells why.")
-    with tempfile.TemporaryDirectory(prefix="garmentq-labels-") as folder:
-        (stored,) = export_files(services.database, services.store, row.id, Path(folder), [LABELS])
-        mended = mend_labels(stored, read_mended(wanted.points), Path(folder) / "mended.npz")
+    with services.copying() as folder:
+        (stored,) = export_files(services.database, services.store, row.id, folder, [LABELS])
+        mended = mend_labels(stored, read_mended(wanted.points), folder / "mended.npz")
         file = FileRef(services.store.put(mended).sha256, LABELS)
     before = read_request(PersonRequest, row.request)
     request = pack_request(replace(before, labels=file, wearing=None, marks=(), given_as="person"))

@@ -12,7 +12,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import tempfile
+import secrets
 import time
 import uuid
 from collections.abc import Iterator, Sequence
@@ -277,20 +277,19 @@ class RemoteBackend(RemoteLibraries):
             raise ArtifactDamaged(f"the service names a file '{file.name[:80]}', which is no name; tell its operator.")
         path = folder.joinpath(*parts)
         path.parent.mkdir(parents=True, exist_ok=True)
-        descriptor, temporary = tempfile.mkstemp(dir=path.parent)
+        temporary = path.parent / f".garmentq-{secrets.token_hex(8)}"
         try:
             digest = hashlib.sha256()
             url = f"/v1/jobs/{quote(job, safe='')}/artifacts/{quote(file.name)}"
-            with os.fdopen(descriptor, "wb") as out, self._connection.reach(), self._connection.stream(url) as answer:
+            with temporary.open("xb") as out, self._connection.reach(), self._connection.stream(url) as answer:
                 for block in answer.iter_bytes():
                     digest.update(block)
                     out.write(block)
             if digest.hexdigest() != file.sha256:
                 raise ArtifactDamaged()
-            os.chmod(temporary, 0o644)
             os.replace(temporary, path)
         finally:
-            Path(temporary).unlink(missing_ok=True)
+            temporary.unlink(missing_ok=True)
         return path
 
 

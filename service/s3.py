@@ -12,6 +12,7 @@ from typing import Any, BinaryIO
 from urllib.parse import urlsplit
 
 from .database import DriverMissing
+from .private import make_private
 from .settings import ServiceSettingBad
 from .store import BLOCK, ArtifactMissing, Kept, StorageFull, Store, Stored, StoreUnreachable, check_key
 
@@ -65,7 +66,7 @@ class S3Store(Store):
 
     def check(self, free_bytes: int = 0) -> None:
         """Look whether the bucket answers, and whether the cache has room; a bucket has no end."""
-        self.root.mkdir(parents=True, exist_ok=True, mode=0o700)
+        make_private(self.root)
         super().check(free_bytes)
         with _reachable(""):
             self._client.head_bucket(Bucket=self.bucket)
@@ -78,7 +79,7 @@ class S3Store(Store):
         """
         path = self.root / check_key(sha256)
         if not path.is_file():
-            self.root.mkdir(parents=True, exist_ok=True, mode=0o700)
+            make_private(self.root)
             with tempfile.TemporaryDirectory(dir=self.root) as folder:
                 os.replace(self.copy(sha256, Path(folder) / sha256), path)
         return path
@@ -179,7 +180,7 @@ def _read_body(sha256: str, body: Any) -> Iterator[bytes]:
 @contextmanager
 def _spool(folder: Path) -> Iterator[Any]:
     try:
-        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+        make_private(folder)
         with tempfile.TemporaryFile(dir=folder) as stream:
             yield stream
     except OSError as error:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from .database import Database, open_database
+from .private import make_private
 from .settings import ServiceSettings
-from .store import Store
+from .store import Store, check_room
 from .stores import open_store
 
 
@@ -29,6 +33,18 @@ class Services:
     def incoming(self) -> Path:
         """Return the folder of unfinished transfers."""
         return self.settings.home / "incoming"
+
+    @contextmanager
+    def copying(self) -> Iterator[Path]:
+        """Make a folder for copies of stored files, which is gone after the block.
+
+        Raises:
+            StorageFull: where the disk has less room than `free_bytes`.
+        """
+        folder = make_private(self.incoming)
+        check_room(folder, self.settings.free_bytes)
+        with tempfile.TemporaryDirectory(dir=folder) as made:
+            yield Path(made)
 
 
 def open_services(settings: ServiceSettings, pooled: bool = True) -> Services:

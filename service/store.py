@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import io
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
 from ..core.errors import GarmentqError, Unavailable
+from .private import make_private
 
-BLOCK = 1 << 20
-"""Bytes read at a time."""
+BLOCK = 1 << 18
+"""Bytes read at a time; each download holds three or four blocks of memory."""
 
 
 class ArtifactDamaged(GarmentqError):
@@ -102,7 +104,7 @@ class Store:
             StorageFull, StoreUnreachable: where that cannot be done.
         """
         try:
-            self.root.mkdir(parents=True, exist_ok=True, mode=0o700)
+            make_private(self.root)
         except OSError as error:
             raise StorageFull(f"the store {self.root} cannot be made: {error.strerror}.") from error
 
@@ -116,16 +118,11 @@ class Store:
             StorageFull, StoreUnreachable: where it cannot.
         """
         try:
-            free = shutil.disk_usage(self.root).free
+            check_room(self.root, free_bytes)
         except OSError as error:
             raise StoreUnreachable(f"the store {self.root} is away: {error.strerror}; mount it again.") from error
         if not os.access(self.root, os.W_OK | os.X_OK):
             raise StoreUnreachable(f"the store {self.root} may not be written to; check its rights.")
-        if free < free_bytes:
-            raise StorageFull(
-                f"the store {self.root} has {free >> 20} MiB of room, less than the {free_bytes >> 20} MiB of "
-                "GARMENTQ_FREE_BYTES; free some disk space, and the jobs go on."
-            )
 
     def path(self, sha256: str) -> Path:
         """Return the place of a stored file.
@@ -206,9 +203,37 @@ class Store:
 
         Raises:
             ArtifactMissing: at once, where nothing is there.
+            ArtifactDamaged: where a link is there, which may lead to anybody's bytes.
         """
-        stream = self.path(sha256).open("rb")
-        return _read_blocks(stream, start, stop)
+        try:
+            descriptor = os.open(self.path(sha256), os.O_RDONLY | os.O_NOFOLLOW | os.O_CLOEXEC)
+        except FileNotFoundError:
+            raise ArtifactMissing() from None
+        except OSError as error:
+            if error.errno == errno.ELOOP:
+                raise ArtifactDamaged() from None
+            raise StoreUnreachable(f"the store {self.root} cannot be read: {error.strerror}.") from error
+        return _read_blocks(os.fdopen(descriptor, "rb"), start, stop)
+
+    def read_checked(self, sha256: str, size: int) -> Generator[bytes]:
+        """Return a stored file's bytes a block at a time, its last block only once the hash of them all is right.
+
+        So whoever has got all of `size` has the file that was put here. Nothing is opened before the first block.
+
+        Raises:
+            ArtifactMissing: in place of the first block.
+            ArtifactDamaged: in place of the last block, where the bytes changed.
+        """
+        digest, held = hashlib.sha256(), b""
+        for block in self.read(sha256, 0, size):
+            digest.update(block)
+            if held:
+                yield held
+            held = block
+        if digest.hexdigest() != sha256:
+            raise ArtifactDamaged()
+        if held:
+            yield held
 
     def list_kept(self) -> Iterator[Kept]:
         """Return every stored file, in no order; half-written ones are none."""
@@ -239,7 +264,7 @@ class Store:
             self.check()
         temporary = ""
         try:
-            incoming.mkdir(parents=True, exist_ok=True, mode=0o700)
+            make_private(incoming)
             descriptor, temporary = tempfile.mkstemp(dir=incoming)
             digest, size = hashlib.sha256(), 0
             with os.fdopen(descriptor, "wb") as out:
@@ -267,6 +292,25 @@ def _read_blocks(stream: BinaryIO, start: int, stop: int | None) -> Iterator[byt
         while block := stream.read(BLOCK if left is None else min(BLOCK, left)):
             left = None if left is None else left - len(block)
             yield block
+
+
+def check_room(folder: Path, free_bytes: int) -> None:
+    """Look whether the disk of a folder has room.
+
+    Args:
+        folder: The folder.
+        free_bytes: Room that it must have [bytes].
+
+    Raises:
+        StorageFull: where it has less.
+        OSError: where the folder is not there.
+    """
+    free = shutil.disk_usage(folder).free
+    if free < free_bytes:
+        raise StorageFull(
+            f"the disk of {folder} has {free >> 20} MiB of room, less than the {free_bytes >> 20} MiB of "
+            "GARMENTQ_FREE_BYTES; free some disk space, and the jobs go on."
+        )
 
 
 def hash_file(path: Path) -> Stored:

@@ -72,7 +72,7 @@ def broker_url(settings: ServiceSettings) -> str:
     """Return the address that Celery connects to.
 
     A socket is `redis+socket:///PATH?virtual_host=NUMBER` to Celery and `unix:///PATH?db=NUMBER` to redis-py; both are
-    taken. Celery takes any certificate for a `rediss://` that does not say `ssl_cert_reqs`; here it must be a trusted one.
+    taken. Celery takes any certificate for a `rediss://` that does not say `ssl_cert_reqs`; here it must be trusted.
     """
     if settings.broker_url.startswith("rediss://") and "ssl_cert_reqs=" not in settings.broker_url:
         joint = "&" if "?" in settings.broker_url else "?"

@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 
+from ..service.private import make_private
+
 
 def launch(command: Sequence[str], log: Path, environment: Mapping[str, str] | None = None) -> int:
     """Start a command in a session of its own, with nothing to read and its output added to a log.
@@ -15,7 +17,7 @@ def launch(command: Sequence[str], log: Path, environment: Mapping[str, str] | N
     Returns:
         The process id, which is also that of its group.
     """
-    log.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+    make_private(log.parent)
     actions = [
         (os.POSIX_SPAWN_OPEN, 0, os.devnull, os.O_RDONLY, 0),
         (os.POSIX_SPAWN_OPEN, 1, os.fspath(log), os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600),

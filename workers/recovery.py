@@ -29,6 +29,7 @@ from ..service.database import Database, DatabaseUnreachable
 from ..service.jobs import Claim, FenceLost, claim_next, end_cancelled, fail, put_off, release
 from ..service.kinds import Kind, Turned, Work, find_files, find_kind, read_request
 from ..service.outage import find_outage, note_outage
+from ..service.private import make_private
 from ..service.progress import Pace, Pacer, learn_pace, report
 from ..service.results import CHECKPOINT, PREVIOUS, export_files, load_checkpoint, save_checkpoint, store_result
 from ..service.services import Services
@@ -197,7 +198,7 @@ def _fail(database: Database, held: Claim, error: BaseException) -> None:
 @contextmanager
 def work_folder(root: Path, job: str) -> Iterator[Path]:
     """Make an empty folder for a job for the block; what an attempt that was killed left behind is removed first."""
-    root.mkdir(parents=True, exist_ok=True, mode=0o700)
+    make_private(root)
     for left in root.glob(f"{job}-*"):
         shutil.rmtree(left, ignore_errors=True)
     with tempfile.TemporaryDirectory(prefix=f"{job}-", dir=root, ignore_cleanup_errors=True) as folder:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 
 from ..records import Artifact
 from ..store import Store
@@ -35,15 +35,19 @@ class _Pipe(io.RawIOBase):
         return content
 
 
-def pack_files(store: Store, files: Sequence[Artifact]) -> Iterator[bytes]:
-    """Return an archive of some files, block by block; each is read from the store when its turn comes."""
+def pack_files(store: Store, files: Sequence[Artifact]) -> Generator[bytes]:
+    """Return an archive of some files, block by block; each is read from the store when its turn comes.
+
+    Raises:
+        ArtifactMissing, ArtifactDamaged: in place of the next block; what came until then is no whole archive.
+    """
     pipe = _Pipe()
     with zipfile.ZipFile(pipe, "w", zipfile.ZIP_STORED) as archive:
         for file in files:
             member = zipfile.ZipInfo(file.name, EPOCH)
             member.file_size = file.size
             with archive.open(member, "w", force_zip64=file.size > 2**31) as out:
-                for block in store.read(file.sha256):
+                for block in store.read_checked(file.sha256, file.size):
                     out.write(block)
                     yield pipe.take()
     yield pipe.take()

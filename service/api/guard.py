@@ -45,6 +45,9 @@ are passed on only after a look at the key or session, one row of the database."
 CALLER = "garmentq.caller"
 """Where a request's caller stands, for the routes."""
 
+IS_HEAD = "garmentq.is_head"
+"""Where it stands that a request is a HEAD, of which no body is sent."""
+
 CSRF_HEADER = b"x-csrf-token"
 """What a page sends along with each change, besides its session's cookie."""
 
@@ -286,7 +289,7 @@ def _is_text(scope: Message) -> bool:
 
 def _as_get(scope: Message) -> Message:
     """Return a HEAD as the GET that it stands for; the server drops the body, for its own scope stays as it is."""
-    return {**scope, "method": "GET"} if scope["method"] == "HEAD" else scope
+    return {**scope, "method": "GET", IS_HEAD: True} if scope["method"] == "HEAD" else scope
 
 
 def _address(scope: Message) -> str:

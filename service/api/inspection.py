@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import tempfile
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Depends, Query, Request
@@ -63,13 +61,8 @@ async def inspect(
 
     def work(is_stopped: IsStopped) -> Any:
         row = find_upload(rooms.database, caller.key, sha256, "scans")
-        with tempfile.TemporaryDirectory(dir=_prepare(rooms.incoming)) as folder:
-            path = rooms.store.copy(row.sha256, Path(folder) / clean_name(row.name))
+        with rooms.copying() as folder:
+            path = rooms.store.copy(row.sha256, folder / clean_name(row.name))
             return inspect_scan(path, options | {"is_quick": asked.is_quick}, is_stopped)
 
     return await rooms.limited.run(request, caller.key, work)
-
-
-def _prepare(folder: Path) -> Path:
-    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-    return folder

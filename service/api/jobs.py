@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import tempfile
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -203,8 +202,8 @@ def _create(
     if isinstance(wanted, DerivedIn):
         done = submit_derived(rooms, _derive(rooms, caller, wanted, nonce), is_stopped)
     else:
-        with tempfile.TemporaryDirectory(prefix="order-", dir=_incoming(rooms)) as folder:
-            order = check_order(rooms, _unpack(rooms, caller, wanted, Path(folder)), wanted.template)
+        with rooms.copying() as folder:
+            order = check_order(rooms, _unpack(rooms, caller, wanted, folder), wanted.template)
             done = submit(rooms.database, rooms.store, replace(order, nonce=nonce))
     if token is not None:
         end_once(rooms.database, caller.key, token, done.job)
@@ -214,11 +213,6 @@ def _create(
 def fingerprint(wanted: JobIn | DerivedIn) -> dict[str, Any]:
     """Return what makes a repeated request the same; of one without later versions' fields what earlier ones made."""
     return wanted.model_dump(exclude={name for name in ADDED if not getattr(wanted, name, None)})
-
-
-def _incoming(rooms: Rooms) -> Path:
-    rooms.incoming.mkdir(parents=True, exist_ok=True, mode=0o700)
-    return rooms.incoming
 
 
 def _derive(rooms: Rooms, caller: Caller, wanted: DerivedIn, nonce: str) -> DerivedOrder:

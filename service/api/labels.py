@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
-from pathlib import Path
 from typing import Any
 
 from fastapi import APIRouter, Response
@@ -28,8 +26,8 @@ def mend(job: str, wanted: LabelsIn, response: Response, rooms: RoomsOf, caller:
     """
     row = find_own(rooms, caller, job)
     kept = find_upload(rooms.database, caller.key, wanted.points, "labels")
-    with tempfile.TemporaryDirectory(prefix="labels-") as folder:
-        points = rooms.store.copy(kept.sha256, Path(folder) / "points.npy")
+    with rooms.copying() as folder:
+        points = rooms.store.copy(kept.sha256, folder / "points.npy")
         done = submit_mended(rooms, row, Mended(points, caller.key, caller.quota, find_realm(rooms, caller)))
     response.headers["location"] = f"/v1/jobs/{done.job}"
     response.status_code = 202 if done.is_new else 200

@@ -17,7 +17,8 @@ PREFIX = "GARMENTQ_API_"
 class ApiLimits:
     """Bound requests. What is counted by key does not bind the local user of a service without keys, but for streams.
 
-    Rates, uploads and streams are counted by each API process for itself; bytes of a day and jobs in the database.
+    Rates, uploads, downloads and streams are counted by each API process for itself; bytes of a day and jobs in the
+    database.
 
     Attributes:
         upload_bytes: Largest upload [bytes]; 512 MiB as for files on disk (`core.scan.Limits`).
@@ -31,6 +32,9 @@ class ApiLimits:
             times a second, and a core answers about 200.
         burst: Requests of one key at once, after a silence; a page that shows a result and its files asks for 20.
         uploads: Uploads of one key at a time; fifty were measured within 300 MB of memory.
+        downloads: Downloads of one key at a time; a browser opens six at once, each holds a file and 1 MiB of memory.
+        stalled_seconds: Longest time that an answer may lie unread [s]; a phone network pauses for a few seconds, and a
+            client that reads slowly but steadily goes on.
         head_seconds: Longest time until a request's head is whole [s]; a phone network takes less than one.
         connections_per_address: Connections that one address may hold open. A proxy is one address: it needs as many as
             it has clients, up to `server.CONNECTIONS`.
@@ -53,6 +57,8 @@ class ApiLimits:
     requests_per_second: float = 50.0
     burst: int = 200
     uploads: int = 50
+    downloads: int = 32
+    stalled_seconds: float = 30.0
     head_seconds: float = 10.0
     connections_per_address: int = 200
     wrong_keys: int = 20

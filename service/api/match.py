@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tempfile
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -54,8 +53,8 @@ async def match(
         given[ours] = theirs
 
     def work(is_stopped: IsStopped) -> Any:
-        with tempfile.TemporaryDirectory() as folder:
-            files = [_find_file(rooms, caller, word, Path(folder) / str(at)) for at, word in enumerate((first, second))]
+        with rooms.copying() as folder:
+            files = [_find_file(rooms, caller, word, folder / str(at)) for at, word in enumerate((first, second))]
             return match_files(files[0], files[1], given, only_given, outlines, is_stopped)
 
     return await rooms.limited.run(request, caller.key, work)

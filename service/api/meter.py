@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from ...core.errors import GarmentqError
+from ...core.errors import GarmentqError, Unavailable
 from .limits import ApiLimits
 
 FORGIVEN_SECONDS = 10.0
@@ -16,6 +16,10 @@ FORGIVEN_SECONDS = 10.0
 TRIAL_SECONDS, TRIALS = 10.0, 5
 """A key may send a webhook a message for trial so often [s] in the long run, and so many at once: a person who sets one
 up tries some times a minute, and who looks for hosts by it gets nowhere."""
+
+DOWNLOADS = 256
+"""Downloads of this process at a time, whoever asks: each holds an open file beside its connection, and a process may
+have 1024 of both."""
 
 MOST_ADDRESSES = 10_000
 """Addresses and keys that are remembered, so that nobody fills the memory."""
@@ -36,6 +40,18 @@ class UploadsOpen(GarmentqError):
     """The key has as many uploads under way as it may; wait until one has ended."""
 
     code = "key.uploads_open"
+
+
+class DownloadsOpen(GarmentqError):
+    """The key has as many downloads under way as it may; wait until one has ended."""
+
+    code = "key.downloads_open"
+
+
+class DownloadsFull(Unavailable):
+    """The service sends as many files as it may at a time; ask again when Retry-After says."""
+
+    code = "service.downloads_full"
 
 
 class StreamsFull(GarmentqError):
@@ -62,7 +78,7 @@ class LimitedFull(GarmentqError):
 
 
 class Meter:
-    """Count requests, uploads, event streams and limited processes by key."""
+    """Count requests, uploads, downloads, event streams and limited processes by key."""
 
     def __init__(self, limits: ApiLimits, now: Callable[[], float] = time.monotonic) -> None:
         """Begin with every key at rest.
@@ -153,6 +169,27 @@ class Meter:
             yield
         finally:
             self._end("upload", key)
+
+    @contextmanager
+    def downloading(self, key: str) -> Iterator[None]:
+        """Count one download for the block.
+
+        Raises:
+            DownloadsOpen: where the key has as many under way as it may.
+            DownloadsFull: where all keys together have.
+        """
+        most = self._limits.downloads if key else None
+        if not self._begin("download", key, most):
+            raise DownloadsOpen(f"the key has {most} downloads under way, as many as it may; wait until one has ended.")
+        try:
+            if not self._begin("any download", "", DOWNLOADS):
+                raise DownloadsFull()
+            try:
+                yield
+            finally:
+                self._end("any download", "")
+        finally:
+            self._end("download", key)
 
     @contextmanager
     def streaming(self, key: str) -> Iterator[None]:

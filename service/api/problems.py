@@ -35,6 +35,7 @@ STATUSES = {
     "key.too_many_requests": 429,
     "key.uploads_open": 429,
     "key.limited_open": 429,
+    "key.downloads_open": 429,
     "key.day_bytes": 429,
     "job.kind_unknown": 422,
     "job.not_ended": 409,

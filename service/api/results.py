@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
-from pathlib import Path
 from typing import Any
 
 from fastapi import APIRouter, Request, Response
-from fastapi.responses import FileResponse, StreamingResponse
-from starlette.types import Message, Receive, Scope, Send
+from fastapi.responses import StreamingResponse
 
 from ..exports import find_export
 from ..models import BodyRow
@@ -19,9 +15,10 @@ from ..states import ENDED
 from .access import Reader, Rooms, RoomsOf, find_own
 from .answers import Files, Result, Wearer
 from .archive import pack_files
+from .download import Download, Shown, send_file
 from .jobs import EXAMPLE as JOB
 from .jobs import show_job
-from .problems import ALWAYS, make_problem, show_answer, show_refusals
+from .problems import ALWAYS, show_answer, show_refusals
 
 router = APIRouter(tags=["results"])
 
@@ -60,7 +57,7 @@ def list_artifacts(job: str, rooms: RoomsOf, caller: Reader) -> Any:
 @router.get(
     "/jobs/{job}/artifacts/{name:path}",
     summary="Download a file of a job.",
-    response_class=FileResponse,
+    response_class=StreamingResponse,
     responses={
         200: {"description": "The file.", "content": {"application/octet-stream": {"example": "(bytes)"}}},
         206: {"description": "The bytes that `Range` asked for.", "content": {"application/octet-stream": {}}},
@@ -69,12 +66,16 @@ def list_artifacts(job: str, rooms: RoomsOf, caller: Reader) -> Any:
     },
 )
 def download(job: str, name: str, request: Request, rooms: RoomsOf, caller: Reader) -> Response:
-    """Return a file, checked against its hash. The name is looked up in the job's list and is never a path."""
+    """Return a file. The name is looked up in the job's list and is never a path.
+
+    It is hashed while it is sent: of one that is damaged less comes than `Content-Length` says. Parts that `Range` asks
+    for are not hashed; the `ETag` is the hash of the whole.
+    """
     row = find_own(rooms, caller, job)
     found = [file for file in _find_files(rooms, row.id) if file.name == name]
     if not found:
         raise ResultMissing(f"job {row.id} has no file '{name[:80]}'; /v1/jobs/{row.id}/artifacts lists them.")
-    return _send(rooms, found[0], request)
+    return send_file(rooms, caller, found[0], request)
 
 
 @router.get(
@@ -87,19 +88,19 @@ def download(job: str, name: str, request: Request, rooms: RoomsOf, caller: Read
     },
 )
 def download_all(job: str, rooms: RoomsOf, caller: Reader) -> Response:
-    """Return all files of a job as one .zip; each has its hash in the job's list."""
+    """Return all files of a job as one .zip, which breaks off where one is damaged; their list has their hashes."""
     row = find_own(rooms, caller, job)
     files = _find_files(rooms, row.id)
     if not files:
         raise ResultMissing(f"job {row.id} has no files; `garmentq status {row.id}` tells why.")
     headers = {"content-disposition": f'attachment; filename="{row.id}.zip"'}
-    return StreamingResponse(pack_files(rooms.store, files), media_type="application/zip", headers=headers)
+    return Download(rooms, caller, pack_files(rooms.store, files), Shown("application/zip", headers))
 
 
 @router.get(
     "/jobs/{job}/exports/{name}",
     summary="Download a file of a job's newest export that has one of the name.",
-    response_class=FileResponse,
+    response_class=StreamingResponse,
     responses={
         200: {"description": "The file.", "content": {"application/octet-stream": {"example": "(bytes)"}}},
         206: {"description": "The bytes that `Range` asked for.", "content": {"application/octet-stream": {}}},
@@ -110,7 +111,8 @@ def download_all(job: str, rooms: RoomsOf, caller: Reader) -> Response:
 def download_export(job: str, name: str, request: Request, rooms: RoomsOf, caller: Reader) -> Response:
     """Return a file that a job of kind `export` wrote of this job's result; it makes none."""
     row = find_own(rooms, caller, job)
-    return _send(rooms, find_export(rooms.database, row.id, name, "" if caller.sees_all else caller.key), request)
+    found = find_export(rooms.database, row.id, name, "" if caller.sees_all else caller.key)
+    return send_file(rooms, caller, found, request)
 
 
 @router.get(
@@ -130,47 +132,3 @@ def show_body(job: str, rooms: RoomsOf, caller: Reader) -> Any:
 
 def _find_files(rooms: Rooms, job: str) -> list[Artifact]:
     return [Artifact.from_row(row) for row in list_files(rooms.database, job)]
-
-
-def _send(rooms: Rooms, file: Artifact, request: Request) -> Response:
-    etag = f'"{file.sha256}"'
-    if request.headers.get("if-none-match", "").strip() == "*" or etag in request.headers.get("if-none-match", ""):
-        return Response(status_code=304, headers={"etag": etag})
-    rooms.incoming.mkdir(parents=True, exist_ok=True, mode=0o700)
-    descriptor, temporary = tempfile.mkstemp(dir=rooms.incoming)
-    os.close(descriptor)
-    try:
-        rooms.store.copy(file.sha256, Path(temporary))
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
-    return _Passing(
-        temporary,
-        headers={"etag": etag},
-        media_type="application/octet-stream",  # never a type that a browser would run
-        filename=Path(file.name).name,
-    )
-
-
-class _Passing(FileResponse):
-    """Send a temporary file and remove it, whatever becomes of the sending; a range that cannot be is a problem."""
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        refused: Message | None = None
-
-        async def watch(message: Message) -> None:
-            nonlocal refused
-            if message["type"] == "http.response.start" and message["status"] >= 400:
-                refused = message
-            if refused is None:
-                await send(message)
-
-        try:
-            await super().__call__(scope, receive, watch)
-        finally:
-            Path(self.path).unlink(missing_ok=True)
-        if refused is not None:
-            answer = make_problem(refused["status"], "request.range", "the file has no such range; ask for its list.")
-            kept = {n.decode(): v.decode() for n, v in refused["headers"] if n == b"content-range"}
-            answer.headers.update(kept)
-            await answer(scope, receive, send)

@@ -16,6 +16,7 @@ from starlette.requests import ClientDisconnect
 
 from ...core.errors import BadInput
 from ..deletion import Deleted, delete_upload
+from ..private import make_private
 from ..store import StorageFull
 from ..submission import clean_name
 from ..uploads import check_day, find_upload, keep_upload
@@ -109,7 +110,7 @@ def _refuse_length(request: Request, rooms: Rooms) -> int:
 @asynccontextmanager
 async def _received(request: Request, rooms: Rooms, suffix: str) -> AsyncIterator[Path]:
     """Write the body to a temporary file for the block; it is gone afterwards, whatever happens."""
-    rooms.incoming.mkdir(parents=True, exist_ok=True, mode=0o700)
+    make_private(rooms.incoming)
     descriptor, temporary = tempfile.mkstemp(dir=rooms.incoming, suffix=suffix)
     try:
         digest = hashlib.sha256()

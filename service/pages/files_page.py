@@ -8,13 +8,14 @@ from collections.abc import Sequence
 from fastapi import Request, Response
 
 from ..api.access import Rooms, RoomsOf, find_own
+from ..api.download import BYTES, Download, Shown, send_file, slice_bytes
 from ..records import Artifact
 from ..results import ResultMissing, list_files
 from .page_route import make_router
 from .session import VisitorOf
 from .shell import Visitor
 from .shown_meshes import MESHES, SCANS, WORN
-from .stored_files import REPORT, find_file, list_pictures, make_thumbnail, pack_files, read_bytes
+from .stored_files import MOST_REPORT, REPORT, find_file, list_pictures, make_thumbnail, pack_files
 
 router = make_router()
 
@@ -29,14 +30,14 @@ KEPT = "private, max-age=86400"
 
 
 @router.get("/results/{job}/report")
-def show_report(job: str, rooms: RoomsOf, visitor: VisitorOf) -> Response:
+def show_report(job: str, request: Request, rooms: RoomsOf, visitor: VisitorOf) -> Response:
     """Return the stored report to look at."""
     row = find_own(rooms, visitor.caller, job)
     file = find_file(rooms, row.id, REPORT)
     if file is None:
         raise ResultMissing("the job has no report.")
-    headers = {"content-security-policy": REPORT_POLICY}
-    return Response(read_bytes(rooms, file), media_type="text/html; charset=utf-8", headers=headers)
+    shown = Shown("text/html; charset=utf-8", {"content-security-policy": REPORT_POLICY})
+    return send_file(rooms, visitor.caller, file, request, shown)
 
 
 @router.get("/results/{job}/pictures/{number}")
@@ -71,7 +72,8 @@ def _send_packed(job: str, names: Sequence[str], request: Request, rooms: Rooms,
     headers = {"etag": etag, "cache-control": KEPT}
     if etag in request.headers.get("if-none-match", ""):
         return Response(status_code=304, headers=headers)
-    return Response(pack_files(rooms.store, tuple(files)), media_type="application/octet-stream", headers=headers)
+    packed = slice_bytes(pack_files(rooms.store, tuple(files)))
+    return Download(rooms, visitor.caller, packed, Shown(BYTES, headers))
 
 
 @router.get("/jobs/{job}/thumbnail")
@@ -79,7 +81,7 @@ def show_thumbnail(job: str, request: Request, rooms: RoomsOf, visitor: VisitorO
     """Return a job's small picture; a blank one where its result has none."""
     row = find_own(rooms, visitor.caller, job)
     file = find_file(rooms, row.id, REPORT)
-    if file is None:
+    if file is None or file.size > MOST_REPORT:
         return Response(BLANK, media_type="image/svg+xml")
     etag = f'"{file.sha256}"'
     if etag in request.headers.get("if-none-match", ""):

@@ -6,6 +6,7 @@ import base64
 import io
 import json
 import re
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -14,7 +15,7 @@ from ...core.errors import GarmentqError
 from ..records import Artifact
 from ..results import list_files
 from ..services import Services
-from ..store import Store
+from ..store import ArtifactDamaged, ArtifactMissing, Store
 
 REPORT = "report.html"
 
@@ -26,6 +27,9 @@ SHOWN = ("Detail mesh, front", "both wearers", "all garments", "contact sheet", 
 
 THUMBNAIL = (112, 150)
 """Largest width and height of a small picture [pixel]: twice the size it is shown in, for dense screens."""
+
+MOST_REPORT = 32 * 1024**2
+"""Largest report whose pictures are shown by themselves [bytes]; ours are below 5 MB."""
 
 MOST_JSON = 4 * 1024**2
 """Largest JSON file that a page reads [bytes]; ours are below 100 kB."""
@@ -46,8 +50,8 @@ def find_file(services: Services, job: str, name: str) -> Artifact | None:
 
 
 def read_bytes(services: Services, file: Artifact) -> bytes:
-    """Return a file's content."""
-    return b"".join(services.store.read(file.sha256))
+    """Return a file's content, checked against its hash."""
+    return services.store.get_bytes(file.sha256)
 
 
 def read_json(services: Services, job: str, name: str) -> Any:
@@ -62,15 +66,19 @@ def read_json(services: Services, job: str, name: str) -> Any:
 
 
 def list_pictures(services: Services, job: str) -> tuple[Picture, ...]:
-    """Return the pictures of a result's report; none where it has no report."""
+    """Return the pictures of a result's report; none where it has no report, or one that is damaged or too large."""
     file = find_file(services, job, REPORT)
-    return () if file is None else _read_pictures(services.store, file.sha256)
+    if file is None or file.size > MOST_REPORT:
+        return ()
+    with suppress(ArtifactMissing, ArtifactDamaged):
+        return _read_pictures(services.store, file.sha256)
+    return ()
 
 
 @lru_cache(maxsize=16)
 def _read_pictures(store: Store, sha256: str) -> tuple[Picture, ...]:
     """Read them out of the stored report; a hash is for ever the same content."""
-    text = b"".join(store.read(sha256)).decode("utf-8", "replace")
+    text = store.get_bytes(sha256).decode("utf-8", "replace")
     return tuple(Picture(title, kind, base64.b64decode(data)) for title, kind, data in PICTURE.findall(text))
 
 
@@ -78,7 +86,7 @@ def pack_files(store: Store, files: tuple[tuple[str, str], ...]) -> bytes:
     """Return files of a result, each a name and a hash, as `pack_shown` packs them for a view."""
     from .shown_meshes import WORN, pack_shown
 
-    content = {name: b"".join(store.read(sha256)) for name, sha256 in files}
+    content = {name: store.get_bytes(sha256) for name, sha256 in files}
     worn = content.pop(WORN, None)
     return pack_shown({name.removesuffix(".ply"): mesh for name, mesh in content.items()}, worn)
 

@@ -1,0 +1,47 @@
+"""Folders and files that only their user may open: scans of bodies, names and hashes of keys are nobody else's."""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from pathlib import Path
+
+FOLDER = 0o700
+"""Rights of a folder of a home."""
+
+FILE = 0o600
+"""Rights of a file of a home."""
+
+MASK = 0o077
+"""What a process that works on a home takes off the rights of all that it makes."""
+
+
+def make_private(folder: Path) -> Path:
+    """Make a folder, and every missing one above it, for one user alone, and return it; one that is there stays.
+
+    `Path.mkdir(parents=True, mode=...)` gives the mode to the last folder only.
+
+    Raises:
+        OSError: where it cannot be made.
+    """
+    for above in reversed(folder.parents):
+        if not above.exists():
+            above.mkdir(mode=FOLDER, exist_ok=True)
+    folder.mkdir(mode=FOLDER, exist_ok=True)
+    return folder
+
+
+def make_private_all(path: Path) -> None:
+    """Take a file, or a folder with all below it, from all other users; links and what belongs to others are left."""
+    _close(path)
+    if path.is_dir() and not path.is_symlink():
+        for folder, folders, files in os.walk(path):
+            for name in (*folders, *files):
+                _close(Path(folder, name))
+
+
+def _close(path: Path) -> None:
+    with suppress(FileNotFoundError, PermissionError):
+        if not path.is_symlink():
+            mode = path.stat().st_mode & 0o777
+            path.chmod(mode & ~MASK)
