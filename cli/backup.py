@@ -8,6 +8,7 @@ import click
 
 from . import exits
 from .options import json_option, known_home_option
+from .output import writing
 
 
 @click.command("backup")
@@ -32,7 +33,8 @@ def command(context: click.Context, file: Path, overwrite: bool, home: Path | No
     from ..service.settings import read_settings
     from .terminal import note, print_json
 
-    saved = make_backup(read_settings(home=home), file.absolute(), overwrite)
+    with writing(file, is_private=True):
+        saved = make_backup(read_settings(home=home), file.absolute(), overwrite)
     status = exits.INCOMPLETE if saved.damaged or saved.missing or saved.rows else exits.OK
     if as_json:
         lost = {"missing": len(saved.missing), "damaged": len(saved.damaged), "rows": len(saved.rows)}

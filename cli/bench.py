@@ -18,6 +18,7 @@ from .bench_process import one_thread, run_in_process
 from .bench_raw import STATE_NAMES, RawChoice, run_raw_packs
 from .bench_target import TargetOrder, empty_line
 from .options import gather, json_option, method_options
+from .output import NewFolder
 
 if TYPE_CHECKING:
     from ..core.measure import Pack
@@ -54,7 +55,7 @@ bench_options = gather(
         click.option("--damage", is_flag=True, help="Damage each target in ten ways and compare with the clean truth."),
         click.option("--ablate", is_flag=True, help="Switch off one part of inverse loop and deformer at a time."),
         click.option(
-            "--out", type=click.Path(file_okay=False, path_type=Path), help="Keep each result in OUT/TARGET/."
+            "--out", type=NewFolder(), help="Keep each result in OUT/TARGET/."
         ),
         click.option(
             "--timeout",

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from .options import NewFile, json_option
+from .options import json_option
+from .output import NewFile, writing
 
 
 @click.group("bodies")
@@ -65,9 +66,10 @@ def export(spec: str, out: Path, as_json: bool) -> None:
         raise click.UsageError(f"'{out.name}' is no .ply; bodies are written as PLY.")
     body = load_smpl(Path(spec)) if is_smpl(spec) else builtin_body(spec)
     joints = {name: [round(float(x), 6) for x in place] for name, place in zip(JOINTS, body.joints, strict=True)}
-    write_ply(body.vertices, body.faces, out)
     beside = out.with_name(f"{out.stem}_joints.json")
-    beside.write_text(_dump(joints), encoding="utf-8")
+    with writing(out):
+        write_ply(body.vertices, body.faces, out)
+        beside.write_text(_dump(joints), encoding="utf-8")
     if as_json:
         print_json({"file": str(out), "joints_file": str(beside), "source": body.source, "joints_m": joints})
     else:

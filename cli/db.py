@@ -23,7 +23,7 @@ def command() -> None:
 @home_option
 @json_option
 def upgrade(home: Path | None, as_json: bool) -> None:
-    """Make the tables or bring them up to date, and make the store's folder or bucket.
+    """Make the tables or bring them up to date, make the store's folder or bucket, and close the home to other users.
 
     No other command changes tables that are there: one of an older version could not use them afterwards. A deployment
     runs this once before its workers start. Two at the same time wait for each other.
@@ -33,6 +33,7 @@ def upgrade(home: Path | None, as_json: bool) -> None:
       garmentq db upgrade
     """
     from ..service.database import open_database, read_revision
+    from ..service.home import tighten
     from ..service.settings import hide_password, read_settings
     from ..service.stores import open_store
     from .terminal import note, print_json
@@ -43,6 +44,7 @@ def upgrade(home: Path | None, as_json: bool) -> None:
         revision = read_revision(session.connection())
     database.dispose()
     open_store(settings).prepare()
+    tighten(settings)
     address = hide_password(settings.database)
     if as_json:
         print_json({"database": address, "revision": revision})

@@ -12,6 +12,7 @@ import click
 from ..service.states import QUEUES, State
 from . import exits
 from .options import gather, home_option, json_option, lenient_option, timeout_option, workers_option
+from .output import NewFolder
 
 if TYPE_CHECKING:
     from ..service.derived import DerivedOrder
@@ -49,7 +50,7 @@ def derived_options(function: Callable[..., Any]) -> Callable[..., Any]:
         timeout_option,
         lenient_option,
         click.option(
-            "--out", type=click.Path(file_okay=False, path_type=Path), help="Folder for the result's files; waits."
+            "--out", type=NewFolder(), help="Folder for the result's files; waits."
         ),
         workers_option,
         home_option,
@@ -95,4 +96,4 @@ def run_derived(order: DerivedOrder, options: DerivedOptions) -> int:
     note(f"job {done.job}" + ("" if done.is_new else f" (known, {done.state})"))
     folder = options.out or settings.home / "results" / done.job
     wait = Wait(options.timeout, options.as_json, keep_up, options.lenient)
-    return wait_and_show(backend, done.job, folder.absolute(), wait)
+    return wait_and_show(backend, done.job, folder.absolute(), wait, in_home=options.out is None)

@@ -39,6 +39,7 @@ USAGE_CODES = (
     "fabric.shipped",
     "command.local_only",
     "serve.host_bad",
+    "output.unwritable",
 )
 """Errors in what was typed, not in a file."""
 

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..core.formats.registry import DIALECTS, FORMATS
 from .options import gather, json_option, known_home_option, out_option, timeout_option, workers_option
+from .output import writing
+
+if TYPE_CHECKING:
+    from ..service.backend import Backend
 
 LARGEST_TABLE = 1 << 20
 """Most bytes of a table of allowances or sizes."""
@@ -89,7 +93,7 @@ def command(
         raise click.UsageError("--dialect, --allowance, --paper, --fold and --texel go with --as FORMAT.")
     backend = open_backend(read_settings(home=production.home))
     found = backend.find_job(job)
-    _print_paths(found.id, backend.export_files(found.id, production.out.absolute(), names), production.as_json)
+    _print_paths(found.id, _copy(backend, found.id, production, names), production.as_json)
 
 
 def read_options(production: ProductionOptions) -> dict[str, Any]:
@@ -149,8 +153,13 @@ def write_production(job: str, options: Mapping[str, Any], production: Productio
     if report.error:
         print_error(report.error.code, report.error.message)
     if report.state == State.SUCCEEDED:
-        _print_paths(done.job, backend.export_files(done.job, production.out.absolute()), production.as_json)
+        _print_paths(done.job, _copy(backend, done.job, production), production.as_json)
     return exits.job_status(report, False)
+
+
+def _copy(backend: Backend, job: str, production: ProductionOptions, names: Sequence[str] = ()) -> list[Path]:
+    with writing(production.out):
+        return backend.export_files(job, production.out.absolute(), names)
 
 
 def _print_paths(job: str, paths: list[Path], as_json: bool) -> None:

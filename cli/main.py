@@ -14,6 +14,7 @@ from .. import __version__
 from ..core.errors import GarmentqError
 from ..core.text import TextBad, has_unkept
 from . import exits
+from .output import keep_mask
 
 COMMANDS = {
     "run": "Recover a garment: submit it, work on it here, wait, and show the result.",
@@ -131,7 +132,8 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the command line; an error of ours ends in one line, never in a traceback."""
     try:
         _refuse_text(sys.argv[1:] if arguments is None else arguments)
-        status = group.main(args=arguments, prog_name="garmentq", standalone_mode=False)
+        with keep_mask():
+            status = group.main(args=arguments, prog_name="garmentq", standalone_mode=False)
     except click.ClickException as error:
         error.show()
         status = error.exit_code
@@ -146,6 +148,12 @@ def main(arguments: list[str] | None = None) -> None:
     except BrokenPipeError:
         sys.stderr.close()
         status = exits.OK
+    except OSError as error:  # a path that cannot be read, a full disk: whatever names no code itself
+        from .output import FileUnusable
+        from .terminal import print_error
+
+        print_error(FileUnusable.code, f"{error}; check the path, its rights and the room on its disk.")
+        status = exits.BAD_INPUT
     sys.exit(status if isinstance(status, int) else exits.OK)
 
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .options import NewFile, home_option, json_option
+from .options import home_option, json_option
+from .output import NewFile, writing
 
 if TYPE_CHECKING:
     from ..service.backend import Backend
@@ -107,7 +108,9 @@ def export_command(names: tuple[str, ...], out: Path, home: Path | None) -> None
     from ..core.simulate import write_fabrics
 
     backend = _open(home)
-    write_fabrics([backend.read_material(name) for name in dict.fromkeys(names)], out)
+    fabrics = [backend.read_material(name) for name in dict.fromkeys(names)]
+    with writing(out):
+        write_fabrics(fabrics, out)
     click.echo(str(out))
 
 

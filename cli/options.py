@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import wraps
@@ -13,6 +12,7 @@ import click
 
 from ..core.settings import METHODS, PRESETS, RecoverySettings
 from ..service.order import GIVEN_AS
+from .output import NewFolder, keep_private
 
 Decorator = Callable[..., Any]
 
@@ -24,11 +24,13 @@ AXES = ("y", "z", "-y", "-z")
 
 home_option = click.option(
     "--home",
+    callback=keep_private,
     type=click.Path(file_okay=False, path_type=Path),
     help="Folder of the database, the store and the logs.  [default: ~/.local/share/garmentq]",
 )
 known_home_option = click.option(
     "--home",
+    callback=keep_private,
     type=click.Path(exists=True, file_okay=False, path_type=Path),
     help="Folder of the database, the store and the logs; it must be there.  [default: ~/.local/share/garmentq]",
 )
@@ -39,7 +41,7 @@ workers_option = click.option(
     "--workers", type=click.IntRange(1, 256), help="Jobs at a time, if a worker has to be started.  [default: cores]"
 )
 out_option = click.option(
-    "--out", "-o", type=click.Path(file_okay=False, path_type=Path), default=Path("."), help="Folder.  [default: here]"
+    "--out", "-o", type=NewFolder(), default=Path("."), help="Folder.  [default: here]"
 )
 timeout_option = click.option(
     "--timeout", type=click.FloatRange(min=0.0), help="Stop waiting after this many seconds; the job continues."
@@ -49,25 +51,6 @@ allow_host_option = click.option(
     help="Name by which a proxy on this machine calls the API; may be given more than once.",
 )  # fmt: skip
 lenient_option = click.option("--lenient", is_flag=True, help="Exit with 0 even where a result fails a check.")
-
-
-class NewFile(click.Path):
-    """Take the path of a file to be written, in a folder that is there and may be written to."""
-
-    def __init__(self) -> None:
-        """Refuse folders, and files that may not be written over."""
-        super().__init__(dir_okay=False, writable=True, path_type=Path)
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the path.
-
-        Raises:
-            BadParameter: where no file can be written there.
-        """
-        path = Path(os.fsdecode(super().convert(value, param, ctx)))
-        if not (path.parent.is_dir() and os.access(path.parent, os.W_OK)):
-            self.fail(f"'{path.parent}' is no folder that can be written to.", param, ctx)
-        return path
 
 
 def gather(record: type, options: Sequence[Decorator], name: str = "options") -> Decorator:

@@ -19,6 +19,7 @@ from .options import (
     wait_options,
     workers_option,
 )
+from .output import NewFolder, writing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -35,7 +36,7 @@ LONGEST_FOLDER = 60
 @click.argument("file", type=click.Path(path_type=Path))
 @order_options
 @home_option
-@click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="Folder for the result's files.")
+@click.option("--out", type=NewFolder(), help="Folder for the result's files.")
 @workers_option
 @wait_options
 @verbose_option
@@ -102,7 +103,7 @@ def command(
         folder = out or settings.home / "results" / submitted.job
         if out is not None and len(parts) > 1:
             folder = out / folder_name(part.keep[0])
-        statuses.append(wait_and_show(backend, submitted.job, folder.absolute(), wait, verbose))
+        statuses.append(wait_and_show(backend, submitted.job, folder.absolute(), wait, verbose, out is None))
         if statuses[-1] == exits.DETACHED:  # one Ctrl-C is for all of them
             break
     click.get_current_context().exit(exits.worst(statuses))
@@ -113,7 +114,9 @@ def folder_name(label: str) -> str:
     return "".join(c if c.isalnum() or c in "-_" else "_" for c in label[:LONGEST_FOLDER]) or "_"
 
 
-def wait_and_show(backend: Backend, job: str, folder: Path, wait: Wait, verbose: bool = False) -> int:
+def wait_and_show(
+    backend: Backend, job: str, folder: Path, wait: Wait, verbose: bool = False, in_home: bool = False
+) -> int:
     """Wait for a job and all below it, bring their files out, and show what they found.
 
     Args:
@@ -122,6 +125,7 @@ def wait_and_show(backend: Backend, job: str, folder: Path, wait: Wait, verbose:
         folder: Folder for its files; those of a job below it go into a folder of that one's name.
         wait: How its end is awaited; with `as_json` one object is printed instead of tables.
         verbose: Print every number instead of the summary.
+        in_home: The folder is one of the home, for its user alone.
 
     Returns:
         Exit status, the worst of the family.
@@ -144,7 +148,8 @@ def wait_and_show(backend: Backend, job: str, folder: Path, wait: Wait, verbose:
     folders = name_folders(family, folder)
     for found in family:
         files: list[Path] = []
-        with suppress(ResultMissing):  # not every kind of job has files, and what failed has them seldom
+        # not every kind of job has files, and what failed has them seldom
+        with suppress(ResultMissing), writing(folder, in_home):
             files = backend.export_files(found.id, folders[found.id])
         if wait.as_json:
             here = {path.relative_to(folders[found.id]).as_posix(): str(path) for path in files}

@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from .options import Decorator, gather, json_option
+from .output import NewFolder, writing
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ def hint_options(function: Decorator) -> Decorator:
 
 @click.command("segment")
 @click.argument("scan", type=click.Path(path_type=Path))
-@click.option("--out", required=True, type=click.Path(file_okay=False, path_type=Path), help="Folder for the files.")
+@click.option("--out", required=True, type=NewFolder(), help="Folder for the files.")
 @hint_options
 @json_option
 def command(scan: Path, out: Path, options: HintOptions, as_json: bool) -> None:
@@ -71,8 +72,9 @@ def command(scan: Path, out: Path, options: HintOptions, as_json: bool) -> None:
     given = read_given(PersonFiles(scan, options.labels, body, units=options.units, up=options.up))
     raw = given.raw
     separation = separate(raw, Hints(given.label, wearing, marks, find_wearer(given, options.body, SILENT)))
-    out.mkdir(parents=True, exist_ok=True)
-    files = write_person(raw, separation, out)
+    with writing(out):
+        out.mkdir(parents=True, exist_ok=True)
+        files = write_person(raw, separation, out)
     found = describe_person(raw, separation) | {"files": [str(path) for path in files]}
     if as_json:
         print_json(found)

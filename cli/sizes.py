@@ -18,7 +18,11 @@ from .export import ProductionOptions, production_options, read_options, read_ta
 @click.option("--step", type=float, default=4.0, show_default=True, help="Between sizes, in bust, waist and hip [cm].")
 @click.option("--range", "span", default="-2..2", show_default=True, help="Steps below and above the wearer's size.")
 @click.option("--drape", is_flag=True, help="Drape each size on a body by its measures, too; 10 to 30 s of CPU a size.")
-@click.option("--table", help="A file of sizes instead: name,bust,waist,hip,height in cm, CSV or JSON.")
+@click.option(
+    "--table",
+    type=click.Path(exists=True, dir_okay=False),
+    help="A file of sizes instead: name,bust,waist,hip,height in cm, CSV or JSON.",
+)
 @production_options
 @click.pass_context
 def command(
@@ -66,10 +70,12 @@ def read_sizes(text: str) -> list[dict[str, Any]]:
             if not all(isinstance(line, dict) for line in found):
                 raise ValueError
             return list(found)
-        lines = [
+        rows = [
             {key.strip().lower(): value.strip() for key, value in line.items() if key and value and value.strip()}
             for line in csv.DictReader(io.StringIO(text))
         ]
-        return [{key: value if key == "name" else float(value) for key, value in line.items()} for line in lines]
+        if not rows:
+            raise ValueError
+        return [{key: value if key == "name" else float(value) for key, value in line.items()} for line in rows]
     except (ValueError, TypeError, AttributeError, RecursionError, csv.Error) as error:
         raise click.UsageError("a table of sizes has the head name,bust,waist,hip,height and a line a size.") from error

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .options import NewFile, home_option, json_option
+from .options import home_option, json_option
+from .output import NewFile, writing
 
 if TYPE_CHECKING:
     from ..core.pattern import Pattern
@@ -138,7 +139,9 @@ def export_command(name: str, out: Path, home: Path | None) -> None:
     """
     from ..core.pattern import save_pattern
 
-    save_pattern(_load(name, home), out)
+    pattern = _load(name, home)
+    with writing(out):
+        save_pattern(pattern, out)
     click.echo(str(out))
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
+
 from garmentq_home import (  # noqa: F401
     blank_database,
     cli,
@@ -13,3 +16,5 @@ from garmentq_home import (  # noqa: F401
     settings,
     store,
 )
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "api"))
