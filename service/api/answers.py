@@ -16,7 +16,9 @@ from ..webhook_records import Webhook as WebhookRecord
 from .schemas import Sha256
 
 
-class _Answer(BaseModel):
+class Answer(BaseModel):
+    """Be the base of answers: each has its fields and no other."""
+
     model_config = ConfigDict(extra="forbid")
 
 
@@ -24,7 +26,7 @@ def _show(record: type, identifier: str) -> Any:
     """Return the model of a record whose `id` goes by another name in JSON."""
     hints = get_type_hints(record)
     names = {identifier if item.name == "id" else item.name: (hints[item.name], ...) for item in fields(record)}
-    return create_model(record.__name__, __base__=_Answer, __doc__=record.__doc__, **names)  # type: ignore[call-overload]
+    return create_model(record.__name__, __base__=Answer, __doc__=record.__doc__, **names)  # type: ignore[call-overload]
 
 
 Brief: Any = _show(records.Job, "job")
@@ -32,7 +34,7 @@ Job: Any = _show(records.JobReport, "job")
 Key: Any = _show(records.Key, "key")
 
 
-class Place(_Answer):
+class Place(Answer):
     """Point at a place of a pattern, by the document's numbers; the point in its unit and the panel's axes."""
 
     panel: str
@@ -41,7 +43,7 @@ class Place(_Answer):
     point: tuple[float, float] | None
 
 
-class Finding(_Answer):
+class Finding(Answer):
     """Describe one thing that is wrong with a pattern: `code` is stable."""
 
     code: str
@@ -51,7 +53,7 @@ class Finding(_Answer):
     places: list[Place]
 
 
-class Problem(_Answer):
+class Problem(Answer):
     """Describe what is wrong (RFC 9457): `code` is stable, `detail` names the next step.
 
     `findings` come with a pattern that cannot be draped.
@@ -65,7 +67,7 @@ class Problem(_Answer):
     findings: list[Finding] = []
 
 
-class Upload(_Answer):
+class Upload(Answer):
     """Name a file that was uploaded: its hash, cleaned name, and size [bytes]."""
 
     sha256: Sha256
@@ -73,7 +75,7 @@ class Upload(_Answer):
     size: int
 
 
-class ScanRead(_Answer):
+class ScanRead(Answer):
     """Describe a scan as it was read; `file_count` are the file's points before it was cleaned."""
 
     name: str
@@ -89,7 +91,7 @@ class ScanRead(_Answer):
     notes: list[str]
 
 
-class Need(_Answer):
+class Need(Answer):
     """Describe what a job would need beside the scan."""
 
     code: str
@@ -111,7 +113,7 @@ class Inspection(BaseModel):
     needs: Need | None
 
 
-class Asked(_Answer):
+class Asked(Answer):
     """Answer a request for a recovery; `is_new` is false where an equal job existed."""
 
     job: str
@@ -119,7 +121,7 @@ class Asked(_Answer):
     is_new: bool
 
 
-class Changed(_Answer):
+class Changed(Answer):
     """Return a job's state after what was asked."""
 
     job: str
@@ -132,31 +134,31 @@ class Result(Job):
     files: list[Artifact]
 
 
-class Jobs(_Answer):
+class Jobs(Answer):
     """List jobs."""
 
     jobs: list[Job]
 
 
-class Briefs(_Answer):
+class Briefs(Answer):
     """List how far some jobs are; those that are unknown, or another key's, are left out."""
 
     jobs: list[Brief]
 
 
-class Files(_Answer):
+class Files(Answer):
     """List the files of a job."""
 
     files: list[Artifact]
 
 
-class Versions(_Answer):
+class Versions(Answer):
     """List the versions of a result."""
 
     versions: list[Version]
 
 
-class Wearer(_Answer):
+class Wearer(Answer):
     """Show the wearer as a job saw it: joints [m] by name."""
 
     job: str
@@ -166,7 +168,7 @@ class Wearer(_Answer):
     parameters: dict[str, Any]
 
 
-class Templates(_Answer):
+class Templates(Answer):
     """List base patterns."""
 
     templates: list[Template]
@@ -188,7 +190,7 @@ class Material(BaseModel):
     sources: dict[str, str]
 
 
-class Materials(_Answer):
+class Materials(Answer):
     """List fabrics."""
 
     materials: list[Material]
@@ -200,7 +202,7 @@ class NewKey(Key):
     token: str
 
 
-class Keys(_Answer):
+class Keys(Answer):
     """List API keys."""
 
     keys: list[Key]
@@ -215,13 +217,13 @@ class NewWebhook(Webhook):
     secret: str
 
 
-class Webhooks(_Answer):
+class Webhooks(Answer):
     """List webhooks."""
 
     webhooks: list[Webhook]
 
 
-class Pair(_Answer):
+class Pair(Answer):
     """Return how two panels differ: how they were paired, turning distance [rad], area of the first over the second's.
 
     The best fit turns the first over (x becomes -x) where `turned_over`, then by `angle`, and moves it by `shift`.
@@ -238,7 +240,7 @@ class Pair(_Answer):
     shift: tuple[float, float]
 
 
-class Match(_Answer):
+class Match(Answer):
     """Compare two patterns: their pairs of panels, and the panels that have no counterpart."""
 
     pairs: list[Pair]
@@ -248,14 +250,14 @@ class Match(_Answer):
     second_outlines: dict[str, list[tuple[float, float]]] | None = None
 
 
-class EdgeOf(_Answer):
+class EdgeOf(Answer):
     """Name an edge."""
 
     panel: str
     edge: int
 
 
-class PanelMeasures(_Answer):
+class PanelMeasures(Answer):
     """Measure a panel and its edges, in the document's order."""
 
     panel: str
@@ -263,7 +265,7 @@ class PanelMeasures(_Answer):
     edges_mm: list[float]
 
 
-class SeamMeasures(_Answer):
+class SeamMeasures(Answer):
     """Measure both sides of a seam; the mismatch is the first less the second."""
 
     a: EdgeOf
@@ -273,7 +275,7 @@ class SeamMeasures(_Answer):
     is_gathered: bool
 
 
-class MirrorImage(_Answer):
+class MirrorImage(Answer):
     """Pair the control points of two panels that are mirror images; a move of the source's times `matrix` is its
     image's."""
 
@@ -283,7 +285,7 @@ class MirrorImage(_Answer):
     matrix: list[tuple[float, float]]
 
 
-class PatternCheck(_Answer):
+class PatternCheck(Answer):
     """Find what is wrong with a pattern, and measure it."""
 
     is_sound: bool
@@ -299,14 +301,14 @@ class PatternEdited(PatternCheck):
     pattern: dict[str, Any]
 
 
-class Health(_Answer):
+class Health(Answer):
     """Report that the process lives, and its version."""
 
     status: Literal["ok"]
     version: str
 
 
-class Readiness(_Answer):
+class Readiness(Answer):
     """Report `ok` of database and store; otherwise the answer is a problem.
 
     `troubles` says in words what keeps accepted jobs from running: no worker, a silent dispatcher, an outage.

@@ -6,7 +6,6 @@ import os
 import re
 from collections.abc import Collection
 from contextlib import suppress
-from typing import Any
 
 from fastapi import Depends, FastAPI
 from fastapi.middleware.cors import CORSMiddleware
@@ -29,6 +28,7 @@ from . import (
     labels,
     match,
     materials,
+    messages,
     patterns,
     persons,
     questions,
@@ -38,7 +38,7 @@ from . import (
     webhooks,
 )
 from .access import Rooms, refuse_text, refuse_unknown
-from .answers import Problem
+from .description import describe, name_operation
 from .guard import Guard
 from .limited_calls import LimitedCalls
 from .limits import ApiLimits
@@ -71,7 +71,10 @@ def make_app(
         ServiceSettingBad: where the environment names an origin or a proxy that is none.
     """
     limits = limits or ApiLimits()
-    app = FastAPI(title="garmentq", version=__version__, description=DESCRIPTION, docs_url=None, redoc_url=None)
+    app = FastAPI(
+        title="garmentq", version=__version__, description=DESCRIPTION, docs_url=None, redoc_url=None,
+        generate_unique_id_function=name_operation,
+    )  # fmt: skip
     meter, store = Meter(limits), open_store(settings)
     with suppress(Unavailable):  # `/readyz` tells of a store that is away
         store.prepare()
@@ -82,6 +85,7 @@ def make_app(
     for module in (uploads, inspection, batches, jobs, labels, events, results, questions, *libraries):
         app.include_router(module.router, prefix="/v1", dependencies=[Depends(refuse_unknown), Depends(refuse_text)])
     app.include_router(health.router)
+    app.webhooks.include_router(messages.router)
     app.include_router(pages.router)
     add_handlers(app)
     app.add_middleware(Guard, limits=limits, is_open=is_open, hosts=hosts)
@@ -117,12 +121,3 @@ def read_origins() -> list[str]:
 def show_page(app: FastAPI) -> HTMLResponse:
     """Answer with the description of every route."""
     return HTMLResponse(draw_page(app.openapi()), headers={"content-security-policy": POLICY})
-
-
-def describe(app: FastAPI) -> dict[str, Any]:
-    """Return the OpenAPI document, with the schema that every refusal refers to."""
-    if not app.openapi_schema:
-        found = FastAPI.openapi(app)
-        found["components"]["schemas"]["Problem"] = Problem.model_json_schema()
-    assert app.openapi_schema is not None
-    return app.openapi_schema

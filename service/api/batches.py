@@ -34,9 +34,9 @@ QUEUE = {"states": {"queued": 3, "running": 2}, "workers": [WORKER], "outages": 
 
 
 @router.post(
-    "/jobs/states", summary="Tell how far many jobs are.", responses=show_answer({"jobs": [BRIEF]}, 200, Briefs)
+    "/jobs/states", summary="Tell how far many jobs are.", responses=show_answer({"jobs": [BRIEF]}, 200, Briefs, (408,))
 )
-def tell_states(wanted: JobsIn, rooms: RoomsOf, caller: Reader) -> Any:
+def list_states(wanted: JobsIn, rooms: RoomsOf, caller: Reader) -> Any:
     """Return the jobs of some ids in their order, with `below` then all jobs below them.
 
     Those that are unknown, or another key's, are left out.
@@ -53,7 +53,7 @@ def tell_states(wanted: JobsIn, rooms: RoomsOf, caller: Reader) -> Any:
 
 
 @router.get("/queue", summary="Count the jobs and list the workers.", responses=show_answer(QUEUE, 200, Queue))
-def tell_queue(rooms: RoomsOf, caller: Reader) -> Any:
+def show_queue(rooms: RoomsOf, caller: Reader) -> Any:
     """Count the caller's jobs by state, and give the living workers; their names to the scope `admin` only."""
     queue = read_queue(rooms.database)
     if caller.sees_all:

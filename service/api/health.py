@@ -15,7 +15,7 @@ from ..health import find_troubles, hide_places, read_queue
 from ..shown_errors import show_message
 from .access import Rooms, RoomsOf, Watcher
 from .answers import Health, Readiness
-from .problems import ALWAYS, make_problem, show_answer, show_refusals
+from .problems import ALWAYS, BEFORE, make_problem, show_answer, show_refusals
 
 log = logging.getLogger(__name__)
 
@@ -31,17 +31,17 @@ READY: dict[str, Any] = {
 HEALTHY: dict[int | str, dict[str, Any]] = {200: show_answer({"status": "ok", "version": "0.1.0"}, 200, Health)[200]}
 
 
-@router.get("/healthz", summary="Tell that the process lives.", responses={**HEALTHY, **show_refusals(403)})
-async def tell_health() -> Any:
+@router.get("/healthz", summary="Tell that the process lives.", responses={**HEALTHY, **show_refusals(*BEFORE)})
+async def show_health() -> Any:
     """Answer without touching anything."""
     return {"status": "ok", "version": __version__}
 
 
 @router.get(
     "/readyz", summary="Tell whether database and store can be used.",
-    responses={200: READY, **show_refusals(403, 503)},
+    responses={200: READY, **show_refusals(*BEFORE)},
 )  # fmt: skip
-async def tell_readiness(rooms: RoomsOf) -> Response:
+async def show_readiness(rooms: RoomsOf) -> Response:
     """Answer 503 where database or store is away: then nothing can be taken. Nothing is written for the answer.
 
     What keeps jobs from running is told beside it; jobs can be handed in all the same.
@@ -76,7 +76,7 @@ def _look(rooms: Rooms) -> Response:
         **show_refusals(*ALWAYS),
     },
 )  # fmt: skip
-def give_metrics(rooms: RoomsOf, caller: Watcher) -> Response:
+def show_metrics(rooms: RoomsOf, caller: Watcher) -> Response:
     """Return numbers of all keys' jobs; for the scope `metrics`."""
     try:
         text = importlib.import_module(METRICS).prometheus_text(rooms.database)

@@ -46,7 +46,7 @@ class Looked:
 
 
 @router.get(
-    "/scans/{sha256}/inspection", summary="Tell what is understood of an uploaded scan.",
+    "/scans/{sha256}/inspection", name="inspect_scan", summary="Tell what is understood of an uploaded scan.",
     responses=show_answer(EXAMPLE, model=Inspection),
 )  # fmt: skip
 async def inspect(

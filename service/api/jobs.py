@@ -126,14 +126,16 @@ def list_jobs(
     return answer_query(rooms, caller, JobQuery(given.chosen, limit=limit, offset=offset))
 
 
-@router.get("/{job}", summary="Show a job and what it found.", responses=show_answer(EXAMPLE, model=Job))
+@router.get(
+    "/{job}", name="show_job", summary="Show a job and what it found.", responses=show_answer(EXAMPLE, model=Job),
+)  # fmt: skip
 def show_one(job: str, rooms: RoomsOf, caller: Reader) -> Any:
     """Return one job; a local user may name it by its first letters."""
     return show_job(rooms, find_own(rooms, caller, job))
 
 
 @router.get(
-    "/{job}/versions", summary="List the versions of a result.",
+    "/{job}/versions", name="list_versions", summary="List the versions of a result.",
     responses=show_answer({"versions": [VERSION]}, model=Versions),
 )  # fmt: skip
 def show_versions(job: str, rooms: RoomsOf, caller: Reader) -> Any:

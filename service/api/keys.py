@@ -24,8 +24,9 @@ KeyId = Annotated[str, Path(pattern="^[0-9A-Za-z]{1,16}$")]
 
 
 @router.post(
-    "", status_code=201, summary="Make a key.", responses=show_answer(EXAMPLE | {"token": "gq_..."}, 201, NewKey)
-)
+    "", status_code=201, name="create_key", summary="Make a key.",
+    responses=show_answer(EXAMPLE | {"token": "gq_..."}, 201, NewKey, (408,)),
+)  # fmt: skip
 def create(wanted: KeyIn, rooms: RoomsOf, caller: Admin) -> Any:
     """Make a key; the token is in this answer and never again."""
     row, token = create_key(
@@ -34,13 +35,16 @@ def create(wanted: KeyIn, rooms: RoomsOf, caller: Admin) -> Any:
     return KeyRecord.from_row(row).as_json() | {"token": token}
 
 
-@router.get("", summary="List the keys.", responses=show_answer({"keys": [EXAMPLE]}, model=Keys))
+@router.get("", name="list_keys", summary="List the keys.", responses=show_answer({"keys": [EXAMPLE]}, model=Keys))
 def list_all(rooms: RoomsOf, caller: Admin) -> Any:
     """Return every key, without its token."""
     return {"keys": [KeyRecord.from_row(row).as_json() for row in list_keys(rooms.database)]}
 
 
-@router.delete("/{key}", summary="Revoke a key.", responses=show_answer(EXAMPLE | {"revoked": 1795250900.0}, model=Key))
+@router.delete(
+    "/{key}", name="revoke_key", summary="Revoke a key.",
+    responses=show_answer(EXAMPLE | {"revoked": 1795250900.0}, model=Key),
+)  # fmt: skip
 def revoke(key: KeyId, rooms: RoomsOf, caller: Admin) -> Any:
     """Take a key back; its jobs stay."""
     return KeyRecord.from_row(revoke_key(rooms.database, key)).as_json()

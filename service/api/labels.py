@@ -19,7 +19,7 @@ router = APIRouter(tags=["jobs"])
     "/jobs/{job}/labels", status_code=202, summary="Take a person apart anew with mended labels.",
     responses=show_created(),
 )  # fmt: skip
-def mend(job: str, wanted: LabelsIn, response: Response, rooms: RoomsOf, caller: Submitter) -> Any:
+def mend_labels(job: str, wanted: LabelsIn, response: Response, rooms: RoomsOf, caller: Submitter) -> Any:
     """Queue a new job for the same scan, by labels for the points of the job's `segmented.ply`; the old one stays.
 
     The same labels once more are the same job: 200, not 202.

@@ -30,7 +30,7 @@ PAIR = {
     "/match", summary="Compare two patterns panel by panel.",
     responses=show_answer({"pairs": [PAIR], "only_first": [], "only_second": ["pocket"]}, model=Match),
 )  # fmt: skip
-async def match(
+async def match_patterns(
     first: Annotated[str, Query(max_length=64, examples=["3685ecfd4f81"])],
     second: Annotated[str, Query(max_length=64, examples=["tshirt"])],
     request: Request,

@@ -21,14 +21,17 @@ EXAMPLE = {
 }  # fmt: skip
 
 
-@router.get("", summary="List the fabrics.", responses=show_answer({"materials": [EXAMPLE]}, model=Materials))
+@router.get(
+    "", name="list_materials", summary="List the fabrics.",
+    responses=show_answer({"materials": [EXAMPLE]}, model=Materials),
+)  # fmt: skip
 def list_all(rooms: RoomsOf, caller: Reader) -> Any:
     """Return every fabric, shipped and imported, in SI units."""
     return {"materials": [show_fabric(fabric) for fabric in list_materials(rooms.database)]}
 
 
 @router.get("/{name}", summary="Show a fabric.", responses=show_answer(EXAMPLE, model=Material))
-def show(name: Text, rooms: RoomsOf, caller: Reader) -> Any:
+def show_material(name: Text, rooms: RoomsOf, caller: Reader) -> Any:
     """Return one fabric, with the source of every number."""
     return show_fabric(read_material(rooms.database, name))
 
@@ -36,7 +39,7 @@ def show(name: Text, rooms: RoomsOf, caller: Reader) -> Any:
 @router.put(
     "/{name}", status_code=201, summary="Import a fabric.", responses=show_answer(EXAMPLE, 201, Material, (408,))
 )
-def import_one(name: FabricName, wanted: FabricIn, rooms: RoomsOf, caller: Admin) -> Any:
+def import_material(name: FabricName, wanted: FabricIn, rooms: RoomsOf, caller: Admin) -> Any:
     """Check a fabric in SI units and keep it; one imported before under the name is replaced."""
     from ...core.simulate import check_fabric
 
@@ -47,7 +50,10 @@ def import_one(name: FabricName, wanted: FabricIn, rooms: RoomsOf, caller: Admin
     return show_fabric(fabric)
 
 
-@router.delete("/{name}", summary="Delete an imported fabric.", responses=show_answer(EXAMPLE, model=Material))
+@router.delete(
+    "/{name}", name="delete_material", summary="Delete an imported fabric.",
+    responses=show_answer(EXAMPLE, model=Material),
+)  # fmt: skip
 def delete(name: Text, rooms: RoomsOf, caller: Admin) -> Any:
     """Delete an imported fabric; jobs that were asked for with it keep its numbers."""
     return show_fabric(delete_material(rooms.database, name))

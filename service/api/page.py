@@ -26,7 +26,7 @@ def draw_page(described: dict[str, Any]) -> str:
     """Return the page of an OpenAPI document."""
     info = described["info"]
     groups: dict[str, list[str]] = {}
-    for path, routes in described["paths"].items():
+    for path, routes in (described["paths"] | described.get("webhooks", {})).items():
         for method in METHODS:
             if method in routes:
                 group = (routes[method].get("tags") or ["other"])[0]

@@ -46,7 +46,7 @@ EXAMPLE = {
     "/check", summary="Say what is wrong with a pattern, and where.",
     responses=show_answer(EXAMPLE, model=PatternCheck, refusals=(408,)),
 )  # fmt: skip
-async def check(document: DocumentIn, request: Request, rooms: RoomsOf, caller: Reader) -> Any:
+async def check_pattern(document: DocumentIn, request: Request, rooms: RoomsOf, caller: Reader) -> Any:
     """Check a GarmentCode or NeuralTailor document: outlines, seams, mesh; nothing is kept.
 
     `is_sound` is false where a finding of severity `error` keeps the pattern from being draped. Edges, control points
@@ -63,7 +63,7 @@ async def check(document: DocumentIn, request: Request, rooms: RoomsOf, caller: 
 
 
 @router.post(
-    "/edit", summary="Change a pattern by operations.",
+    "/edit", name="edit_pattern", summary="Change a pattern by operations.",
     responses=show_answer({"pattern": SQUARE, **EXAMPLE}, model=PatternEdited, refusals=(408,)),
 )  # fmt: skip
 async def edit(wanted: PatternEditIn, request: Request, rooms: RoomsOf, caller: Reader) -> Any:

@@ -23,7 +23,9 @@ FOUND = {
 }  # fmt: skip
 
 
-@router.get("/{name}", summary="List a person's data.", responses=show_answer(FOUND, model=Person))
+@router.get(
+    "/{name}", name="show_person", summary="List a person's data.", responses=show_answer(FOUND, model=Person)
+)  # fmt: skip
 def show_one(name: PersonName, rooms: RoomsOf, caller: Reader) -> Any:
     """Return what `DELETE` would delete: jobs and uploads of a name, and all that was made of the same files.
 
@@ -34,7 +36,7 @@ def show_one(name: PersonName, rooms: RoomsOf, caller: Reader) -> Any:
 
 
 @router.delete(
-    "/{name}", summary="Delete a person's data.",
+    "/{name}", name="delete_person", summary="Delete a person's data.",
     responses=show_answer(
         DELETED | {"uploads": 1, "found": FOUND, "dry_run": False}, model=PersonDeleted, refusals=(409,)
     ),

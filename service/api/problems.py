@@ -151,6 +151,8 @@ REASONS = {
     416: "The file has no such range.",
     422: "Bad input.",
     429: "The key asks for more than it may; wait as long as Retry-After says.",
+    431: "The head of the request is too large.",
+    500: "A fault of garmentq.",
     503: "Database or store is away, all is in use, or there was no answer in time; Retry-After says when to ask.",
     507: "There is no room for the file.",
 }
@@ -158,26 +160,41 @@ REASONS = {
 
 EXAMPLE_CODES = {
     400: "request.refused", 401: "key.missing", 403: "key.scope_missing", 404: "job.unknown", 408: "request.too_slow",
-    409: "job.not_ended", 413: "request.too_large", 415: "upload.not_raw", 416: "request.refused", 422: "request.bad",
-    429: "key.too_many_requests", 503: "service.database_unreachable", 507: "store.full",
+    409: "job.not_ended", 413: "request.too_large", 415: "upload.not_raw", 416: "request.range", 422: "request.bad",
+    429: "key.too_many_requests", 431: "request.head_too_large", 500: "service.fault",
+    503: "service.database_unreachable", 507: "store.full",
 }  # fmt: skip
 """A code of each."""
 
-ALWAYS = (400, 401, 403, 404, 413, 422, 429, 503)
+BEFORE = (400, 403, 431, 500, 503)
+"""Refusals that any route may give: of a head that cannot be taken, of another origin, by a fault, after a silence."""
+
+ALWAYS = (*BEFORE, 401, 404, 413, 422, 429)
 """Refusals that any route under /v1 may give: each reads a key, a query and the database."""
 
 PROBLEM = {"$ref": "#/components/schemas/Problem"}
-"""Where `app.describe` puts the schema of a problem."""
+"""Where `description.describe` puts the schema of a problem."""
+
+BYTES = {"type": "string", "format": "binary"}
+"""The schema of a file, in a request or an answer."""
 
 
 def show_answer(
     value: object, status: int = 200, model: type | None = None, refusals: tuple[int, ...] = ()
 ) -> dict[int | str, dict[str, Any]]:
-    """Describe a route's answers for the OpenAPI page: a good one by example and schema, and every refusal."""
+    """Describe a route's answers for the OpenAPI page: a good one by example and schema, and every refusal.
+
+    A route that reads a body adds 408: its client may fall silent.
+    """
     good: dict[str, Any] = {"description": "Answer.", "content": {"application/json": {"example": value}}}
     if model is not None:
         good["model"] = model
     return {status: good, **show_refusals(*ALWAYS, *refusals)}
+
+
+def show_bytes(description: str, media: str = "application/octet-stream") -> dict[str, Any]:
+    """Describe an answer that is a file, for the OpenAPI page."""
+    return {"description": description, "content": {media: {"schema": BYTES, "example": "(bytes)"}}}
 
 
 def show_refusals(*statuses: int) -> dict[int | str, dict[str, Any]]:

@@ -25,7 +25,7 @@ class Page:
 
 
 @router.get("/query", summary="Find jobs by what they found.", responses=show_answer({"jobs": [EXAMPLE]}, model=Jobs))
-def query(
+def query_jobs(
     rooms: RoomsOf,
     caller: Reader,
     given: Annotated[Given, Depends()],

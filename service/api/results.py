@@ -18,7 +18,7 @@ from .archive import pack_files
 from .download import Download, Shown, send_file
 from .jobs import EXAMPLE as JOB
 from .jobs import show_job
-from .problems import ALWAYS, show_answer, show_refusals
+from .problems import ALWAYS, show_answer, show_bytes, show_refusals
 
 router = APIRouter(tags=["results"])
 
@@ -59,13 +59,13 @@ def list_artifacts(job: str, rooms: RoomsOf, caller: Reader) -> Any:
     summary="Download a file of a job.",
     response_class=StreamingResponse,
     responses={
-        200: {"description": "The file.", "content": {"application/octet-stream": {"example": "(bytes)"}}},
-        206: {"description": "The bytes that `Range` asked for.", "content": {"application/octet-stream": {}}},
+        200: show_bytes("The file."),
+        206: show_bytes("The bytes that `Range` asked for."),
         304: {"description": "`If-None-Match` names the file's hash."},
         **show_refusals(*ALWAYS, 416),
     },
 )
-def download(job: str, name: str, request: Request, rooms: RoomsOf, caller: Reader) -> Response:
+def download_artifact(job: str, name: str, request: Request, rooms: RoomsOf, caller: Reader) -> Response:
     """Return a file. The name is looked up in the job's list and is never a path.
 
     It is hashed while it is sent: of one that is damaged less comes than `Content-Length` says. Parts that `Range` asks
@@ -83,11 +83,11 @@ def download(job: str, name: str, request: Request, rooms: RoomsOf, caller: Read
     summary="Download all files of a job.",
     response_class=StreamingResponse,
     responses={
-        200: {"description": "The files.", "content": {"application/zip": {"example": "(bytes)"}}},
+        200: show_bytes("The files.", "application/zip"),
         **show_refusals(*ALWAYS),
     },
 )
-def download_all(job: str, rooms: RoomsOf, caller: Reader) -> Response:
+def download_result(job: str, rooms: RoomsOf, caller: Reader) -> Response:
     """Return all files of a job as one .zip, which breaks off where one is damaged; their list has their hashes."""
     row = find_own(rooms, caller, job)
     files = _find_files(rooms, row.id)
@@ -102,8 +102,8 @@ def download_all(job: str, rooms: RoomsOf, caller: Reader) -> Response:
     summary="Download a file of a job's newest export that has one of the name.",
     response_class=StreamingResponse,
     responses={
-        200: {"description": "The file.", "content": {"application/octet-stream": {"example": "(bytes)"}}},
-        206: {"description": "The bytes that `Range` asked for.", "content": {"application/octet-stream": {}}},
+        200: show_bytes("The file."),
+        206: show_bytes("The bytes that `Range` asked for."),
         304: {"description": "`If-None-Match` names the file's hash."},
         **show_refusals(*ALWAYS, 416),
     },
@@ -119,7 +119,7 @@ def download_export(job: str, name: str, request: Request, rooms: RoomsOf, calle
     "/bodies/of/{job}", summary="Show the wearer as a job saw it.",
     responses=show_answer(WEARER, model=Wearer),
 )  # fmt: skip
-def show_body(job: str, rooms: RoomsOf, caller: Reader) -> Any:
+def show_wearer(job: str, rooms: RoomsOf, caller: Reader) -> Any:
     """Return joints [m] by name and the fitted model's parameters."""
     row = find_own(rooms, caller, job)
     with rooms.database.read() as session:

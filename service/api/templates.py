@@ -14,8 +14,8 @@ from ..catalogue import ImportedTemplate, Template
 from ..templates import delete_template, import_template, list_templates, read_template
 from .access import Admin, Reader, Rooms, RoomsOf
 from .answers import Templates
-from .problems import show_answer
-from .schemas import TemplateName
+from .problems import BYTES, show_answer
+from .schemas import SQUARE, DocumentIn, TemplateName
 
 router = APIRouter(prefix="/templates", tags=["libraries"])
 
@@ -24,23 +24,29 @@ IMPORTED = {"name": "jacket", "panels": 7, "seams": 12, "category": "jacket"}
 DELETED = {"name": "jacket", "category": "jacket", "source": "imported", "title": "7 panels"}
 
 
-@router.get("", summary="List the templates.", responses=show_answer({"templates": [EXAMPLE]}, model=Templates))
+@router.get(
+    "", name="list_templates", summary="List the templates.",
+    responses=show_answer({"templates": [EXAMPLE]}, model=Templates),
+)  # fmt: skip
 def list_all(rooms: RoomsOf, caller: Reader) -> Any:
     """Return shipped and imported templates."""
     return {"templates": list_templates(rooms.database)}
 
 
-@router.get("/{name}", summary="Give a template as a GarmentCode pattern.", responses=show_answer({"pattern": {}}))
-def show(name: TemplateName, rooms: RoomsOf, caller: Reader) -> Response:
+@router.get(
+    "/{name}", summary="Give a template as a GarmentCode pattern.",
+    responses=show_answer(SQUARE, model=DocumentIn),
+)  # fmt: skip
+def show_template(name: TemplateName, rooms: RoomsOf, caller: Reader) -> Response:
     """Return the pattern file of a template."""
     return Response(read_template(rooms, name), media_type="application/json")
 
 
 @router.put(
-    "/{name}", status_code=201, summary="Import a pattern file as a template.",
+    "/{name}", status_code=201, name="import_template", summary="Import a pattern file as a template.",
     responses=show_answer(IMPORTED, 201, ImportedTemplate, (408, 507)),
     openapi_extra={
-        "requestBody": {"required": True, "content": {"application/octet-stream": {"schema": {"type": "string"}}}}
+        "requestBody": {"required": True, "content": {"application/octet-stream": {"schema": BYTES}}}
     },
 )  # fmt: skip
 async def import_one(name: TemplateName, request: Request, rooms: RoomsOf, caller: Admin) -> Any:
@@ -49,7 +55,10 @@ async def import_one(name: TemplateName, request: Request, rooms: RoomsOf, calle
     return await rooms.limited.run(request, caller.key, partial(_import, rooms, name, content))
 
 
-@router.delete("/{name}", summary="Delete an imported template.", responses=show_answer(DELETED, model=Template))
+@router.delete(
+    "/{name}", name="delete_template", summary="Delete an imported template.",
+    responses=show_answer(DELETED, model=Template),
+)  # fmt: skip
 def delete_one(name: TemplateName, rooms: RoomsOf, caller: Admin) -> Any:
     """Delete an imported template; jobs that were asked for with it keep its file."""
     return delete_template(rooms.database, name)

@@ -22,18 +22,19 @@ from ..submission import clean_name
 from ..uploads import check_day, find_upload, keep_upload
 from .access import Reader, Rooms, RoomsOf, Submitter
 from .answers import Upload
-from .problems import refuse, show_answer
+from .problems import BYTES, refuse, show_answer
 from .schemas import Sha256
 
 router = APIRouter(tags=["files"])
 
 KINDS = {
-    "scans": "a scan",
-    "bodies": "a wearer's mesh",
-    "labels": "a label file",
-    "patterns": "a pattern file",
-    "motions": "a motion",
+    "scans": ("scan", "a scan"),
+    "bodies": ("body", "a wearer's mesh"),
+    "labels": ("labels", "a label file"),
+    "patterns": ("pattern", "a pattern file"),
+    "motions": ("motion", "a motion"),
 }
+"""What can be uploaded, by its part of the path: the word in the names of its routes, and what it is."""
 EXTENSIONS = {"labels": (".npz", ".npy", ".json", ".txt"), "patterns": (".json",), "motions": (".bvh", ".npz", ".json")}
 DIGEST = "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"
 EXAMPLE = {"sha256": DIGEST, "name": "skirt.ply", "size": 512034}
@@ -77,19 +78,19 @@ def _add(kind: str) -> None:
         row = find_upload(rooms.database, caller.key, sha256, kind)
         return delete_upload(rooms.database, rooms.store, row.sha256, caller.key)
 
-    what = KINDS[kind]
-    body = {"content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}}}
+    word, what = KINDS[kind]
+    body = {"content": {"application/octet-stream": {"schema": BYTES}}}
     router.post(
         f"/{kind}",
         status_code=201,
         summary=f"Upload {what} as the raw body of the request.",
         responses=show_answer(EXAMPLE, 201, Upload, (408, 415, 507)),
         openapi_extra={"requestBody": {"required": True, **body}},
-        name=f"upload_{kind}",
+        name=f"upload_{word}",
     )(upload)
-    router.get(f"/{kind}/{{sha256}}", summary=f"Tell of {what} that this key uploaded.", name=f"show_{kind}",
+    router.get(f"/{kind}/{{sha256}}", summary=f"Tell of {what} that this key uploaded.", name=f"show_{word}",
                responses=show_answer(EXAMPLE, model=Upload))(show)  # fmt: skip
-    router.delete(f"/{kind}/{{sha256}}", summary=f"Forget {what}; jobs keep what they name.", name=f"forget_{kind}",
+    router.delete(f"/{kind}/{{sha256}}", summary=f"Forget {what}; jobs keep what they name.", name=f"forget_{word}",
                   responses=show_answer(DELETED, model=Deleted))(forget)  # fmt: skip
 
 

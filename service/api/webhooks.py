@@ -28,8 +28,8 @@ WebhookId = Annotated[str, Path(pattern="^[0-9A-Za-z]{1,16}$")]
 
 
 @router.post(
-    "", status_code=201, summary="Be told when jobs end.",
-    responses=show_answer(EXAMPLE | {"secret": "whsec_..."}, 201, NewWebhook),
+    "", status_code=201, name="create_webhook", summary="Be told when jobs end.",
+    responses=show_answer(EXAMPLE | {"secret": "whsec_..."}, 201, NewWebhook, (408,)),
 )  # fmt: skip
 def create(wanted: WebhookIn, rooms: RoomsOf, caller: Submitter) -> Any:
     """Send an address a message about the caller's own jobs that end from now on.
@@ -42,13 +42,18 @@ def create(wanted: WebhookIn, rooms: RoomsOf, caller: Submitter) -> Any:
     return webhook.as_json() | {"secret": secret}
 
 
-@router.get("", summary="List the webhooks.", responses=show_answer({"webhooks": [EXAMPLE]}, model=Webhooks))
+@router.get(
+    "", name="list_webhooks", summary="List the webhooks.",
+    responses=show_answer({"webhooks": [EXAMPLE]}, model=Webhooks),
+)  # fmt: skip
 def list_all(rooms: RoomsOf, caller: Reader) -> Any:
     """Return the caller's webhooks without their secrets; `owed` messages are still to be sent."""
     return {"webhooks": [one.as_json() for one in list_webhooks(rooms.database, _find_realm(caller))]}
 
 
-@router.delete("/{webhook}", summary="Delete a webhook.", responses=show_answer(EXAMPLE, model=Webhook))
+@router.delete(
+    "/{webhook}", name="delete_webhook", summary="Delete a webhook.", responses=show_answer(EXAMPLE, model=Webhook),
+)  # fmt: skip
 def delete(webhook: WebhookId, rooms: RoomsOf, caller: Submitter) -> Any:
     """Delete a webhook with all that is owed to it."""
     return delete_webhook(rooms.database, webhook, _find_realm(caller)).as_json()
@@ -58,7 +63,7 @@ def delete(webhook: WebhookId, rooms: RoomsOf, caller: Submitter) -> Any:
     "/{webhook}/test", summary="Send a message now.",
     responses=show_answer({"status": 204, "error": None}, model=Receipt),
 )  # fmt: skip
-async def test(webhook: WebhookId, rooms: RoomsOf, caller: Submitter) -> Any:
+async def test_webhook(webhook: WebhookId, rooms: RoomsOf, caller: Submitter) -> Any:
     """Send a message of the type `test` once, and return the answer's status or why there was none, within 5 s."""
     from ..webhook_delivery import send  # not at every start: it brings an HTTP client
 
