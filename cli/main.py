@@ -15,6 +15,7 @@ from ..core.errors import GarmentqError
 from ..core.text import TextBad, has_unkept
 from . import exits
 from .output import keep_mask
+from .signals import stop_as_told
 
 COMMANDS = {
     "run": "Recover a garment: submit it, work on it here, wait, and show the result.",
@@ -38,6 +39,7 @@ COMMANDS = {
     "bodies": "List the built-in bodies, and write one as a mesh.",
     "materials": "List, show, import, export and delete fabrics.",
     "worker": "Run a worker until it is told to stop.",
+    "courier": "Send what is owed to webhooks until told to stop.",
     "serve": "Serve the HTTP API and its pages until told to stop.",
     "keys": "Make, list and revoke API keys.",
     "webhooks": "Make, list, delete and test addresses that are told when jobs end.",
@@ -56,7 +58,7 @@ COMMANDS = {
 """Every command with its line in `garmentq --help`; a test compares it with the command's own help."""
 
 
-LOCAL = ("worker", "serve", "audit", "up", "down", "db", "delete", "gc", "backup", "verify", "restore")
+LOCAL = ("worker", "courier", "serve", "audit", "up", "down", "db", "delete", "gc", "backup", "verify", "restore")
 """Commands that work on a home of this machine, and so not where GARMENTQ_URL names a service."""
 
 
@@ -130,6 +132,7 @@ def _refuse_text(words: list[str]) -> None:
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line; an error of ours ends in one line, never in a traceback."""
+    stop_as_told()
     try:
         _refuse_text(sys.argv[1:] if arguments is None else arguments)
         with keep_mask():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,8 +21,14 @@ if TYPE_CHECKING:
 )
 @allow_host_option
 @click.option("--max-upload-mb", type=click.IntRange(1, 512), help="Largest upload [MiB].  [default: 512]")
+@click.option(
+    "--await-key", is_flag=True,
+    help="On an address that others reach, start before there is a key: everybody is refused until one is made.",
+)  # fmt: skip
 @home_option
-def command(host: str, port: int, allow_host: tuple[str, ...], max_upload_mb: int | None, home: Path | None) -> None:
+def command(
+    host: str, port: int, allow_host: tuple[str, ...], max_upload_mb: int | None, await_key: bool, home: Path | None
+) -> None:
     """Serve the HTTP API and its pages until told to stop.
 
     The link that it prints signs your browser in. The description of every route is at /docs. Without keys only this
@@ -43,8 +50,9 @@ def command(host: str, port: int, allow_host: tuple[str, ...], max_upload_mb: in
     settings, limits = read_settings(home=home), read_limits()
     if max_upload_mb is not None:
         limits = replace(limits, upload_bytes=max_upload_mb << 20)
-    announce(settings, host, port, is_alone=not allow_host)
-    serve(settings, host, port, limits, allow_host)
+    with suppress(KeyboardInterrupt):
+        announce(settings, host, port, is_alone=not allow_host)
+        serve(settings, host, port, limits, allow_host, needs_key=not await_key)
 
 
 def announce(settings: ServiceSettings, host: str, port: int, is_alone: bool = True) -> None:

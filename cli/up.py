@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from .options import allow_host_option, home_option, json_option, workers_option
+from .signals import undisturbed
+
+if TYPE_CHECKING:
+    from ..service.settings import ServiceSettings
 
 
 @click.command("up")
@@ -28,35 +34,53 @@ def command(
     """Start the embedded broker and worker.
 
     They stop after a while without work. With --serve they stay, and start again where they die, until this command is
-    told to stop; then they stop with it.
+    told to stop (Ctrl-C, SIGTERM, SIGHUP); then they stop with it.
 
     \b
     Example:
       garmentq up --workers 2
       garmentq up --serve --port 8080
     """
-    from ..service.database import open_database
     from ..service.settings import read_settings
-    from ..workers.embedded import ensure_services
-    from .terminal import note, print_json
 
     settings = read_settings(home=home)
     if is_serving:
-        settings = replace(settings, idle_seconds=0.0)
+        _serve(replace(settings, idle_seconds=0.0), workers, (host, port), allow_host, as_json)
+    else:
+        _start(settings, workers, as_json)
+
+
+def _start(settings: ServiceSettings, workers: int | None, as_json: bool) -> None:
+    """Start what does not run, and say what that was."""
+    from ..service.database import open_database
+    from ..workers.embedded import ensure_services
+    from .terminal import note, print_json
+
     open_database(settings).dispose()
     started = ensure_services(settings, workers)
     if as_json:
         print_json({"started": started, "home": str(settings.home)})
     else:
         note(f"started the {' and the '.join(started)}" if started else "everything runs already")
-    if is_serving:
-        from ..service.api.server import serve
-        from ..workers.embedded import keeping_up, stop_services
-        from .serve import announce
 
-        try:
-            with keeping_up(settings, workers):
-                announce(settings, host, port, is_alone=not allow_host)
-                serve(settings, host, port, hosts=allow_host)
-        finally:
+
+def _serve(
+    settings: ServiceSettings, workers: int | None, address: tuple[str, int], hosts: tuple[str, ...], as_json: bool
+) -> None:
+    """Start everything, keep it alive, and stop it when told to, in whatever state of its start it is."""
+    from ..service.api.server import serve
+    from ..workers.embedded import keeping_up, stop_services
+    from .serve import announce
+
+    kept = ExitStack()
+    try:
+        _start(settings, workers, as_json)
+        kept.enter_context(keeping_up(settings, workers))
+        announce(settings, *address, is_alone=not hosts)
+        serve(settings, *address, hosts=hosts)
+    except KeyboardInterrupt:
+        pass  # it was told to stop before the API was up
+    finally:
+        with undisturbed():
+            kept.close()
             stop_services(settings)

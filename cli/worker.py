@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
 import click
@@ -20,8 +21,8 @@ from .options import home_option
 def command(context: click.Context, workers: int | None, embedded: bool, queues: str, home: Path | None) -> None:
     """Run a worker until it is told to stop.
 
-    SIGTERM puts its jobs back into the queue, where they go on from their last checkpoint. Any number of workers on
-    any number of hosts may share a database, a broker and a store.
+    SIGTERM, SIGHUP or Ctrl-C puts its jobs back into the queue, where they go on from their last checkpoint. Any number
+    of workers on any number of hosts may share a database, a broker and a store.
 
     \b
     Example:
@@ -41,14 +42,16 @@ def command(context: click.Context, workers: int | None, embedded: bool, queues:
     served = tuple(dict.fromkeys(queues.split(",")))
     if set(served) - set(QUEUES):
         raise click.BadParameter(f"'{queues}'; give a list of {', '.join(QUEUES)}.", param_hint="--queues")
-    start_broker(settings)
-    lock = hold_worker_lock(settings) if embedded else None
-    if embedded and lock is None:
-        note("another embedded worker runs in this home")
-        context.exit(exits.OK)
-    if lock is not None:
-        os.chdir(settings.home)  # a process in the background must not hold the folder it was started in
-    status = run_worker(settings, workers or count_cores(), lock, served)
+    status, lock = exits.OK, None
+    with suppress(KeyboardInterrupt):  # it was told to stop before it worked
+        start_broker(settings)
+        lock = hold_worker_lock(settings) if embedded else None
+        if embedded and lock is None:
+            note("another embedded worker runs in this home")
+            context.exit(exits.OK)
+        if lock is not None:
+            os.chdir(settings.home)  # a process in the background must not hold the folder it was started in
+        status = run_worker(settings, workers or count_cores(), lock, served)
     if lock is not None and settings.idle_seconds and is_idle(open_database(settings), settings.idle_seconds):
         stop_broker(settings)
     context.exit(status)

@@ -200,7 +200,7 @@ class Backend(Protocol):
         """
 
     def test_webhook(self, webhook: str) -> Receipt:
-        """Send a message of the type `test` now, and return what came of it.
+        """Let a message of the type `test` be sent as all others are, and return what came of it.
 
         Raises:
             WebhookUnknown: where there is none of that id.

@@ -31,6 +31,7 @@ from .settings import ServiceSettings
 from .states import State
 from .versions import Version, list_versions
 from .webhook_records import Receipt, Webhook
+from .webhook_trial import try_webhook
 
 if TYPE_CHECKING:
     from ..core.simulate import Fabric
@@ -185,10 +186,8 @@ class LocalBackend:
         webhooks.delete_webhook(self._database, webhook)
 
     def test_webhook(self, webhook: str) -> Receipt:
-        """Send a message of the type `test` now, and return what came of it."""
-        from .webhook_delivery import send
-
-        return asyncio.run(send(webhooks.make_trial(self._database, webhook), self.settings.webhook_networks))
+        """Let a message of the type `test` be sent, and return what came of it."""
+        return asyncio.run(try_webhook(self._database, webhook))
 
     def close(self) -> None:
         """Close every connection to the database, if there is one."""

@@ -386,14 +386,19 @@ class WebhookRow(Base):
 
 
 class DeliveryRow(Base):
-    """Owe a webhook one message; `due` is when it is sent next, None where it was taken or given up."""
+    """Owe a webhook one message; `due` is when it is sent next, None where it was taken or given up.
+
+    One without a job tries the webhook. `status` and `error` are what came of it when it was sent last.
+    """
 
     __tablename__ = "deliveries"
     __table_args__ = (Index("ix_deliveries_webhook_due", "webhook", "due"),)
     id: Mapped[str] = mapped_column(Words(32), primary_key=True)
     webhook: Mapped[str] = mapped_column(ForeignKey("webhooks.id", ondelete="CASCADE"))
-    job: Mapped[str] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), index=True)
+    job: Mapped[str | None] = mapped_column(ForeignKey("jobs.id", ondelete="CASCADE"), index=True)
     body: Mapped[dict[str, Any]]
     created: Mapped[float]
     due: Mapped[float | None]
     tries: Mapped[int] = mapped_column(default=0)
+    status: Mapped[int | None]
+    error: Mapped[str | None] = mapped_column(String(255))

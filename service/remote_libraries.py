@@ -103,7 +103,7 @@ class RemoteLibraries:
         self._ask("DELETE", f"/v1/webhooks/{quote(webhook, safe='')}")
 
     def test_webhook(self, webhook: str) -> Receipt:
-        """Send a message of the type `test` now, and return what came of it."""
+        """Let a message of the type `test` be sent as all others are, and return what came of it."""
         found = self._ask("POST", f"/v1/webhooks/{quote(webhook, safe='')}/test", tries=1)
         return read(lambda: Receipt.from_json(found))
 

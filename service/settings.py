@@ -63,7 +63,9 @@ class ServiceSettings:
             keeps about 20 MB, an upload is at most 512 MiB.
         share_jobs: 1: equal orders of different API keys are one job, which each of them sees; 0: a job for each.
         webhook_networks: Networks that webhooks may reach beyond the public internet, such as `10.1.0.0/16`, with
-            commas between; empty: none.
+            commas between; empty: none. Who takes a webhook's address and who sends to it both ask.
+        send_messages: 1: workers send what is owed to webhooks; 0: they leave it to `garmentq courier`, where they have
+            no way out.
         log_json: 1: the worker writes its log as one JSON object a line.
         threads: Threads of each pool child; one, since two children with two threads each took 8 times as long.
         pipeline: Dotted path of the function that runs a job.
@@ -91,6 +93,7 @@ class ServiceSettings:
     free_bytes: int = 512 * 1024**2
     share_jobs: int = 0
     webhook_networks: str = ""
+    send_messages: int = 1
     log_json: int = 0
     threads: int = 1
     pipeline: str = PIPELINE

@@ -131,17 +131,32 @@ def delete_webhook(database: Database, webhook: str, key: str | None = None) -> 
         return Webhook.from_row(row, 0)
 
 
-def make_trial(database: Database, webhook: str, key: str | None = None) -> Message:
-    """Return a message of the type `test` to a webhook; it is not kept.
+def owe_trial(database: Database, webhook: str, key: str | None = None) -> str:
+    """Owe a webhook a message of the type `test`, before all others and to be sent once; return the message's id.
 
     Raises:
         WebhookUnknown: where there is none.
     """
-    with database.read() as session:
-        row = _find(session, webhook, key)
-        now = session.scalar(select(clock()))
     mark = uuid.uuid4().hex
-    return Message(mark, row.url, row.secret, {"id": mark, "type": "test", "at": now})
+    with database.write() as session:
+        row = _find(session, webhook, key)
+        body = {"id": mark, "type": "test", "at": session.scalar(select(clock()))}
+        once = {"due": 0.0, "tries": MOST_TRIES - 1}
+        session.add(DeliveryRow(id=mark, webhook=row.id, job=None, body=body, created=clock(), **once))
+    return mark
+
+
+def read_receipt(database: Database, message: str) -> Receipt | None:
+    """Return what came of a message that is not to be sent any more; None while it is."""
+    with database.read() as session:
+        row = session.get(DeliveryRow, message)
+        return None if row is None or row.due is not None else Receipt(row.status, row.error)
+
+
+def withdraw(database: Database, message: str) -> None:
+    """Owe a message no longer."""
+    with database.write() as session:
+        session.execute(delete(DeliveryRow).where(DeliveryRow.id == message))
 
 
 def owe_messages(session: Session, job: str, state: State) -> None:
@@ -193,6 +208,7 @@ def note_receipt(database: Database, message: str, receipt: Receipt) -> None:
         row.tries += 1
         is_over = receipt.error is None or row.tries >= MOST_TRIES
         row.due = None if is_over else clock() + find_pause(row.tries)
+        row.status, row.error = receipt.status, receipt.error
         hook.taken_until, hook.status, hook.error = 0.0, receipt.status, receipt.error
 
 

@@ -21,7 +21,7 @@ from ..core.errors import GarmentqError, Unavailable
 from ..service.lock import hold_lock
 from ..service.private import make_private
 from ..service.settings import ServiceSettingBad, ServiceSettings
-from .detached import has_ended, kill_group, launch
+from .detached import has_ended, killing_unless_up, launch
 
 if TYPE_CHECKING:
     import redis
@@ -149,13 +149,13 @@ def start_broker(settings: ServiceSettings) -> bool:
             return False
         process = _launch(settings, folder)
         deadline = time.monotonic() + START_SECONDS
-        while time.monotonic() < deadline and not has_ended(process):
-            if is_broker_up(settings):
-                (folder / "broker.pid").write_text(f"{process}\n")
-                return True
-            time.sleep(0.02)
-        kill_group(process)
-        raise BrokerUnreachable(f"the embedded broker did not start; see {settings.home / 'broker.log'}.")
+        with killing_unless_up(process):
+            while time.monotonic() < deadline and not has_ended(process):
+                if is_broker_up(settings):
+                    (folder / "broker.pid").write_text(f"{process}\n")
+                    return True
+                time.sleep(0.02)
+            raise BrokerUnreachable(f"the embedded broker did not start; see {settings.home / 'broker.log'}.")
 
 
 def stop_broker(settings: ServiceSettings) -> bool:

@@ -1,17 +1,21 @@
-"""Send what is owed to webhooks, in a process of its own beside the worker that holds the dispatcher's duty.
+"""Send what is owed to webhooks, in a process of its own.
 
-A dispatcher starts one where something is due. It ends when nothing is, and after a minute in any case.
+A dispatcher starts one beside its worker where something is due. It ends when nothing is, and after a minute at most.
+Where workers have no way out, `garmentq courier` runs one that stays.
 """
 
 from __future__ import annotations
 
 import asyncio
 import logging
+import os
 import sys
 import time
+from pathlib import Path
 
-from ..core.errors import GarmentqError
-from ..service.database import Database
+from ..core.errors import GarmentqError, Unavailable
+from ..service.database import Database, open_database
+from ..service.home import use_home
 from ..service.logs import set_up_logs
 from ..service.settings import ServiceSettings, read_settings
 from ..service.webhook_delivery import send
@@ -26,11 +30,23 @@ AT_ONCE = 8
 LONGEST_SECONDS = 60.0
 """How long a courier works [s]; then the dispatcher starts another one, with its own settings."""
 
+ROUND_SECONDS = 10.0
+"""How long a courier that stays works before it says that it lives [s]."""
+
+ALIVE_SECONDS = 60.0
+"""A courier that has not looked for so long hangs, or cannot reach the database [s]: a round takes 15 s at most."""
+
 
 def start_courier(settings: ServiceSettings, environment: dict[str, str]) -> int:
     """Start a courier; return its process id."""
     command = [sys.executable, "-m", "garmentq.workers.courier"]
     return launch(command, settings.home / "courier.log", environment | settings.as_environment())
+
+
+class CourierAway(Unavailable):
+    """No courier runs in this home; `garmentq courier` starts one."""
+
+    code = "service.courier_away"
 
 
 async def deliver(database: Database, networks: str, seconds: float = LONGEST_SECONDS) -> int:
@@ -42,6 +58,44 @@ async def deliver(database: Database, networks: str, seconds: float = LONGEST_SE
             note_receipt(database, message.id, receipt)
         sent += len(batch)
     return sent
+
+
+def run_courier(settings: ServiceSettings) -> None:
+    """Send what is owed to webhooks, until this process is told to stop by KeyboardInterrupt."""
+    in_use = use_home(settings)
+    set_up_logs(bool(settings.log_json))
+    database = open_database(settings, pooled=False)
+    try:
+        while True:
+            try:
+                asyncio.run(deliver(database, settings.webhook_networks, ROUND_SECONDS))
+                _mark(settings).touch()
+            except GarmentqError as error:
+                log.warning("messages wait: %s", error)
+            time.sleep(settings.poll_seconds)
+    finally:
+        _mark(settings).unlink(missing_ok=True)
+        database.dispose()
+        os.close(in_use)
+
+
+def check_courier(settings: ServiceSettings) -> None:
+    """Check that a courier of this home looked lately for what is owed.
+
+    Raises:
+        CourierAway: where none did.
+    """
+    try:
+        age = time.time() - _mark(settings).stat().st_mtime
+    except FileNotFoundError:
+        raise CourierAway() from None
+    if age > ALIVE_SECONDS:
+        raise CourierAway(f"the courier of this home has not looked for messages for {age:.0f} s; see its log.")
+
+
+def _mark(settings: ServiceSettings) -> Path:
+    """Return the file whose time says when a courier looked last."""
+    return settings.home / "courier.alive"
 
 
 def main() -> int:

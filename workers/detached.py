@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ..service.private import make_private
@@ -35,7 +35,23 @@ def has_ended(process: int) -> bool:
         return True
 
 
+def end_group(process: int) -> None:
+    """Tell a launched process and all it started to end."""
+    with suppress(ProcessLookupError):
+        os.killpg(process, signal.SIGTERM)
+
+
 def kill_group(process: int) -> None:
     """Kill a launched process and all it started."""
     with suppress(ProcessLookupError):
         os.killpg(process, signal.SIGKILL)
+
+
+@contextmanager
+def killing_unless_up(process: int) -> Iterator[None]:
+    """Kill a launched process where the block does not find it up: it failed, or whoever waits was told to stop."""
+    try:
+        yield
+    except BaseException:
+        kill_group(process)
+        raise

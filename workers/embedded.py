@@ -16,7 +16,7 @@ from ..core.errors import GarmentqError
 from ..service.lock import hold_lock, is_locked, take_lock
 from ..service.settings import ServiceSettings
 from .broker import run_folder, start_broker, stop_broker
-from .detached import has_ended, kill_group, launch
+from .detached import has_ended, kill_group, killing_unless_up, launch
 from .threads import VARIABLES, count_cores
 
 log = logging.getLogger(__name__)
@@ -135,12 +135,12 @@ def _launch(settings: ServiceSettings, folder: Path, workers: int) -> None:
     command = [sys.executable, "-m", "garmentq.cli.main", "worker", "--embedded", "--workers", str(workers)]
     process = launch(command, settings.home / "worker.log", environment)
     deadline = time.monotonic() + START_SECONDS
-    while time.monotonic() < deadline and not has_ended(process):
-        if is_locked(folder / "worker.lock"):
-            return
-        time.sleep(0.05)
-    kill_group(process)
-    raise WorkerNotStarted(f"the worker did not start; see {settings.home / 'worker.log'}.")
+    with killing_unless_up(process):
+        while time.monotonic() < deadline and not has_ended(process):
+            if is_locked(folder / "worker.lock"):
+                return
+            time.sleep(0.05)
+        raise WorkerNotStarted(f"the worker did not start; see {settings.home / 'worker.log'}.")
 
 
 def _stop_worker(settings: ServiceSettings) -> bool:

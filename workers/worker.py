@@ -48,7 +48,7 @@ from ..service.states import QUEUES
 from ..service.webhooks import forget_messages, has_due
 from .app import CHANNELS, TASK, count_messages, make_app, publish
 from .courier import start_courier
-from .detached import has_ended
+from .detached import end_group, has_ended
 from .messages import MessageGuard
 from .recovery import run_job
 from .threads import limit_threads
@@ -90,6 +90,8 @@ class Duties(bootsteps.StartStopStep):
     def stop(self, parent: Any) -> None:
         """Hand the duties to another worker at once; the parent's timers go on while its children finish."""
         self.rounds.cancel()
+        if self.courier is not None and not has_ended(self.courier):
+            end_group(self.courier)  # what it has not sent is sent again
         try:
             end_life(self.database, self.name)
             drop_duty(self.database, DUTY, self.name)
@@ -122,8 +124,8 @@ class Duties(bootsteps.StartStopStep):
             log.warning("a round of the dispatcher failed: %s: %s", type(error).__name__, error)
 
     def _send_messages(self) -> None:
-        """Let a courier send what is owed to webhooks, one courier at a time."""
-        if (self.courier is None or has_ended(self.courier)) and has_due(self.database):
+        """Let a courier send what is owed to webhooks, one courier at a time, unless one runs apart."""
+        if self.settings.send_messages and (self.courier is None or has_ended(self.courier)) and has_due(self.database):
             self.courier = start_courier(self.settings, dict(os.environ))
 
     def _go_home_if_idle(self) -> None:
@@ -141,7 +143,7 @@ class Duties(bootsteps.StartStopStep):
 def run_worker(
     settings: ServiceSettings, concurrency: int, lock: int | None = None, queues: Sequence[str] = QUEUES
 ) -> int:
-    """Run a worker in this process until SIGTERM or SIGINT.
+    """Run a worker in this process until SIGTERM, SIGHUP or SIGINT; more of them change nothing.
 
     Args:
         settings: Where everything is.
@@ -167,7 +169,8 @@ def run_worker(
     _register(app, settings, draining, lock)
     app.steps["worker"].add(Duties)
     app.steps["consumer"].add(MessageGuard)
-    worker = app.Worker(
+    worker = _make_worker(
+        app,
         hostname=f"garmentq-{os.getpid()}@{socket.gethostname()}",
         pool_cls="prefork",
         concurrency=concurrency,
@@ -184,6 +187,26 @@ def run_worker(
     return int(worker.exitcode or 0)
 
 
+def _make_worker(app: Celery, **options: Any) -> Any:
+    """Return a worker that stops in order whichever signal tells it to, and however often.
+
+    Celery's own ends its jobs at the second SIGINT, and starts itself anew at a SIGHUP.
+    """
+
+    class Worker(app.Worker):  # type: ignore[misc, name-defined]
+        """Work until told to stop."""
+
+        def install_platform_tweaks(self, worker: Any) -> None:
+            """Listen to all as to SIGTERM; one that is ignored stays so (nohup)."""
+            is_kept = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+            super().install_platform_tweaks(worker)
+            stop = signal.getsignal(signal.SIGTERM)
+            signal.signal(signal.SIGINT, stop)
+            signal.signal(signal.SIGHUP, signal.SIG_IGN if is_kept else stop)
+
+    return Worker(**options)
+
+
 def limit_job_memory(megabytes: int) -> None:
     """Limit what this process may allocate; libraries that are only mapped do not count, nor do its own children."""
     if megabytes and sys.platform == "linux":
@@ -193,12 +216,18 @@ def limit_job_memory(megabytes: int) -> None:
         resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
 
 
+def _go_on(number: int, frame: object) -> None:
+    """Do nothing about a signal; unlike one that is ignored it does not stay so in a program that is started."""
+
+
 def _register(app: Celery, settings: ServiceSettings, draining: Any, lock: int | None) -> None:
     """Add the task, and what a child does first; `draining` is memory that parent and children share."""
     held: dict[str, Database] = {}
 
     @app.task(name=TASK, ignore_result=True, bind=True)
     def recover(task: Any, job: str) -> str:
+        for number in (signal.SIGTERM, signal.SIGHUP):  # may be sent to all of a unit or terminal; the parent tells us
+            signal.signal(number, _go_on)
         return run_job(settings, held["database"], job, lambda: bool(draining.value), task.request.id)
 
     @signals.task_failure.connect(weak=False)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Header
-from pydantic import ConfigDict
 
 from ..records import Failure
 from ..states import State
@@ -41,7 +40,6 @@ class Message(Answer):
     `id` is the same whenever the message comes again; `at` is when the job ended [s since 1970].
     """
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra={"example": EXAMPLE})
     id: str
     type: Literal["job.succeeded", "job.failed", "job.dead", "job.cancelled", "test"]
     at: float

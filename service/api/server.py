@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Sequence
-from typing import Any
+import signal
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
 
 from ...core.errors import BadInput
 from ..database import open_database
@@ -15,6 +17,12 @@ from ..settings import ServiceSettings
 from .connections import make_protocol
 from .guard import HEAD_BYTES, is_loopback
 from .limits import ApiLimits, read_limits
+
+if TYPE_CHECKING:
+    import uvicorn
+
+TOLD = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+"""Signals that tell a server to stop."""
 
 IDLE_SECONDS = 30
 """How long a connection without a request is kept [s]; a client that follows a job asks more often."""
@@ -36,9 +44,10 @@ class HostBad(BadInput):
 
 
 def serve(
-    settings: ServiceSettings, host: str, port: int, limits: ApiLimits | None = None, hosts: Sequence[str] = ()
-) -> None:
-    """Serve the API until told to stop.
+    settings: ServiceSettings, host: str, port: int, limits: ApiLimits | None = None, hosts: Sequence[str] = (),
+    needs_key: bool = True,
+) -> None:  # fmt: skip
+    """Serve the API until SIGINT, SIGTERM or SIGHUP tells it to stop.
 
     Args:
         settings: Which home.
@@ -46,6 +55,8 @@ def serve(
         port: Port to listen on.
         limits: What a request may cost; None: as the environment says.
         hosts: Names by which a proxy on this machine calls it.
+        needs_key: Refuse to start where others may come while nobody has a key; otherwise everybody is refused until
+            somebody has.
 
     Raises:
         AddressPublic: where others may come, by the address or by a proxy, and nobody has a key.
@@ -57,15 +68,44 @@ def serve(
     in_use = use_home(settings)
     database = open_database(settings)
     is_near, hosts = is_loopback(host), read_hosts(hosts)
-    if (hosts or not is_near) and not any(row.revoked is None for row in list_keys(database)):
+    is_reached = bool(hosts) or not is_near
+    if needs_key and is_reached and not any(row.revoked is None for row in list_keys(database)):
         raise AddressPublic()
     database.dispose()
     from .app import make_app
 
     limits = limits or read_limits()
     app = make_app(settings, limits, is_near, hosts)
-    uvicorn.run(app, host=host, port=port, log_level="warning", **make_options(limits))
-    os.close(in_use)
+    config = uvicorn.Config(app, host=host, port=port, log_level="warning", **make_options(limits))
+    try:
+        make_server(config).run()
+    finally:
+        os.close(in_use)
+
+
+def make_server(config: uvicorn.Config) -> uvicorn.Server:
+    """Return a server that ends in order when it is told to stop, and returns.
+
+    uvicorn's own raises the signal once more when it has ended, which ends the process before anything else is undone,
+    and does not know SIGHUP.
+    """
+    import uvicorn
+
+    class Server(uvicorn.Server):
+        """Serve until told to stop."""
+
+        @contextmanager
+        def capture_signals(self) -> Iterator[None]:
+            """Listen to what tells a server to stop, but to nothing that is ignored (nohup)."""
+            told = [number for number in TOLD if signal.getsignal(number) is not signal.SIG_IGN]
+            before = {number: signal.signal(number, self.handle_exit) for number in told}
+            try:
+                yield
+            finally:
+                for number, handler in before.items():
+                    signal.signal(number, handler)
+
+    return Server(config)
 
 
 def make_options(limits: ApiLimits) -> dict[str, Any]:

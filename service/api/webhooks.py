@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Path
-from starlette.concurrency import run_in_threadpool
 
 from ..keys import Caller
 from ..states import State
 from ..webhook_records import Receipt
-from ..webhooks import create_webhook, delete_webhook, list_webhooks, make_trial
+from ..webhook_trial import try_webhook
+from ..webhooks import create_webhook, delete_webhook, list_webhooks
 from .access import Reader, RoomsOf, Submitter
 from .answers import NewWebhook, Webhook, Webhooks
 from .problems import show_answer
@@ -60,16 +60,16 @@ def delete(webhook: WebhookId, rooms: RoomsOf, caller: Submitter) -> Any:
 
 
 @router.post(
-    "/{webhook}/test", summary="Send a message now.",
+    "/{webhook}/test", summary="Try a webhook.",
     responses=show_answer({"status": 204, "error": None}, model=Receipt),
 )  # fmt: skip
 async def test_webhook(webhook: WebhookId, rooms: RoomsOf, caller: Submitter) -> Any:
-    """Send a message of the type `test` once, and return the answer's status or why there was none, within 5 s."""
-    from ..webhook_delivery import send  # not at every start: it brings an HTTP client
+    """Let a message of the type `test` be sent once, by whoever sends the others, before what is owed.
 
+    The answer comes within 20 s: the status that the address gave, or why there was none.
+    """
     rooms.meter.take_trial(caller.key)
-    message = await run_in_threadpool(make_trial, rooms.database, webhook, _find_realm(caller))
-    return await send(message, rooms.settings.webhook_networks)
+    return await try_webhook(rooms.database, webhook, _find_realm(caller))
 
 
 def _find_realm(caller: Caller) -> str | None:

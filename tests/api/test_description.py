@@ -10,7 +10,8 @@ import pytest
 from api_work import ask
 from garmentq.service.families import cancel
 from garmentq.service.jobs import claim, fail
-from garmentq.service.webhooks import create_webhook, take_due, try_webhook
+from garmentq.service.models import DeliveryRow, WebhookRow
+from garmentq.service.webhooks import create_webhook, owe_trial, take_due
 from jsonschema import Draft202012Validator
 from openapi_spec_validator import OpenAPIV31SpecValidator
 
@@ -153,15 +154,13 @@ def test_messages_are_as_described(client, database, queue_job, page):
     (schema,) = [
         content["schema"] for content in page["webhooks"]["job-ended"]["post"]["requestBody"]["content"].values()
     ]
-    try_webhook(database, hook.id)
+    owe_trial(database, hook.id)
     seen = set()
     for _ in range(3):
         (message,) = take_due(database, 1)
         check_by(page, schema, message.body)
         seen.add(message.body["type"])
         with database.write() as session:
-            from garmentq.service.models import DeliveryRow, WebhookRow
-
             session.query(WebhookRow).update({"taken_until": 0.0})
             session.query(DeliveryRow).filter(DeliveryRow.id == message.id).delete()
     assert seen == {"test", "job.failed", "job.cancelled"}

@@ -1,0 +1,34 @@
+"""`garmentq courier`: what sends to webhooks where workers have no way out."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+
+import click
+
+from .options import home_option
+
+
+@click.command("courier")
+@click.option("--check", "is_check", is_flag=True, help="Only tell whether one runs in this home; status 9: none does.")
+@home_option
+def command(is_check: bool, home: Path | None) -> None:
+    """Send what is owed to webhooks until told to stop.
+
+    Workers do so themselves. Where they cannot reach the addresses, set GARMENTQ_SEND_MESSAGES=0 for them, and run this
+    on a host or in a container that can: it needs the database and a way out. Several share the messages.
+
+    \b
+    Example:
+      garmentq courier
+    """
+    from ..service.settings import read_settings
+    from ..workers.courier import check_courier, run_courier
+
+    settings = read_settings(home=home)
+    if is_check:
+        check_courier(settings)
+        return
+    with suppress(KeyboardInterrupt):
+        run_courier(settings)

@@ -1,0 +1,47 @@
+"""Try a webhook by a message that takes the road of all others: it is owed, and whoever carries those carries it."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+
+from .database import Database
+from .webhook_records import Receipt
+from .webhooks import owe_trial, read_receipt, withdraw
+
+SECONDS = 20.0
+"""Longest wait for what came of a trial [s]: a worker starts its courier within two, and a message takes 5 s at most,
+after the one that is on its way."""
+
+PERIOD_SECONDS = 0.2
+"""How often it is looked for [s]."""
+
+UNSENT = Receipt(
+    None,
+    f"nobody sent it within {SECONDS:g} s: start a worker, or `garmentq courier` where workers do not send; "
+    "`garmentq doctor` tells whether one lives",
+)
+"""What is known of a message that was not sent."""
+
+
+async def try_webhook(database: Database, webhook: str, key: str | None = None) -> Receipt:
+    """Owe a webhook a message of the type `test`, wait until it was sent once, and return what came of it.
+
+    Args:
+        database: Where the webhook is.
+        webhook: Its id.
+        key: Whose it must be; None: anybody's.
+
+    Raises:
+        WebhookUnknown: where there is none.
+    """
+    message = await asyncio.to_thread(owe_trial, database, webhook, key)
+    try:
+        until = time.monotonic() + SECONDS
+        while time.monotonic() < until:
+            await asyncio.sleep(PERIOD_SECONDS)
+            if (receipt := await asyncio.to_thread(read_receipt, database, message)) is not None:
+                return receipt
+        return UNSENT
+    finally:
+        await asyncio.to_thread(withdraw, database, message)
