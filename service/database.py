@@ -8,7 +8,7 @@ import os
 import sqlite3
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from copy import copy
 from functools import wraps
 from pathlib import Path
@@ -216,7 +216,9 @@ def open_database(settings: ServiceSettings, pooled: bool = True, is_upgraded: b
     try:
         make_private(settings.home)
         if not settings.database_url:  # SQLite would make it with the rights that the user's files have
-            os.close(os.open(settings.home / "garmentq.db", os.O_RDWR | os.O_CREAT, 0o600))
+            # Never one that is there: to close it would drop the locks that this process holds on it (POSIX).
+            with suppress(FileExistsError):
+                os.close(os.open(settings.home / "garmentq.db", os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600))
     except OSError as error:
         raise DatabaseUnreachable(f"the home folder {settings.home} cannot be made: {error.strerror}.") from error
     database = Database(settings.database, pooled)

@@ -154,7 +154,7 @@ def read_settings(environment: Mapping[str, str] | None = None, home: Path | str
     return replace(settings, home=chosen.expanduser().absolute())
 
 
-MAY_BE_ZERO = ("idle_seconds", "log_json", "share_jobs", "free_bytes", "job_memory_mb")
+MAY_BE_ZERO = ("idle_seconds", "log_json", "share_jobs", "send_messages", "free_bytes", "job_memory_mb")
 
 
 def _find_text(environment: Mapping[str, str], name: str) -> str:

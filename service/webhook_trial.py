@@ -18,7 +18,7 @@ PERIOD_SECONDS = 0.2
 
 UNSENT = Receipt(
     None,
-    f"nobody sent it within {SECONDS:g} s: start a worker, or `garmentq courier` where workers do not send; "
+    "nobody sent it in time: start a worker, or `garmentq courier` where workers do not send; "
     "`garmentq doctor` tells whether one lives",
 )
 """What is known of a message that was not sent."""

@@ -9,9 +9,13 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
+import signal
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from threading import Event
 
 from ..core.errors import GarmentqError, Unavailable
 from ..service.database import Database, open_database
@@ -49,10 +53,26 @@ class CourierAway(Unavailable):
     code = "service.courier_away"
 
 
-async def deliver(database: Database, networks: str, seconds: float = LONGEST_SECONDS) -> int:
-    """Send what is due until nothing is, or for some seconds; return how many messages were sent."""
-    until, sent = time.monotonic() + seconds, 0
-    while time.monotonic() < until and (batch := take_due(database, AT_ONCE)):
+@contextmanager
+def _listening() -> Iterator[Event]:
+    """Give what is set when this process is told to stop: what is on its way then arrives, and is noted."""
+    told = Event()
+    before = {number: signal.signal(number, lambda *_: told.set()) for number in (signal.SIGINT, signal.SIGTERM)}
+    if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:  # nohup
+        before[signal.SIGHUP] = signal.signal(signal.SIGHUP, lambda *_: told.set())
+    try:
+        yield told
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+async def deliver(
+    database: Database, networks: str, seconds: float = LONGEST_SECONDS, told: Event | None = None
+) -> int:
+    """Send what is due until nothing is, for some seconds, or until told to stop; return how many were sent."""
+    until, sent, told = time.monotonic() + seconds, 0, told or Event()
+    while time.monotonic() < until and not told.is_set() and (batch := take_due(database, AT_ONCE)):
         receipts = await asyncio.gather(*(send(message, networks) for message in batch))
         for message, receipt in zip(batch, receipts, strict=True):
             note_receipt(database, message.id, receipt)
@@ -61,18 +81,19 @@ async def deliver(database: Database, networks: str, seconds: float = LONGEST_SE
 
 
 def run_courier(settings: ServiceSettings) -> None:
-    """Send what is owed to webhooks, until this process is told to stop by KeyboardInterrupt."""
+    """Send what is owed to webhooks until SIGTERM, SIGHUP or SIGINT."""
     in_use = use_home(settings)
     set_up_logs(bool(settings.log_json))
     database = open_database(settings, pooled=False)
     try:
-        while True:
-            try:
-                asyncio.run(deliver(database, settings.webhook_networks, ROUND_SECONDS))
-                _mark(settings).touch()
-            except GarmentqError as error:
-                log.warning("messages wait: %s", error)
-            time.sleep(settings.poll_seconds)
+        with _listening() as told:
+            while not told.is_set():
+                try:
+                    asyncio.run(deliver(database, settings.webhook_networks, ROUND_SECONDS, told))
+                    _mark(settings).touch()
+                except GarmentqError as error:
+                    log.warning("messages wait: %s", error)
+                told.wait(settings.poll_seconds)
     finally:
         _mark(settings).unlink(missing_ok=True)
         database.dispose()
@@ -104,7 +125,8 @@ def main() -> int:
     set_up_logs(bool(settings.log_json))
     database = Database(settings.database, pooled=False)
     try:
-        asyncio.run(deliver(database, settings.webhook_networks))
+        with _listening() as told:
+            asyncio.run(deliver(database, settings.webhook_networks, LONGEST_SECONDS, told))
     except GarmentqError as error:
         log.warning("messages wait: %s", error)
         return 1

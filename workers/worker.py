@@ -91,7 +91,7 @@ class Duties(bootsteps.StartStopStep):
         """Hand the duties to another worker at once; the parent's timers go on while its children finish."""
         self.rounds.cancel()
         if self.courier is not None and not has_ended(self.courier):
-            end_group(self.courier)  # what it has not sent is sent again
+            end_group(self.courier)  # what it has not sent stays owed
         try:
             end_life(self.database, self.name)
             drop_duty(self.database, DUTY, self.name)

@@ -8,7 +8,7 @@ from fastapi import FastAPI
 from fastapi.routing import APIRoute
 
 from .answers import Problem
-from .messages import EXAMPLE
+from .nulls import show_nulls
 
 SERVERS = [{"url": "/", "description": "The service that serves this document."}]
 """Where the routes are; relative, for a service does not know the names that it is reached by."""
@@ -22,24 +22,8 @@ def name_operation(route: APIRoute) -> str:
 def describe(app: FastAPI) -> dict[str, Any]:
     """Return the OpenAPI document, with the schemas that every refusal refers to."""
     if not app.openapi_schema:
-        found = FastAPI.openapi(app)
-        found["servers"] = SERVERS
-        _put_examples(app, found)
+        found = show_nulls(FastAPI.openapi(app)) | {"servers": SERVERS}
         problem = Problem.model_json_schema(ref_template="#/components/schemas/{model}")
         found["components"]["schemas"] |= {**problem.pop("$defs"), "Problem": problem}
-    assert app.openapi_schema is not None
+        app.openapi_schema = found
     return app.openapi_schema
-
-
-def _put_examples(app: FastAPI, found: dict[str, Any]) -> None:
-    """Put every route's examples in as they were written: FastAPI leaves out what is null in them."""
-    for route in app.routes:
-        if isinstance(route, APIRoute) and route.include_in_schema:
-            for method in route.methods:
-                shown = found["paths"][route.path_format][method.lower()]["responses"]
-                for status, answer in route.responses.items():
-                    for media, content in answer.get("content", {}).items():
-                        if "example" in content:
-                            shown[str(status)]["content"][media]["example"] = content["example"]
-    for route in found["webhooks"].values():
-        route["post"]["requestBody"]["content"]["application/json"]["example"] = EXAMPLE

@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Header
+from pydantic import ConfigDict
 
 from ..records import Failure
 from ..states import State
 from .answers import Answer
+from .nulls import hide_nulls
 
 router = APIRouter(tags=["webhooks"])
 
@@ -40,6 +42,7 @@ class Message(Answer):
     `id` is the same whenever the message comes again; `at` is when the job ended [s since 1970].
     """
 
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"example": hide_nulls(EXAMPLE)})
     id: str
     type: Literal["job.succeeded", "job.failed", "job.dead", "job.cancelled", "test"]
     at: float

@@ -16,6 +16,7 @@ from starlette.requests import ClientDisconnect
 from ...core.errors import BadInput, GarmentqError, NotFound, keep_printable
 from ...core.limited import LONGEST_MESSAGE
 from ..shown_errors import is_ours, show_message
+from .nulls import hide_nulls
 
 log = logging.getLogger(__name__)
 
@@ -186,7 +187,7 @@ def show_answer(
 
     A route that reads a body adds 408: its client may fall silent.
     """
-    good: dict[str, Any] = {"description": "Answer.", "content": {"application/json": {"example": value}}}
+    good: dict[str, Any] = {"description": "Answer.", "content": {"application/json": {"example": hide_nulls(value)}}}
     if model is not None:
         good["model"] = model
     return {status: good, **show_refusals(*ALWAYS, *refusals)}

@@ -47,8 +47,8 @@ def test_the_schema():
 
 def test_all_parts_are_there():
     """Broken where a part of the service is left out."""
-    assert set(SERVICES) == {"upgrade", "api", "worker", "broker", "database", "store"}
-    assert set(OURS) == {"upgrade", "api", "worker"}
+    assert set(SERVICES) == {"upgrade", "api", "worker", "courier", "broker", "database", "store"}
+    assert set(OURS) == {"upgrade", "api", "worker", "courier"}
 
 
 @pytest.mark.parametrize("name", OURS)
@@ -88,11 +88,35 @@ def test_each_service_is_bounded_and_watched(name):
     assert "privileged" not in service and "network_mode" not in service
 
 
-@pytest.mark.parametrize("name", OURS)
-def test_ours_have_no_rights(name):
-    """Broken where a parser's hole gives more than an empty container."""
-    assert OURS[name]["read_only"] is True and OURS[name]["cap_drop"] == ["ALL"]
-    assert OURS[name]["security_opt"] == ["no-new-privileges:true"]
+@pytest.mark.parametrize("name", SERVICES)
+def test_no_container_has_rights(name):
+    """Broken where a parser's hole, or one of a server's, gives more than an empty container."""
+    service = SERVICES[name]
+    assert service["read_only"] is True and service["cap_drop"] == ["ALL"]
+    assert service["security_opt"] == ["no-new-privileges:true"]
+    needed = {"broker": {"DAC_OVERRIDE"}, "database": {"CHOWN", "DAC_OVERRIDE", "FOWNER", "SETGID", "SETUID"}}
+    assert set(service.get("cap_add", ())) == needed.get(name, set())
+
+
+def test_whoever_sends_to_webhooks_has_a_way_out():
+    """Broken where messages are owed, a test says that they arrive, and no process that sends reaches the internet."""
+    outside = {name for name, inner in COMPOSE["networks"].items() if not inner.get("internal")}
+    sends = {
+        name
+        for name, service in OURS.items()
+        if service["command"][0] == "courier"
+        or (service["command"][0] == "worker" and service["environment"]["GARMENTQ_SEND_MESSAGES"] != "0")
+    }
+    assert sends == {"courier"}
+    assert all(outside & set(SERVICES[name]["networks"]) for name in sends)
+    assert not any(outside & set(SERVICES[name]["networks"]) for name in ("worker", "database", "broker", "store"))
+    for name in ("api", "courier"):
+        assert "GARMENTQ_WEBHOOK_NETWORKS" in OURS[name]["environment"]
+
+
+def test_nothing_refuses_to_start_before_there_is_a_key():
+    """Broken where the API's container starts over and over until somebody has made a key."""
+    assert "--await-key" in OURS["api"]["command"]
 
 
 def test_no_port_is_open_but_the_api_on_this_machine():
@@ -100,7 +124,7 @@ def test_no_port_is_open_but_the_api_on_this_machine():
     ports = {name: service["ports"] for name, service in SERVICES.items() if "ports" in service}
     assert ports == {"api": ["127.0.0.1:8080:8080"]}
     assert COMPOSE["networks"]["inside"] == {"internal": True}
-    assert {name for name, service in SERVICES.items() if "outside" in service["networks"]} == {"api"}
+    assert {name for name, service in SERVICES.items() if "outside" in service["networks"]} == {"api", "courier"}
 
 
 def test_volumes_and_secrets_are_used_and_declared():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from pathlib import Path
 
@@ -131,6 +132,24 @@ def test_opening_makes_the_tables_once(tmp_path):
             assert session.execute(text("pragma journal_mode")).scalar() == "wal"
             assert session.execute(text("pragma foreign_keys")).scalar() == 1
         opened.dispose()
+
+
+@pytest.mark.parametrize("database_kind", ["sqlite"], indirect=True)
+def test_a_second_opening_leaves_the_first_its_locks(settings, database):
+    """Broken where a process that opens its home twice reads old rows for ever, or writes into a log that is gone.
+
+    Another process that closes the file takes itself for the last one then, and removes the log.
+    """
+    with database.read() as session:
+        assert session.execute(text("select count(*) from jobs")).scalar() == 0
+    second = open_database(settings)
+    for words in ("create table seen (x)", "insert into seen values (1)", "insert into seen values (2)"):
+        code = f"import sqlite3; c = sqlite3.connect({str(settings.home / 'garmentq.db')!r}); c.execute({words!r}); "
+        subprocess.run([sys.executable, "-c", code + "c.commit(); c.close()"], check=True)
+    for opened in (database, second):
+        with opened.read() as session:
+            assert session.execute(text("select count(*) from seen")).scalar() == 2
+    second.dispose()
 
 
 def test_an_unreachable_database_is_one_clear_error(tmp_path):

@@ -12,6 +12,7 @@ from pathlib import Path
 import httpx
 import pytest
 from garmentq.service.jobs import read_events
+from garmentq.workers.embedded import was_stopped
 from garmentq_home import make_environment, read_job, wait_for
 
 STOPS = (signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
@@ -81,7 +82,7 @@ def gone(settings) -> bool:
 
 @pytest.mark.parametrize("number", STOPS, ids=lambda one: one.name)
 def test_what_up_serve_keeps_alive_stops_with_it(settings, start, queue_job, number):
-    """Broken where a supervisor, a closed terminal or Ctrl-C leaves worker and broker behind, or costs a job its try."""
+    """Broken where a supervisor, a closed terminal or Ctrl-C leaves worker and broker behind, or costs a try."""
     process, address = serve_all(start)
     wait_for(lambda: answers(address) or process.poll() is not None)
     job = queue_job("slow")
@@ -102,7 +103,7 @@ def test_a_second_signal_changes_nothing(settings, start, database, queue_job):
     wait_for(lambda: read_job(settings, job).state == "running")
     for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGTERM, signal.SIGINT):
         process.send_signal(number)
-    wait_for(lambda: "stopped" in {path.name for path in (settings.home / "run").iterdir()} or process.poll() is not None)
+    wait_for(lambda: was_stopped(settings) or process.poll() is not None)
     process.send_signal(signal.SIGTERM)
     assert process.wait() == 0
     wait_for(lambda: gone(settings))
