@@ -24,3 +24,8 @@ def __getattr__(name: str) -> Any:
 
         return open_result
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """Return all names, those too that are imported when they are first asked for."""
+    return sorted({*globals(), *__all__})

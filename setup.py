@@ -22,4 +22,5 @@ class Build(build_py):
         return [module for module in found if module[:2] != ("garmentq", "setup")]
 
 
-setup(packages=packages, package_data=dict.fromkeys(packages[1:], DATA), cmdclass={"build_py": Build})
+data = {"garmentq": ["py.typed"]} | dict.fromkeys(packages[1:], DATA)
+setup(packages=packages, package_data=data, cmdclass={"build_py": Build})

@@ -20,7 +20,7 @@ from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 from urllib.parse import quote
 
 import httpx
@@ -74,7 +74,7 @@ class RemoteBackend(RemoteLibraries):
         """
         super().__init__(Connection(url, key))
 
-    def __enter__(self) -> RemoteBackend:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -9,7 +9,7 @@ from .database import Database
 from .webhook_records import Receipt
 from .webhooks import owe_trial, read_receipt, withdraw
 
-SECONDS = 20.0
+SECONDS = 30.0
 """Longest wait for what came of a trial [s]: a worker starts its courier within two, and a message takes 5 s at most,
 after the one that is on its way."""
 

@@ -68,7 +68,7 @@ def test_production_is_the_lock_and_nothing_else(environment):
     assert {normalise(one["name"]) for one in listed} - TOOLS == (locked | {"torch", "garmentq"}) - TOOLS
     assert "No broken requirements" in run(environment, "pip", "check")
     [package] = environment[0].parent.glob("lib/python*/site-packages/garmentq")
-    assert {path.name for path in package.iterdir() if path.is_file()} == {"__init__.py"}
+    assert {path.name for path in package.iterdir() if path.is_file()} == {"__init__.py", "py.typed"}
     assert {path.name for path in (package.parent / "igl").iterdir()}.isdisjoint({"copyleft", "triangle"})
 
 

@@ -55,6 +55,10 @@ class Body:
     source: str = ""
     fit_rms: float = 0.0
 
+    def __repr__(self) -> str:
+        """Return one line; the arrays are its attributes."""
+        return f"<Body {self.source}: {len(self.vertices)} vertices, {len(self.faces)} faces>"
+
     def joint(self, name: str) -> np.ndarray:
         """Return the position [m] of a joint by its name, shape [3]."""
         return self.joints[JOINTS.index(name)]

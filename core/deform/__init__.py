@@ -20,3 +20,8 @@ def __getattr__(name: str) -> Any:
 
         return deform
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """Return all names, that too which is loaded on first use."""
+    return sorted({*globals(), *__all__})

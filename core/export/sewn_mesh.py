@@ -46,6 +46,10 @@ class SewnMesh:
     nodes: np.ndarray
     fabric: Fabric
 
+    def __repr__(self) -> str:
+        """Return one line; the arrays are its attributes."""
+        return f"<SewnMesh {self.name}: {len(self.nodes)} vertices, {len(self.faces)} faces>"
+
     @property
     def vertices(self) -> np.ndarray:
         """Return the positions [m], shape [node_count, 3]."""

@@ -57,6 +57,10 @@ class StoredResult:
     metrics: Mapping[str, float | None]
     manifest: Mapping[str, Any]
 
+    def __repr__(self) -> str:
+        """Return one line; `plot()` draws it."""
+        return f"<StoredResult {self.name}: {len(self.pattern.panels)} panels, meshes {', '.join(self.meshes)}>"
+
     @property
     def pattern(self) -> Pattern:
         """Return the pattern."""

@@ -40,6 +40,10 @@ class Garment:
     edge_uv: dict[EdgeRef, np.ndarray]
     contours: tuple[Contour, ...] = ()
 
+    def __repr__(self) -> str:
+        """Return one line; the arrays are its attributes."""
+        return f"<Garment {self.pattern.name}: {len(self.nodes)} nodes, {len(self.faces)} faces>"
+
     @property
     def rest(self) -> np.ndarray:
         """Return the flat rest triangles [m], shape [face_count, 3, 2]."""

@@ -58,6 +58,10 @@ class Panel:
     mirrored: bool = False
     notches: tuple[tuple[int, float], ...] = ()
 
+    def __repr__(self) -> str:
+        """Return one line; the arrays are its attributes."""
+        return f"<Panel {self.name}: {len(self.edges)} edges>"
+
 
 @dataclass(frozen=True)
 class EdgeRef:
@@ -102,6 +106,10 @@ class Pattern:
     category: str = ""
     extra: dict[str, Any] = field(default_factory=dict)
     symmetric: bool = True
+
+    def __repr__(self) -> str:
+        """Return one line; the arrays are its attributes."""
+        return f"<Pattern {self.name}: {len(self.panels)} panels, {len(self.seams)} seams>"
 
     def panel(self, name: str) -> Panel:
         """Return a panel by name.

@@ -58,6 +58,10 @@ class Worn:
     template: str
     category: str
 
+    def __repr__(self) -> str:
+        """Return one line; the arrays are its attributes."""
+        return f"<Worn {self.category} on {self.body.source}: {len(self.garment.nodes)} nodes>"
+
     @property
     def pattern(self) -> Pattern:
         """Return the garment's pattern."""

@@ -66,7 +66,7 @@ def delete(webhook: WebhookId, rooms: RoomsOf, caller: Submitter) -> Any:
 async def test_webhook(webhook: WebhookId, rooms: RoomsOf, caller: Submitter) -> Any:
     """Let a message of the type `test` be sent once, by whoever sends the others, before what is owed.
 
-    The answer comes within 20 s: the status that the address gave, or why there was none.
+    The answer comes within 30 s: the status that the address gave, or why there was none.
     """
     rooms.meter.take_trial(caller.key)
     return await try_webhook(rooms.database, webhook, _find_realm(caller))

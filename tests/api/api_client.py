@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,7 +13,9 @@ import uvicorn
 from garmentq.service.api.app import make_app
 from garmentq.service.api.limits import ApiLimits
 from garmentq.service.api.server import make_options
+from garmentq.service.database import open_database
 from garmentq.service.local_token import make_local_token
+from garmentq.workers.courier import deliver
 from garmentq_home import wait_for
 
 LIMITS = ApiLimits(upload_bytes=1 << 20, chunk_seconds=1.0, streams=2)
@@ -40,6 +43,25 @@ def serving(settings, limits: ApiLimits = LIMITS, is_open: bool = True, hosts=()
 def local_user(settings) -> dict[str, str]:
     """Return the header of the local user of a service without keys."""
     return {"authorization": f"Bearer {make_local_token(settings.home)}"}
+
+
+@contextmanager
+def carrying(settings) -> Iterator[None]:
+    """Let a courier send what is owed to webhooks, for the block."""
+    database, ended = open_database(settings), threading.Event()
+
+    def carry() -> None:
+        while not ended.wait(0.05):
+            asyncio.run(deliver(database, settings.webhook_networks))
+
+    thread = threading.Thread(target=carry, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
+        database.dispose()
 
 
 @pytest.fixture

@@ -55,6 +55,16 @@ def test_a_notebook_shows_the_picture(folder: Path, tmp_path: Path) -> None:
     assert result.plot().save(tmp_path / "a.png").read_bytes() == png
 
 
+def test_what_a_notebook_prints_is_one_line(folder: Path) -> None:
+    """Fails if a name at the end of a notebook's cell filled pages with arrays."""
+    result = garmentq.open_result(folder)
+    mesh = result.mesh("detail")
+    shown = (result, result.pattern, result.pattern.panels[0], result.body, result.worn, mesh, mesh.garment)
+    for one in (*shown, result.fabric):
+        assert len(repr(one)) < 400 and "\n" not in repr(one) and "array(" not in repr(one), repr(one)[:200]
+    assert repr(result) == "<StoredResult garment: 2 panels, meshes graded, detail>"
+
+
 @pytest.mark.parametrize(
     ("open_it", "code", "word"),
     [

@@ -33,7 +33,7 @@ from garmentq.service.states import State
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "api"))
 
-from api_client import serving  # noqa: E402
+from api_client import carrying, serving  # noqa: E402
 from api_work import finish, make_ply  # noqa: E402
 
 
@@ -221,7 +221,7 @@ def test_a_template_and_a_key_come_and_go(local, remote, tmp_path):
     with_key.close()
 
 
-def test_a_webhook_and_a_template_go(backend, tmp_path):
+def test_a_webhook_and_a_template_go(backend, settings, tmp_path):
     """Breaks where what was deleted is still there, or a secret is shown a second time."""
     webhook, secret = backend.create_webhook("https://studio.example/in", [State.FAILED, State.DEAD])
     assert secret.startswith("whsec_") and backend.list_webhooks() == [webhook]
@@ -229,8 +229,10 @@ def test_a_webhook_and_a_template_go(backend, tmp_path):
     backend.delete_webhook(webhook.id)
     assert backend.list_webhooks() == []
     near, _ = backend.create_webhook("https://studio.invalid/", ())
-    receipt = backend.test_webhook(near.id)
+    with carrying(settings):
+        receipt = backend.test_webhook(near.id)
     assert receipt.status is None and receipt.error
+    assert [(one.error, one.owed) for one in backend.list_webhooks()] == [(receipt.error, 0)]
     backend.import_template("mine", _write_template(tmp_path))
     backend.delete_template("mine")
     assert "mine" not in [one.name for one in backend.list_templates()]
