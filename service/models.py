@@ -401,4 +401,4 @@ class DeliveryRow(Base):
     due: Mapped[float | None]
     tries: Mapped[int] = mapped_column(default=0)
     status: Mapped[int | None]
-    error: Mapped[str | None] = mapped_column(String(255))
+    error: Mapped[str | None] = mapped_column(Words(255))
