@@ -71,12 +71,6 @@ class PatternValueBad(PatternFault):
     code = "pattern.value_bad"
 
 
-class PatternTextBad(PatternFault):
-    """A text in the pattern file holds NUL or half of a surrogate pair, which nothing can keep; write it as UTF-8."""
-
-    code = "pattern.text_bad"
-
-
 class PanelOpen(PatternFault):
     """The edges of a panel do not form one closed loop; each vertex must end one edge and start one other."""
 

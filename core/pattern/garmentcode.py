@@ -24,7 +24,6 @@ from .errors import (
     PanelDegenerate,
     PanelOpen,
     PatternIncomplete,
-    PatternTextBad,
     PatternTooLarge,
     PatternUnitsMissing,
     PatternUnreadable,
@@ -107,7 +106,7 @@ def read_numbered(
     """
     top = get_object(parse_document(source) if isinstance(source, str | bytes) else source, "the file")
     if has_unkept(top):
-        raise PatternTextBad()
+        raise PatternValueBad("a text in the pattern file holds NUL or half of a surrogate pair; write it as UTF-8.")
     if "pattern" not in top:
         raise PatternIncomplete("the file has no key 'pattern': it is no GarmentCode or NeuralTailor pattern.")
     body = get_object(top["pattern"], "pattern")

@@ -16,7 +16,7 @@ from garmentq.core.body.measures_file import MeasuresBad, read_measures
 from garmentq.core.motion.errors import MotionBad
 from garmentq.core.motion.keys import read_keys
 from garmentq.core.pattern import load_template, read_pattern, write_pattern
-from garmentq.core.pattern.errors import PatternTextBad
+from garmentq.core.pattern.errors import PatternValueBad
 from garmentq.core.pieces.allowance import read_allowances
 from garmentq.core.pieces.errors import AllowanceBad
 from garmentq.core.scan.labels import read_labels
@@ -163,13 +163,13 @@ def test_a_pattern_with_such_a_text_is_named(client, settings):
             changed = deepcopy(document)
             changed["properties"][own]["panels"][name][place] = [word] * 9 if place != word else 1
             for source in (changed, json.dumps(changed), spell(changed)):
-                with pytest.raises(PatternTextBad):
+                with pytest.raises(PatternValueBad, match="surrogate"):
                     read_pattern(source)
     kept = client.post("/v1/patterns", params={"name": "p.json"}, content=json.dumps(changed)).json()["sha256"]
     answer = client.get("/v1/match", params={"first": kept, "second": "skirt"})
-    assert (answer.status_code, answer.json()["code"]) == (422, "pattern.text_bad")
+    assert (answer.status_code, answer.json()["code"]) == (422, "pattern.value_bad")
     answer = client.put("/v1/templates/mine", content=json.dumps(changed))
-    assert (answer.status_code, answer.json()["code"]) == (422, "pattern.text_bad")
+    assert (answer.status_code, answer.json()["code"]) == (422, "pattern.value_bad")
 
 
 @pytest.mark.parametrize(
