@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 from fastapi import Request
 from starlette.exceptions import HTTPException
 
-from ...core.errors import Cancelled
+from ...core.errors import Cancelled, GarmentqError
 from ...core.limited import IsStopped
 from .limits import ApiLimits
 from .meter import LimitedFull, LimitedOpen, Meter
@@ -96,6 +96,6 @@ def _refuse_gone() -> HTTPException:
 
 async def _wait_gone(request: Request) -> None:
     """Wait until the client has closed the connection, or breaks off a body that nobody asked for."""
-    with suppress(HTTPException):
+    with suppress(HTTPException, GarmentqError):
         while (await request.receive())["type"] != "http.disconnect":
             pass
