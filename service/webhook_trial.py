@@ -16,11 +16,7 @@ after the one that is on its way."""
 PERIOD_SECONDS = 0.2
 """How often it is looked for [s]."""
 
-UNSENT = Receipt(
-    None,
-    "nobody sent it in time: start a worker, or `garmentq courier` where workers do not send; "
-    "`garmentq doctor` tells whether one lives",
-)
+UNSENT = Receipt(None, "nobody sent it in time: start a worker, or `garmentq courier` where workers do not send")
 """What is known of a message that was not sent."""
 
 
