@@ -4,38 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from sqlalchemy import ForeignKey, Index, MetaData, text
-from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
+from sqlalchemy import ForeignKey, Index, text
+from sqlalchemy.orm import Mapped, mapped_column
 
-from .columns import SERIAL, Flag, Name, Real, Values, Whole, Words, tell_places
+from .columns import SERIAL, Whole, Words
+from .model_base import Base
 from .states import State
-
-NAMING = {
-    "ix": "ix_%(table_name)s_%(column_0_N_name)s",
-    "uq": "uq_%(table_name)s_%(column_0_N_name)s",
-    "fk": "fk_%(table_name)s_%(column_0_N_name)s",
-    "pk": "pk_%(table_name)s",
-}
-"""Fixed names of constraints, so that a later migration can drop them on every database."""
-
-
-class Base(DeclarativeBase):
-    """Gather the tables."""
-
-    metadata = MetaData(naming_convention=NAMING)
-    type_annotation_map = {  # noqa: RUF012
-        float: Real(),
-        int: Whole(),
-        bool: Flag(),
-        dict[str, Any]: Values(dict),
-        list[Any]: Values(list),
-        State: Name(State, 16),
-    }
-
-    def __init_subclass__(cls, **options: Any) -> None:
-        """Make the table, and tell each column's type where it stands."""
-        super().__init_subclass__(**options)
-        tell_places(cls.__table__)
 
 
 class ScanRow(Base):
