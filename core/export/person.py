@@ -33,8 +33,8 @@ TURNS = (0.0, np.pi, 0.5 * np.pi)
 def write_person(raw: RawScan, separation: Separation, folder: Path) -> list[Path]:
     """Write `labels.npz`, `segmented.ply`, `scan.ply`, `body.ply` and `picture.png` into a folder that is there.
 
-    `labels.npz` has a label for each point of the given file, in its order, and in `place` the point of the cleaned
-    scan that stands for it (-1: none); `segmented.ply` holds the cleaned scan in metres, y up, each point coloured by
+    `labels.npz` has a label for each point of the given file, in its order, in `place` the point of the cleaned scan
+    that stands for it (-1: none), and in `origin` for each of those the file's point; `segmented.ply` holds the cleaned scan in metres, y up, each point coloured by
     its part and with its `label` and `confidence`; `scan.ply` the same in the scan's own colours, thinned for a view.
 
     Returns:
@@ -44,7 +44,7 @@ def write_person(raw: RawScan, separation: Separation, folder: Path) -> list[Pat
     picture = folder / "picture.png"
     picture.write_bytes(draw_person(raw, separation))
     return [
-        write_labels(separation.label, separation.confidence, folder / "labels.npz", raw.place),
+        write_labels(separation.label, separation.confidence, folder / "labels.npz", raw.place, raw.origin),
         write_segmented(raw, label, separation.confidence[raw.origin], folder / "segmented.ply"),
         write_seen(raw, folder / "scan.ply"),
         write_ply(separation.body.vertices, separation.body.faces, folder / "body.ply"),

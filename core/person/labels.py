@@ -14,8 +14,14 @@ COUNT = max(Part) + 1
 """Length of `names`: a label is the index of its name."""
 
 
-def write_labels(label: np.ndarray, confidence: np.ndarray, path: Path, place: np.ndarray | None = None) -> Path:
-    """Write `labels.npz`: `label` and `confidence` for each point of the scan's file, `names`, and `place`.
+def write_labels(
+    label: np.ndarray,
+    confidence: np.ndarray,
+    path: Path,
+    place: np.ndarray | None = None,
+    origin: np.ndarray | None = None,
+) -> Path:
+    """Write `labels.npz`: `label` and `confidence` for each point of the scan's file, `names`, `place` and `origin`.
 
     Args:
         label: A `Part` for each point of the file, shape [file_count].
@@ -23,6 +29,8 @@ def write_labels(label: np.ndarray, confidence: np.ndarray, path: Path, place: n
         path: Where to.
         place: For each point of the file the point of the cleaned scan that stands for it, or -1, shape [file_count];
             None: not written.
+        origin: For each point of the cleaned scan the point of the file that it came from, shape [point_count]; None:
+            not written.
     """
     names = np.full(COUNT, "", dtype="<U16")
     for part in Part:
@@ -30,6 +38,8 @@ def write_labels(label: np.ndarray, confidence: np.ndarray, path: Path, place: n
     arrays = {"label": label.astype(np.uint8), "confidence": confidence.astype(np.float32), "names": names}
     if place is not None:
         arrays["place"] = place.astype(np.int32)
+    if origin is not None:
+        arrays["origin"] = origin.astype(np.int32)
     with path.open("wb") as file:
         np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
     return path

@@ -49,6 +49,8 @@ def read_mended(path: Path) -> np.ndarray:
 def mend_labels(stored: Path, mended: np.ndarray, path: Path) -> Path:
     """Write a labels file as it was stored, with mended labels where the cleaned scan has points.
 
+    Copies of a vertex that was split are one point of the file; a label that is changed at any of them is its label.
+
     Args:
         stored: The `labels.npz` of a person's result.
         mended: A `Part` for each point of its `segmented.ply`, uint8, shape [point_count].
@@ -61,11 +63,18 @@ def mend_labels(stored: Path, mended: np.ndarray, path: Path) -> Path:
     try:
         with np.load(stored, allow_pickle=False) as arrays:
             label, place = arrays["label"].copy(), arrays["place"]
+            origin = arrays["origin"] if "origin" in arrays else None
     except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
         raise LabelsOld() from error
-    count = int(place.max(initial=-1)) + 1
+    kept = place >= 0
+    count = int(place.max(initial=-1)) + 1 if origin is None else len(origin)
+    if origin is None and len(mended) > count:
+        raise LabelsOld()  # It may have copies of split vertices, which the file does not count.
     if len(mended) != count:
         raise LabelsMismatch(f"there are {len(mended)} labels for the {count} points of segmented.ply; give each one.")
-    kept = place >= 0
+    if origin is not None:
+        changed = np.flatnonzero(mended != label[origin])
+        mended = mended.copy()
+        mended[place[origin[changed]]] = mended[changed]
     label[kept] = mended[place[kept]]
-    return write_labels(label, np.ones(len(label)), path, place)
+    return write_labels(label, np.ones(len(label)), path, place, origin)

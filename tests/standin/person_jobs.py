@@ -41,7 +41,7 @@ def keep_person(services: Services, folder: Path, shells: Shells, key: str = "",
     job = submit(services.database, services.store, order).job
     out = folder / "out"
     out.mkdir()
-    write_labels(separation.label, separation.confidence, out / "labels.npz", raw.place)
+    write_labels(separation.label, separation.confidence, out / "labels.npz", raw.place, raw.origin)
     write_segmented(raw, shells.label, separation.confidence[raw.origin], out / "segmented.ply")
     worn = np.isin(shells.label, (Part.UPPER, Part.LOWER))[:, None]
     write_seen(replace(raw, colours=np.where(worn, BLUE, PINK)), out / "scan.ply")
