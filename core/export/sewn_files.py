@@ -60,8 +60,9 @@ def write_sewn_glb(mesh: SewnMesh, path: Path, image: bytes | None = None) -> Pa
 
     Attributes of its vertices: POSITION, NORMAL; TEXCOORD_0, the flat position [m] (glTF's v runs downwards, so it is
     1 - v); TEXCOORD_1, the same panels within 0..1; `_NODE`, the welded node, so that the panels can be sewn again;
-    `_PANEL`; `_SEAM`, up to two seams, -1 for none. Application's own attributes are float32, as whole numbers of 32
-    bits are not allowed there. `extras` of the mesh hold `describe_cloth`.
+    `_PANEL`; `_SEAM_A` and `_SEAM_B`, up to two seams, -1 for none. Application's own attributes are float32, as whole
+    numbers of 32 bits are not allowed there, and all of one width: Blender 4.5 and 5.0 read those of several widths in
+    an order that changes from start to start, and then fail. `extras` of the mesh hold `describe_cloth`.
 
     Args:
         mesh: What is written.
@@ -74,9 +75,10 @@ def write_sewn_glb(mesh: SewnMesh, path: Path, image: bytes | None = None) -> Pa
     flat, unit = mesh.metre_uv.copy(), mesh.unit_uv[0].copy()
     flat[:, 1], unit[:, 1] = 1.0 - flat[:, 1], 1.0 - unit[:, 1]
     first, second = (flat, unit) if image is None else (unit, flat)
+    seams = seams_of_uv(garment)
     values = {
         "POSITION": mesh.nodes[split], "NORMAL": mesh.normals[split], "TEXCOORD_0": first, "TEXCOORD_1": second,
-        "_NODE": split, "_PANEL": garment.panel_of_uv, "_SEAM": seams_of_uv(garment),
+        "_NODE": split, "_PANEL": garment.panel_of_uv, "_SEAM_A": seams[:, 0], "_SEAM_B": seams[:, 1],
     }  # fmt: skip
     names = plain_names([panel.name for panel in garment.pattern.panels])
     primitives: list[dict[str, Any]] = []

@@ -63,7 +63,8 @@ def test_glb_holds_panels_seams_rest_and_fabric(mesh: SewnMesh, tmp_path: Path) 
         assert (part.vertex_attributes["_PANEL"] == index).all()
         nodes = part.vertex_attributes["_NODE"].astype(int).ravel()
         joined[nodes] = part.vertices
-        for seam in np.unique(part.vertex_attributes["_SEAM"].astype(int)):
+        lies_on = np.concatenate([part.vertex_attributes[name].astype(int).ravel() for name in ("_SEAM_A", "_SEAM_B")])
+        for seam in np.unique(lies_on):
             if seam >= 0:
                 sides[seam].add(garment.pattern.panels[index].name)
     assert sum(len(part.faces) for part in parts) == len(garment.faces)
