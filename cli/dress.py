@@ -10,8 +10,9 @@ from typing import Any
 import click
 
 from ..core.body import is_builtin
+from ..core.units import UNITS
 from .derived import DerivedOptions, derived_options
-from .options import AXES, UNITS, gather
+from .options import AXES, gather
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ def wearer_options(function: Callable[..., Any]) -> Callable[..., Any]:
         click.option("--measures", type=click.Path(path_type=Path), help="Who wears it: measures in cm, CSV or JSON."),
         click.option("--pose", help="Pose of the body: T, A, arms-down, stride, seated.  [default: its own]"),
         click.option("--fabric", help="A name from `garmentq materials`.  [default: the result's own]"),
-        click.option("--units", type=click.Choice(UNITS[:3]), help="Unit of the body's file.  [default: found]"),
+        click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the body's file.  [default: found]"),
         click.option("--up", type=click.Choice(AXES[:2]), help="Up axis of the body's file.  [default: found]"),
     ]
     return gather(WearerOptions, options, "wearer")(function)

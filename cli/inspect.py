@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..core.units import UNITS
 from ..service.order import GARMENT, GIVEN_AS, PERSON
 from .labels import LabelOptions, label_options
-from .options import AXES, UNITS, json_option
+from .options import AXES, json_option
 
 if TYPE_CHECKING:
     from ..core.scan import Selection
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 )
 @click.option("--body", help="The wearer's mesh file, or builtin:female,height=1.70.")
 @label_options
-@click.option("--units", type=click.Choice(UNITS), help="Unit of the files.  [default: found]")
+@click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the files.  [default: found]")
 @click.option("--up", type=click.Choice(AXES), help="Up axis of the files.  [default: found]")
 @json_option
 def command(

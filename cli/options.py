@@ -11,13 +11,11 @@ from typing import Any
 import click
 
 from ..core.settings import METHODS, PRESETS, RecoverySettings
+from ..core.units import UNITS
 from ..service.order import GIVEN_AS
 from .output import NewFolder, keep_private
 
 Decorator = Callable[..., Any]
-
-UNITS = ("m", "cm", "mm", "inch", "foot")
-"""Units of files; the last two of persons only."""
 
 AXES = ("y", "z", "-y", "-z")
 """Axes of files that may point up; the last two of persons only."""
@@ -203,7 +201,7 @@ def order_options(function: Decorator) -> Decorator:
         ),
         click.option("--keep-cut", is_flag=True, help="Add no dart to the base pattern's panels, and close none."),
         *method_options(),
-        click.option("--units", type=click.Choice(UNITS), help="Unit of the files.  [default: found]"),
+        click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the files.  [default: found]"),
         click.option("--up", type=click.Choice(AXES), help="Up axis of the files.  [default: found]"),
         click.option(
             "--vertices",

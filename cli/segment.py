@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from ..core.units import UNITS
 from .options import Decorator, gather, json_option
 from .output import NewFolder, writing
 
@@ -34,7 +35,7 @@ def hint_options(function: Decorator) -> Decorator:
             "--mark", multiple=True, metavar="PART=X,Y,Z", help="What is at a place, in the file's coordinates."
         ),
         click.option("--body", help="The wearer's mesh or SMPL file, in the scan's place.  [default: found]"),
-        click.option("--units", type=click.Choice(["m", "cm", "mm"]), help="Unit of the files.  [default: found]"),
+        click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the files.  [default: found]"),
         click.option("--up", type=click.Choice(["y", "z"]), help="Up axis of the files.  [default: found]"),
     ]
     return gather(HintOptions, options)(function)

@@ -34,7 +34,7 @@ class RecoverySettings:
         template: Name of a shipped or imported template that overrides the chosen one, or None.
         fabric: Name of a shipped fabric, or a fabric itself: an imported one is looked up when the job is asked
             for. A plain cotton weave is the default: mid-range in weight and stiffness.
-        units: `m`, `cm` or `mm` of the scan's and body's file, or None to find it.
+        units: A name of `UNITS`, of the scan's and body's file, or None to find it.
         up: `y` or `z` of the file, or None to find it.
         vertex_count: Vertices of the garment mesh; 4000 gives edges of about 1.5 cm on a T-shirt, where the folds of a
             scan are still resolved and a Newton step takes about 0.2 s.

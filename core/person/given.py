@@ -32,7 +32,7 @@ class PersonFiles:
         labels: A label file with `names`, or None.
         body: The wearer's file, or None.
         patterns: Pattern files, by the word of the garment; under the empty word that of the only one.
-        units: `m`, `cm` or `mm` of scan and body, or None to find it.
+        units: A name of `UNITS`, of scan and body, or None to find it.
         up: `y` or `z` of both, or None to find it.
     """
 

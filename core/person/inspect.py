@@ -50,7 +50,7 @@ def inspect_order(
         source: The file.
         given_as: `PERSON` or `GARMENT`, or None to find it.
         body: The description of a built-in body, or None.
-        units: `m`, `cm` or `mm`, or None to find it.
+        units: A name of `UNITS`, or None to find it.
         up: `y` or `z`, or None to find it.
         is_quick: Read the file alone; what it is taken for is then told by its height where nobody said it.
 
@@ -144,7 +144,7 @@ def find_what(
     Args:
         path: The file.
         body: The wearer's file, or the description of a built-in body.
-        units: `m`, `cm` or `mm`, or None to find it.
+        units: A name of `UNITS`, or None to find it.
         up: `y` or `z`, or None to find it.
         limits: What reading may cost.
 

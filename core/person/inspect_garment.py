@@ -87,7 +87,7 @@ def inspect_file(
     Args:
         path: The garment's mesh file.
         body: The wearer: a ready `Body`, a mesh file, a text `builtin:...`, or None.
-        units: `m`, `cm` or `mm`, or None to find it.
+        units: A name of `UNITS`, or None to find it.
         up: `y` or `z`, or None to find it.
         selection: Which part of a dressed person's scan is the garment; None: all of the file is.
         limits: What reading may cost.

@@ -9,7 +9,8 @@ from scipy.spatial import cKDTree
 
 from ..mesh import find_components
 from ..scan.raw import RawScan
-from ..scan.upright import LENGTHS, turn_upright
+from ..scan.upright import turn_upright
+from ..units import UNITS
 from .diffusion import Links
 from .hints import HintBad, Mark
 from .part import GARMENTS, PARTS, Part
@@ -49,7 +50,7 @@ def apply_marks(
     column = column.copy()
     tree = cKDTree(points.positions)
     for mark in marks:
-        place = turn_upright(mark.place[None], raw.up_axis)[0] * LENGTHS.get(raw.units, 1.0)
+        place = turn_upright(mark.place[None], raw.up_axis)[0] * UNITS.get(raw.units, 1.0)
         distance, nearest = tree.query(place)
         if distance > REACH:
             raise HintBad(

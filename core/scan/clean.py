@@ -54,12 +54,14 @@ class Cleaned:
         kept: True at points of the person, shape [n].
         samples: Points uniform over the person's surface, in the file's unit and axes, shape [m, 3].
         pieces: Separate pieces of a person's size beside each other, all of them kept.
+        crumbs: Share of the person's points that were dropped since their pieces of the mesh are smaller than `DUST`.
         notes: What was dropped, one sentence each.
     """
 
     kept: np.ndarray
     samples: np.ndarray
     pieces: int
+    crumbs: float
     notes: tuple[str, ...]
 
 
@@ -85,13 +87,13 @@ def clean_person(points: np.ndarray, faces: np.ndarray, profiles: list[Profile],
         for number, name in enumerate(FATES[1:], 1):
             counts[name] = counts.get(name, 0) + int((fate == number).sum())
         kept[rows[fate > 0]] = False
-        if is_last or not (fate > 0).any():
+        if is_last or not (fate > 0).any() or not kept.any():
             break
-    if len(faces):
-        crumbs = _crumbs(points, faces, kept)
-        counts["flyers"] = counts.get("flyers", 0) + int(crumbs.sum())
-        kept &= ~crumbs
-    return Cleaned(kept, samples[judged.own], judged.pieces, _tell(counts, judged.pieces))
+    crumbs = _crumbs(points, faces, kept)
+    counts["flyers"] = counts.get("flyers", 0) + int(crumbs.sum())
+    share = float(crumbs.sum() / max(kept.sum(), 1))
+    kept &= ~crumbs
+    return Cleaned(kept, samples[judged.own], judged.pieces, share, _tell(counts, judged.pieces))
 
 
 FATES = ("kept", "floor or walls", "clutter", "flyers")
@@ -114,6 +116,8 @@ def _judge(samples: np.ndarray, normals: np.ndarray, profiles: list[Profile], ax
     fate = np.zeros(len(samples), np.int64)
     for plane in find_planes(samples, normals):
         fate[plane.dropped] = 1
+    if (fate == 0).mean() < DUST:
+        fate[:] = 0  # Planes alone are what was scanned, and not what stands around it.
     left = np.flatnonzero(fate == 0)
     tree = cKDTree(samples[left])
     spacing = float(np.median(tree.query(samples[left], min(7, len(left)))[0][:, -1]) * np.sqrt(np.pi / 6))
@@ -189,7 +193,7 @@ def _is_near(points: np.ndarray, person: np.ndarray) -> np.ndarray:
 
 def _crumbs(points: np.ndarray, faces: np.ndarray, kept: np.ndarray) -> np.ndarray:
     """Mark kept points in pieces of the mesh that are smaller than `DUST`, or in no kept face, shape [n]."""
-    inside = faces[kept[faces].all(axis=1)]
+    inside = faces[kept[faces].all(axis=1)] if len(faces) else faces
     if not len(inside):
         return np.zeros(len(points), bool)
     number, piece = HalfEdges.of(inside, len(points)).vertex_pieces

@@ -10,7 +10,6 @@ from . import refusal
 from .cloud_header import PcdHeader, read_pcd_header
 from .columns import as_bytes, find_labels
 
-_HEAD_BYTES = 65536
 _BLANKS = str.maketrans(",;", "  ")
 COLUMNS = (3, 4, 6, 7, 9, 10)
 """Numbers in a row of an XYZ: position, then perhaps an intensity, a colour or a normal, or both."""
@@ -23,8 +22,8 @@ def parse_pcd(path: Path) -> dict[str, np.ndarray]:
 
     Points without a position (NaN, as organised clouds have them) stay; the caller drops them.
     """
+    header = read_pcd_header(path)
     with path.open("rb") as file:
-        header = read_pcd_header(path.name, file.read(_HEAD_BYTES))
         file.seek(header.start)
         if header.encoding == "ascii":
             columns = _read_ascii(header, file.read().decode("latin-1"))

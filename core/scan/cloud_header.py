@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
+from .head import read_head
 from .refusal import ContentMismatch, FileTruncated, HeaderBroken
 
 _TYPES = {
     ("F", 4): "<f4", ("F", 8): "<f8", ("I", 1): "<i1", ("I", 2): "<i2", ("I", 4): "<i4", ("I", 8): "<i8",
     ("U", 1): "<u1", ("U", 2): "<u2", ("U", 4): "<u4", ("U", 8): "<u8",
 }  # fmt: skip
-_HEAD_BYTES = 65536
-"""Most bytes of a header that is read; a PCD's has some 250."""
+_DATA = re.compile(rb"(?m)^DATA[ \t]+(\w+)[ \t]*\r?\n")
+_FIRST_ROWS = 20
+"""Rows of an XYZ that are looked at."""
 _ROW_BYTES = 4096
 """Most bytes that one point of a PCD has; descriptors of hundreds of numbers beside the position are no scan."""
 _ENCODINGS = ("ascii", "binary", "binary_compressed")
@@ -45,13 +48,14 @@ class PcdHeader:
         return sum(int(kind[2:]) * count for kind, count in zip(self.types, self.counts, strict=True))
 
 
-def read_pcd_header(name: str, head: bytes) -> PcdHeader:
-    """Read the header of a PCD file from its first bytes.
+def read_pcd_header(path: Path) -> PcdHeader:
+    """Read the header of a PCD file.
 
     Raises:
         ContentMismatch, HeaderBroken: where it is none.
     """
-    end = re.search(rb"(?m)^DATA[ \t]+(\w+)[ \t]*\r?\n", head[:_HEAD_BYTES])
+    name, head = path.name, read_head(path, _DATA)
+    end = _DATA.search(head)
     if end is None or re.search(rb"(?m)^FIELDS[ \t]", head[: end.start()]) is None:
         raise ContentMismatch(f"{name} does not begin like a PCD file; export the scan again or rename the file.")
     entries: dict[str, list[str]] = {}
@@ -85,13 +89,13 @@ def _area(entries: dict[str, list[str]]) -> int:
     return int(entries["WIDTH"][0]) * int(entries["HEIGHT"][0])
 
 
-def check_pcd(path: Path, head: bytes, size: int) -> int:
+def check_pcd(path: Path, size: int) -> int:
     """Check that a PCD file can hold the points that it declares; return their number.
 
     Raises:
         BadInput: where it cannot.
     """
-    header = read_pcd_header(path.name, head)
+    header = read_pcd_header(path)
     held = size - header.start
     if header.encoding == "binary":
         needed = header.points * header.row_bytes
@@ -118,17 +122,19 @@ def _compressed_bytes(path: Path, header: PcdHeader) -> int:
     return 8 + packed
 
 
-def check_xyz(path: Path, head: bytes, size: int) -> None:
-    """Check that a file begins with rows of numbers, at least three in each.
+def check_xyz(path: Path, head: bytes) -> None:
+    """Check that a file, of which the first bytes are read, begins with rows of numbers, at least three in each.
 
     Raises:
         ContentMismatch: where it does not.
     """
-    rows = [line for line in head[:_HEAD_BYTES].decode("latin-1").splitlines() if line.strip() and line[0] not in "#/"]
-    rows = rows[:-1] if size > len(head) else rows  # the last may be cut
+    rows: list[str] = []
+    if b"\0" not in head:
+        with path.open("r", encoding="latin-1") as file:
+            rows = list(islice((line for line in file if line.strip() and line[0] not in "#/"), _FIRST_ROWS + 1))
     rows = rows[1:] if rows and len(rows[0].split()) == 1 and rows[0].strip().isdigit() else rows  # their number
     try:
-        if not rows or min(len([float(word) for word in split_row(row)]) for row in rows[:20]) < 3:
+        if not rows or min(len([float(word) for word in split_row(row)]) for row in rows) < 3:
             raise ValueError("short")
     except ValueError as error:
         raise ContentMismatch(

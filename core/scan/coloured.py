@@ -12,6 +12,7 @@ import numpy as np
 from ..errors import BadInput
 from ..limited import ReaderCrashed, call_limited, is_memory_short
 from ..record_file import read_record, write_record
+from ..units import UNITS
 from . import refusal
 from .columns import as_bytes
 from .header import check_header
@@ -19,7 +20,7 @@ from .limits import Limits
 from .parse import parse
 from .scan import Scan
 from .texture import PIXELS, WHITE, TextureBad, decode, find_beside, list_images, open_image, read_corners, sample_image
-from .upright import AXES_UP, LENGTHS, turn_upright
+from .upright import AXES_UP, turn_upright
 
 
 class ColoursMissing(BadInput):
@@ -75,7 +76,7 @@ def load_coloured(path: Path, units: str, up: str, limits: Limits | None = None)
 
     Args:
         path: A PLY, OBJ, OFF or GLB file.
-        units: Its unit, one of `LENGTHS`.
+        units: Its unit, one of `UNITS`.
         up: Its axis that points up, one of `AXES_UP`.
         limits: What reading may cost.
 
@@ -83,7 +84,7 @@ def load_coloured(path: Path, units: str, up: str, limits: Limits | None = None)
         ColoursMissing: where it has none; the message says why where it names a texture.
         BadInput: with a code `scan.*` where it cannot be used.
     """
-    if units not in LENGTHS or up not in AXES_UP:
+    if units not in UNITS or up not in AXES_UP:
         raise refusal.ChoiceBad(f"a scan in '{units}' with '{up}' up is not known; submit it anew.")
     limits = limits or Limits()
     form = check_header(path, limits).format
@@ -99,7 +100,7 @@ def load_coloured(path: Path, units: str, up: str, limits: Limits | None = None)
     if not found.is_coloured.any():
         raise ColoursMissing(f"{path.name} has no colours: {found.told}." if found.told else None)
     return ColouredScan(
-        LENGTHS[units] * turn_upright(found.vertices, up),
+        UNITS[units] * turn_upright(found.vertices, up),
         found.faces.astype(np.int64),
         found.colours,
         found.corner_uv,
@@ -168,7 +169,7 @@ def _read_glb(path: Path) -> ColouredScan:
     import trimesh
 
     with path.open("rb") as file:
-        scene = trimesh.load_scene(file, file_type="glb", process=False)
+        scene = trimesh.load_scene(file, file_type=path.suffix.lower()[1:], process=False)
     parts = [part for part in scene.dump() if isinstance(part, trimesh.Trimesh) and len(part.faces)]
     if not parts:
         raise refusal.NoFaces(f"{path.name} holds no triangles; export the garment's mesh.")

@@ -1,8 +1,9 @@
-"""The inside of a GLB held against its size: chunks, accessors, and nothing that points outside."""
+"""The inside of a glTF held against its size: chunks, accessors, and nothing that points outside."""
 
 from __future__ import annotations
 
 import json
+import re
 import struct
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from .refusal import (
     ContentMismatch,
     CountTooLarge,
     ExtensionUnsupported,
+    FileTooLarge,
     FileTruncated,
     HeaderBroken,
     OutsideReference,
@@ -20,7 +22,9 @@ from .refusal import (
 _COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
 _COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 _JSON_BYTES = 64 * 1024**2
-"""Longest JSON chunk read; a garment's has a few KB."""
+"""Longest JSON read; a garment's has a few KB, and in a .gltf all data besides."""
+_EMBEDDED = re.compile(r"data:[\w./+-]*;base64,")
+"""How data begins that is in the JSON itself."""
 _TRIANGLES = 4
 """glTF's mode for separate triangles, the default."""
 _HARMLESS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_mesh_quantization", "EXT_texture_")
@@ -48,11 +52,30 @@ def check_glb(path: Path, head: bytes, size: int, limits: Limits) -> tuple[None,
     with path.open("rb") as file:
         file.seek(20)
         text = file.read(json_bytes)
+    return _check_tree(name, text, size, limits)
+
+
+def check_gltf(path: Path, head: bytes, size: int, limits: Limits) -> tuple[None, int]:
+    """Check a .gltf that holds all its data itself, as base64 in its JSON; give what `check_glb` gives.
+
+    Raises:
+        BadInput: where anything is outside the file, too large, or missing.
+    """
+    if not head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{"):
+        raise ContentMismatch(f"{path.name} does not begin like a glTF file; export the mesh again or rename the file.")
+    if size > _JSON_BYTES:
+        raise FileTooLarge(f"{path.name} has {size >> 20} MiB of text; export it as one .glb.")
+    return _check_tree(path.name, path.read_bytes(), size, limits, holds_data=True)
+
+
+def _check_tree(name: str, text: bytes, size: int, limits: Limits, holds_data: bool = False) -> tuple[None, int]:
     try:
         tree = json.loads(text)
         if not isinstance(tree, dict):
             raise ValueError("no object")
-        _check_references(name, tree)
+        _check_references(name, tree, ("buffers", "images") if holds_data else ("images",))
+        if holds_data:
+            _check_data(name, tree)
         _check_views(name, tree, size)
         _check_accessors(name, tree, limits)
         return None, _count_triangles(name, tree, limits)
@@ -60,16 +83,25 @@ def check_glb(path: Path, head: bytes, size: int, limits: Limits) -> tuple[None,
         raise HeaderBroken(f"{name}: the glTF JSON is not understood; export the mesh again.") from error
 
 
-def _check_references(name: str, tree: dict[str, Any]) -> None:
+def _check_references(name: str, tree: dict[str, Any], embedded: tuple[str, ...]) -> None:
+    """Check that nothing is in another file; groups of `embedded` may be base64 in the JSON."""
     for group in ("buffers", "images"):
         for entry in tree.get(group, []):
-            if "uri" in entry:
+            if "uri" in entry and not (group in embedded and _EMBEDDED.match(str(entry["uri"]))):
                 raise OutsideReference(
                     f"{name} points to '{str(entry['uri'])[:60]}'; export it as one GLB with everything embedded."
                 )
     for extension in tree.get("extensionsRequired", []):
         if not str(extension).startswith(_HARMLESS):
             raise ExtensionUnsupported(f"{name} needs {extension}; export it as GLB without compression.")
+
+
+def _check_data(name: str, tree: dict[str, Any]) -> None:
+    """Check that each buffer in the JSON is as long as it says."""
+    for entry in tree.get("buffers", []):
+        words = str(entry.get("uri", "")).partition("base64,")[2]
+        if int(entry["byteLength"]) > len(words) * 3 // 4:
+            raise FileTruncated(f"{name}: a buffer is shorter than it says; export the mesh again.")
 
 
 def _check_views(name: str, tree: dict[str, Any], size: int) -> None:

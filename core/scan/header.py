@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from .cloud_header import check_pcd, check_xyz
-from .glb import check_glb
+from .glb import check_glb, check_gltf
+from .head import FIRST, read_head
 from .limits import Limits
 from .refusal import (
     ArchiveRefused,
@@ -23,7 +24,7 @@ from .refusal import (
     NoFaces,
 )
 
-FORMATS = ("ply", "obj", "stl", "off", "glb")
+FORMATS = ("ply", "obj", "stl", "off", "glb", "gltf")
 """The accepted extensions of meshes; the content must agree."""
 CLOUDS = ("pcd", "xyz")
 """The accepted extensions of files that hold points alone."""
@@ -42,8 +43,9 @@ _PLY_SIZES = {
     "char": 1, "uchar": 1, "int8": 1, "uint8": 1, "short": 2, "ushort": 2, "int16": 2, "uint16": 2,
     "int": 4, "uint": 4, "int32": 4, "uint32": 4, "float": 4, "float32": 4, "double": 8, "float64": 8,
 }  # fmt: skip
-_HEAD_BYTES = 65536
-"""A header longer than this is not one that any exporter writes."""
+_TAIL_BYTES = 1 << 20
+"""End of an STL that is looked through for its last words: its name, of any length, may follow them."""
+PLY_END = re.compile(rb"\nend_header[ \t]*\r?\n")
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,7 @@ class Declared:
     """Describe what a file claims to hold.
 
     Attributes:
-        format: One of `FORMATS` or `CLOUDS`.
+        format: One of `FORMATS` or `CLOUDS`; of a .gltf `glb`, for the inside is the same.
         vertices: Number of vertices, or None where the format does not say.
         faces: Number of faces (polygons), or None where the format does not say.
     """
@@ -76,7 +78,7 @@ def check_header(path: Path, limits: Limits, needs_faces: bool = True) -> Declar
         raise FileMissing(f"{path} is not a file; check the path.")
     size = path.stat().st_size
     with path.open("rb") as file:
-        head = file.read(_HEAD_BYTES)
+        head = file.read(FIRST)
     extension = path.suffix.lower().lstrip(".")
     if extension in FORMATS + CLOUDS and any(head.startswith(magic) for magic in _ARCHIVES):
         raise ArchiveRefused(f"{path.name} is an archive named .{extension}; unpack it and give the mesh file inside.")
@@ -88,7 +90,7 @@ def check_header(path: Path, limits: Limits, needs_faces: bool = True) -> Declar
         raise MeshEmpty(f"{path.name} is an empty file; export the mesh again.")
     check = {
         "ply": _check_ply, "obj": _check_obj, "stl": _check_stl, "off": _check_off, "glb": _check_glb,
-        "pcd": _check_cloud, "xyz": _check_cloud,
+        "gltf": _check_glb, "pcd": _check_cloud, "xyz": _check_cloud,
     }[extension]  # fmt: skip
     declared = check(path, head, size, limits)
     if needs_faces and declared.faces == 0:
@@ -108,8 +110,6 @@ def check_extension(path: Path) -> None:
     if extension in FORMATS + CLOUDS:
         return
     accepted = ", ".join(FORMATS + CLOUDS).upper()
-    if extension == "gltf":
-        raise FormatUnknown(f"{name}: a .gltf keeps its data in other files; export it as one .glb.")
     if extension in ("zip", "3mf", "usdz", "gz", "7z", "rar", "tar", "tgz", "bz2", "xz", "zst"):
         raise ArchiveRefused(f"{name} is an archive (.{extension}); give a mesh file instead ({accepted}).")
     raise FormatUnknown(f"{name}: files of type .{extension or '?'} are not read; export the mesh as {accepted}.")
@@ -127,7 +127,8 @@ def _check_count(name: str, count: int, what: str, limits: Limits) -> None:
 def _check_ply(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
     if re.match(rb"ply\s", head) is None:
         raise ContentMismatch(f"{path.name} does not begin like a PLY file; export the mesh again or rename the file.")
-    end = re.search(rb"\nend_header[ \t]*\r?\n", head)
+    head = read_head(path, PLY_END)
+    end = PLY_END.search(head)
     if end is None:
         raise HeaderBroken(f"{path.name}: the PLY header does not end; the file is damaged.")
     lines = head[: end.start()].decode("latin-1").splitlines()
@@ -202,7 +203,7 @@ def _check_stl(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
             raise NoFaces(f"{path.name} holds no triangles; export the mesh again.")
         return Declared("stl", None, count)
     if head.lstrip()[:5].lower() == b"solid" and b"\0" not in head:
-        if re.search(rb"\bfacet\b", head) is None:
+        if not _has_facet(path):
             raise NoFaces(f"{path.name} holds no triangles; export the mesh again.")
         if b"endsolid" not in _read_tail(path, size):
             raise FileTruncated(f"{path.name} breaks off before 'endsolid'; export or copy it again.")
@@ -216,20 +217,29 @@ def _check_stl(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
     return Declared("stl", None, count)
 
 
+def _has_facet(path: Path) -> bool:
+    with path.open("rb") as file:
+        return any(re.search(rb"\bfacet\b", line) for line in file)
+
+
 def _is_text(head: bytes) -> bool:
     return all(byte in b"\t\n\r\f" or 32 <= byte < 127 for byte in head[:4096])
 
 
 def _read_tail(path: Path, size: int) -> bytes:
     with path.open("rb") as file:
-        file.seek(max(0, size - 1024))
+        file.seek(max(0, size - _TAIL_BYTES))
         return file.read().lower()
 
 
 def _check_off(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
-    lines = [line.split("#")[0].strip() for line in head.decode("latin-1").splitlines()]
-    words = " ".join(line for line in lines if line)[:200].split()
-    if not words or words[0] not in ("OFF", "COFF"):
+    words: list[bytes] = []
+    with path.open("rb") as file:
+        for line in file:
+            words += line.split(b"#")[0].split()
+            if len(words) >= 3 or not {b"OFF", b"COFF"}.issuperset(words[:1]):
+                break
+    if not words or words[0] not in (b"OFF", b"COFF"):
         raise ContentMismatch(f"{path.name} does not begin like an OFF file; export the mesh again or rename the file.")
     try:
         vertices, faces = int(words[1]), int(words[2])
@@ -246,29 +256,32 @@ def _check_off(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
 
 
 def _check_obj(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
-    # OBJ has no magic: it is text, and its first 64 KiB hold a vertex.
-    if b"\0" in head or re.search(rb"(?m)^[ \t]*v[ \t]+[-+.\d]|^[ \t]*v[ \t]+nan", head) is None:
-        raise ContentMismatch(f"{path.name} holds no OBJ vertices; export the mesh again or rename the file.")
+    # OBJ has no magic: it is text that holds a vertex, perhaps behind all texture coordinates and normals.
     vertices = faces = 0
     with path.open("rb") as file:
-        for line in file:
+        for line in file if b"\0" not in head else ():
             word = line[:3].lstrip()[:2]
             vertices += word in (b"v ", b"v\t")
             faces += word in (b"f ", b"f\t")
+    if vertices == 0:
+        raise ContentMismatch(f"{path.name} holds no OBJ vertices; export the mesh again or rename the file.")
     _check_count(path.name, vertices, "vertices", limits)
     _check_count(path.name, faces, "faces", limits)
     return Declared("obj", vertices, faces)
 
 
 def _check_glb(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
-    vertices, faces = check_glb(path, head, size, limits)
+    check = check_gltf if path.suffix.lower() == ".gltf" else check_glb
+    vertices, faces = check(path, head, size, limits)
     return Declared("glb", vertices, faces)
 
 
 def _check_cloud(path: Path, head: bytes, size: int, limits: Limits) -> Declared:
-    count = (check_pcd if path.suffix.lower() == ".pcd" else check_xyz)(path, head, size)
-    if count is not None:
-        _check_count(path.name, count, "points", limits)
-        if count == 0:
-            raise MeshEmpty(f"{path.name} holds no points; export the scan again.")
-    return Declared(path.suffix.lower()[1:], count, 0)
+    if path.suffix.lower() == ".xyz":
+        check_xyz(path, head)
+        return Declared("xyz", None, 0)
+    count = check_pcd(path, size)
+    _check_count(path.name, count, "points", limits)
+    if count == 0:
+        raise MeshEmpty(f"{path.name} holds no points; export the scan again.")
+    return Declared("pcd", count, 0)

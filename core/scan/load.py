@@ -53,7 +53,7 @@ def load_scan(
 
     Args:
         path: A PLY, OBJ, STL, OFF or GLB file.
-        units: `m`, `cm` or `mm`, or None to find it from the size.
+        units: A name of `UNITS`, or None to find it from the size.
         up: `y` or `z`, or None to find it.
         kind: `garment` or `body`: what the sizes are judged by.
         limits: What reading may cost.
@@ -128,8 +128,9 @@ def _place(mesh: _Mesh, body: Scan, like: tuple[str, str], units_given: bool, up
         up = find_up(mesh.vertices, mesh.edges)
         found = [garment for garment in found if garment.up_axis == up]
     if not found:
+        told = " or ".join(sizes)
         raise refusal.BodyApart(
-            f"{mesh.name} does not lie on the body in m, cm or mm with y or z up; export both from the same scene, "
+            f"{mesh.name} does not lie on the body in {told} with y or z up; export both from the same scene, "
             "with the same unit and axes."
         )
     garment = found[0]

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..mesh import unit, vertex_normals
 from ..mesh.point_normals import faces_outward, find_normals
+from ..units import METRIC, UNITS
 from . import refusal
 from .clean import Cleaned, clean_person
 from .counts import check_counts
@@ -19,11 +20,13 @@ from .limits import Limits
 from .mend import Mended, mend_mesh, merge_points
 from .parse import parse_file
 from .raw import RawScan
-from .units import UNITS
-from .upright import AXES_UP, LENGTHS, Profile, build_profiles, find_length, find_upright, turn_upright
+from .upright import AXES_UP, Profile, build_profiles, find_length, find_upright, turn_upright
 
 LEAST = 100
 """Fewest points that can be a person; far too few to be taken apart, but that is for others to say."""
+TORN = 0.5
+"""Share of a person's points in crumbs of the mesh from which on its faces are no surface: of a cloud that was written
+with made-up faces all are, of any scanner's mesh few."""
 BESIDE = 0.01
 """A vertex without a face, or a crumb beside the surface, is of what lies so near [m]: two spacings of a usual scan."""
 
@@ -50,7 +53,7 @@ def load_raw(
 
     Args:
         path: A PLY, OBJ, STL, OFF or GLB with or without faces, or a PCD or XYZ.
-        units: A name of `LENGTHS`, or None to find it from the person's height.
+        units: A name of `UNITS`, or None to find it from the person's height.
         up: One of `AXES_UP`, or None to find it from the person's shape.
         limits: What reading may cost.
         labels: A file with one label for each vertex of the scan's file, or None: those in it, if any.
@@ -75,8 +78,8 @@ def load_raw(
 
 
 def _check_choice(units: str | None, up: str | None) -> None:
-    if units is not None and units not in LENGTHS:
-        raise refusal.ChoiceBad(f"units '{units}' are not known; give {', '.join(LENGTHS)}.")
+    if units is not None and units not in UNITS:
+        raise refusal.ChoiceBad(f"units '{units}' are not known; give {', '.join(UNITS)}.")
     if up is not None and up not in AXES_UP:
         raise refusal.ChoiceBad(f"up axis '{up}' is not known; give {', '.join(AXES_UP)}.")
 
@@ -114,14 +117,12 @@ def _build(file: _File, units: str | None, up: str | None) -> RawScan:
     finite = np.isfinite(arrays["vertices"]).all(axis=1)
     if not finite.all():
         notes.append(_count(int((~finite).sum()), "point without a position", "points without a position"))
-    mended = _mend(arrays, finite)
     notes += [str(text) for text in arrays.get("told", ())]
-    notes += mended.notes
     profiles = build_profiles()
     given = None if up is None else (up,)
     axes = given or (("y", *AXES_UP[1:]) if file.declared.format != "glb" else ("y",))
-    cleaned = clean_person(mended.points, mended.faces, profiles, axes)
-    notes += cleaned.notes
+    mended, cleaned = _find_person(file, finite, profiles, axes)
+    notes += [*mended.notes, *cleaned.notes]
     turned, scale, units, axis, told = _settle(cleaned, profiles, units, axes, up is not None)
     notes += told
     raw = _gather(file, mended, cleaned, (turned, scale, axis))
@@ -132,13 +133,31 @@ def _count(count: int, one: str, many: str) -> str:
     return f"Dropped {count} {one if count == 1 else many}."
 
 
-def _mend(arrays: dict[str, np.ndarray], finite: np.ndarray) -> Mended:
-    points, faces = arrays["vertices"], arrays["faces"]
-    if len(faces):
-        mended = mend_mesh(points, faces)
-        if len(mended.faces):
-            return mended
-    return merge_points(points, finite)
+def _find_person(
+    file: _File, finite: np.ndarray, profiles: list[Profile], axes: tuple[str, ...]
+) -> tuple[Mended, Cleaned]:
+    """Mend what a file holds and find the person in it; where the faces are no surface, by the points alone.
+
+    Raises:
+        MeshEmpty: where too few points are left.
+    """
+    points, faces = file.arrays["vertices"], file.arrays["faces"]
+    mended = mend_mesh(points, faces) if len(faces) else merge_points(points, finite)
+    if len(faces) and len(mended.points) < LEAST:
+        mended = _leave_faces(points, finite)
+    if len(mended.points) >= LEAST:
+        cleaned = clean_person(mended.points, mended.faces, profiles, axes)
+        if cleaned.crumbs >= TORN:
+            mended = _leave_faces(points, finite)
+            cleaned = clean_person(mended.points, mended.faces, profiles, axes)
+        if cleaned.kept.sum() >= LEAST:
+            return mended, cleaned
+    raise refusal.MeshEmpty(f"{file.name} holds too few points of a person; check what was exported.")
+
+
+def _leave_faces(points: np.ndarray, finite: np.ndarray) -> Mended:
+    mended = merge_points(points, finite)
+    return replace(mended, notes=("The faces are no surface, so the points alone were read.", *mended.notes))
 
 
 def _settle(
@@ -155,7 +174,7 @@ def _settle(
     turned = turn_upright(cleaned.samples, found.up)
     height = float(np.ptp(turned[:, 1]))
     if units is not None:
-        scale = LENGTHS[units]
+        scale = UNITS[units]
     else:
         units, scale = find_length(height, found)
         if units == "unknown":
@@ -163,7 +182,7 @@ def _settle(
                 f"The person measures {height:.3g} in the file's unit, which fits none; took {1 / scale:.3g} of it "
                 f"for a metre, so that the person stands {height * scale * found.ratio:.2f} m high."
             )
-        elif units not in UNITS:
+        elif units not in METRIC:
             notes.append(f"Took the file's unit for the {units}, by the person's height of {height * scale:.2f} m.")
     return turned, scale, units, found.up, notes
 

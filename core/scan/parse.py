@@ -27,7 +27,7 @@ def parse_file(path: Path, form: str, limits: Limits, textures: bool = False) ->
 
     Args:
         path: The file.
-        form: One of `header.FORMATS` or `header.CLOUDS`.
+        form: The `format` that its header declares.
         limits: What parsing may cost.
         textures: Whether colours may come from a texture.
 
@@ -123,7 +123,7 @@ def _parse_glb(path: Path, textures: bool) -> dict[str, np.ndarray]:
     import trimesh
 
     with path.open("rb") as file:
-        scene = trimesh.load_scene(file, file_type="glb", skip_materials=not textures, process=False)
+        scene = trimesh.load_scene(file, file_type=path.suffix.lower()[1:], skip_materials=not textures, process=False)
     dumped = scene.dump()
     parts = [part for part in dumped if isinstance(part, trimesh.Trimesh) and len(part.faces)]
     if not parts:

@@ -51,7 +51,7 @@ def load_pieces(
     Args:
         scan: The garment's file, or with a selection the dressed person's.
         body: The wearer's file, or None.
-        units: `m`, `cm` or `mm`, or None to find it.
+        units: A name of `UNITS`, or None to find it.
         up: `y` or `z`, or None to find it.
         selection: Which part of the scan is the garment; None: all of it.
         limits: What reading may cost.

@@ -25,7 +25,7 @@ class RawScan:
             [file_count].
         name: The file's stem.
         sha256: Hash of the file's bytes (hex); empty for one made in memory.
-        units: Unit of the file: `m`, `cm`, `mm`, `inch`, `foot`, or `unknown` where the height was assumed.
+        units: Unit of the file: a name of `UNITS`, or `unknown` where the height was assumed.
         up_axis: Axis of the file that became y, with its sign: `y`, `z`, `-y`, `-z`, `x`, `-x`.
         pieces: Separate pieces of a person's size beside each other, all kept: 2 where two people stand apart.
         notes: What was guessed, removed or mended, one short sentence each.

@@ -108,13 +108,13 @@ class ExtentBroken(BadInput):
 
 
 class UnitsUnknown(BadInput):
-    """The size fits neither metres, centimetres nor millimetres; convert the file, or say its unit with --units."""
+    """The size fits neither metres, centimetres nor millimetres; say the file's unit with --units, or convert it."""
 
     code = "scan.units_unknown"
 
 
 class UnitsAmbiguous(BadInput):
-    """The size fits more than one unit; say which with --units m, cm or mm."""
+    """The size fits more than one unit; say which with --units m, cm, mm, inch or foot."""
 
     code = "scan.units_ambiguous"
 
@@ -132,7 +132,7 @@ class BodyApart(BadInput):
 
 
 class ChoiceBad(BadInput):
-    """Units are m, cm or mm and up is y or z; correct the option."""
+    """Units are m, cm, mm, inch or foot, and up is y or z; correct the option."""
 
     code = "scan.choice"
 

@@ -19,7 +19,7 @@ class Scan:
         faces: Vertex indices, int64, shape [face_count, 3].
         name: The file's stem, for people.
         sha256: Hash of the file's bytes (hex); empty for a mesh made in memory.
-        units: Unit of the file, `m`, `cm` or `mm`.
+        units: Unit of the file, a name of `UNITS`.
         up_axis: Axis of the file that became y, `y` or `z`.
         colours: RGB in 0..1, shape [vertex_count, 3], or None.
         labels: Integer label of each vertex, shape [vertex_count], or None.

@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 
 from .columns import as_bytes
+from .head import read_head
+from .header import PLY_END
 
 PIXELS = 150_000_000
 """Most pixels of an image that is read: two of 8K by 8K, 0.5 GB decoded."""
@@ -209,9 +211,8 @@ def _read_mtl(path: Path) -> dict[str, str]:
 
 
 def _colour_ply(path: Path, loaded: Any) -> np.ndarray | None:
-    with path.open("rb") as file:
-        head = file.read(65536)
-    named = re.search(rb"(?m)^comment[ \t]+TextureFile[ \t]+([^\r\n]+)", head[: head.find(b"end_header")])
+    head = PLY_END.split(read_head(path, PLY_END), 1)[0]
+    named = re.search(rb"(?m)^comment[ \t]+TextureFile[ \t]+([^\r\n]+)", head)
     uv = getattr(loaded.get("visual"), "uv", None)
     if named is None or uv is None:
         return None

@@ -5,12 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ..mesh import HalfEdges, face_normals
+from ..units import METRIC, UNITS
 from .refusal import ChoiceBad, UnitsAmbiguous, UnitsUnknown, UpAmbiguous
 
-UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
-"""Metres in one unit of the file."""
 AXES = ("y", "z")
-INCH = 0.0254
 BODY_LONGEST = (0.95, 2.4)
 """Longest side of a body's bounding box [m]: height or arm span of anyone from a small child on. The span stays below
 2.54, so that no body in inches passes as one in centimetres."""
@@ -34,7 +32,7 @@ def check_choice(units: str | None, up: str | None) -> None:
         ChoiceBad: where it is none of the allowed words.
     """
     if units is not None and units not in UNITS:
-        raise ChoiceBad(f"units '{units}' are not known; give m, cm or mm.")
+        raise ChoiceBad(f"units '{units}' are not known; give {', '.join(UNITS)}.")
     if up is not None and up not in AXES:
         raise ChoiceBad(f"up axis '{up}' is not known; give y or z.")
 
@@ -54,16 +52,16 @@ def _measure(vertices: np.ndarray, faces: np.ndarray | None) -> tuple[np.ndarray
 
 
 def possible_units(vertices: np.ndarray, faces: np.ndarray | None = None, kind: str = "garment") -> list[str]:
-    """List the units in which a mesh has the size of a `garment` or a `body`."""
+    """List the units of `METRIC` in which a mesh has the size of a `garment` or a `body`."""
     extent, area = _measure(vertices, faces)
-    return [name for name, scale in UNITS.items() if _fits(extent, area, scale, kind)]
+    return [name for name in METRIC if _fits(extent, area, UNITS[name], kind)]
 
 
 def find_units(vertices: np.ndarray, kind: str = "garment", *, faces: np.ndarray | None = None) -> str:
     """Find the unit (`m`, `cm` or `mm`) in which positions [unit], shape [n, 3], measure a `garment` or a `body`.
 
     Raises:
-        UnitsUnknown: where none fits (inches, a toy, a room).
+        UnitsUnknown: where none fits (a toy, a room); inches and feet too, which are taken only where they are given.
         UnitsAmbiguous: where several fit.
     """
     extent, area = _measure(vertices, faces)
@@ -72,11 +70,9 @@ def find_units(vertices: np.ndarray, kind: str = "garment", *, faces: np.ndarray
     if len(found) > 1:
         raise UnitsAmbiguous(f"The {kind} measures {size}, which fits {' and '.join(found)}; say which with --units.")
     if not found:
-        inches = ", but inches, which are not read" if _fits(extent, area, INCH, kind) else ""
-        raise UnitsUnknown(
-            f"The {kind} measures {size}, which fits neither m, cm nor mm{inches}; convert the file, "
-            "or say its unit with --units."
-        )
+        others = [name for name in UNITS if name not in METRIC and _fits(extent, area, UNITS[name], kind)]
+        advice = f"but {others[0]}; say --units {others[0]}" if others else "convert the file, or say its unit"
+        raise UnitsUnknown(f"The {kind} measures {size}, which fits neither m, cm nor mm, {advice}.")
     return found[0]
 
 

@@ -15,15 +15,14 @@ from ..body.body import JOINTS
 from ..body.skinning import skin
 from ..body.template import articulate, load_template, rotations_of, transforms_of
 from ..mesh import vertex_areas
+from ..units import METRIC, UNITS
 from .refusal import UnitsUnknown
-from .units import BODY_LONGEST, UNITS
+from .units import BODY_LONGEST
 
 AXES_UP = ("y", "z", "-y", "-z", "x", "-x")
 """Axes of the file that may point up, the usual ones first."""
-LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "inch": 0.0254, "foot": 0.3048}
-"""Metres in one unit, for those that people measure people in; of two that fit the first is taken, and none do."""
 STATURE = 1.70
-"""Height that a person is given whose unit is none of `LENGTHS` [m]: between the means of women and men."""
+"""Height that a person is given whose unit is none of `UNITS` [m]: between the means of women and men."""
 PERSON = 0.7
 """Misfit up to which a scan is a person whatever its unit: dressed people are below 0.5, a box as tall as one, or half
 a person, is above."""
@@ -221,20 +220,20 @@ def find_length(height: float, found: Upright) -> tuple[str, float]:
         found: How the person stands.
 
     Returns:
-        A name of `LENGTHS`. Where none fits, `unknown` with the scale at which a person stands `STATURE` high, or for
+        A name of `UNITS`. Where none fits, `unknown` with the scale at which a person stands `STATURE` high, or for
         what is less like a person the metre, centimetre or millimetre in which it has any size that a part of one has.
 
     Raises:
         UnitsUnknown: where that fits none either.
     """
-    for name, metres in LENGTHS.items():
+    for name, metres in UNITS.items():  # of two the first would be taken, and no two fit
         if BODY_LONGEST[0] <= height * metres <= BODY_LONGEST[1]:
             return name, metres
     if found.is_sure and found.misfit < PERSON:
         return "unknown", STATURE / (height * found.ratio)
-    for name, metres in UNITS.items():
-        if PART[0] <= height * metres <= PART[1]:
-            return name, metres
+    for name in METRIC:
+        if PART[0] <= height * UNITS[name] <= PART[1]:
+            return name, UNITS[name]
     raise UnitsUnknown(
         f"What is in the scan measures {height:.3g}, no person's height in any unit; say its unit with --units."
     )

@@ -29,7 +29,7 @@ def read_body_file(path: Path, units: str | None, up: str | None, limits: Limits
 
     Args:
         path: A mesh, or an `.npz` of SMPL's format.
-        units: `m`, `cm` or `mm` of the file, or None to find it.
+        units: A name of `UNITS`, of the file, or None to find it.
         up: Its axis that points up, or None to find it.
         limits: What the file may be at most.
 

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, Depends, Query, Request
 
 from ...core.limited import IsStopped
+from ...core.units import UnitName
 from ..inspection import inspect_scan
 from ..submission import clean_name
 from ..uploads import find_upload
@@ -40,7 +41,7 @@ class Looked:
 
     given_as: Annotated[Literal["person", "garment"] | None, Query(alias="as")] = None
     body: Annotated[str | None, Query(max_length=200, examples=["builtin:female,height=1.70"])] = None
-    units: Literal["m", "cm", "mm", "inch", "foot"] | None = None
+    units: UnitName | None = None
     up: Literal["y", "z", "-y", "-z", "x", "-x"] | None = None
     is_quick: Annotated[bool, Query(alias="quick")] = False
 

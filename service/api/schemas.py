@@ -11,6 +11,7 @@ from pydantic import Tag as Choice
 from ...core.body import BUILTIN
 from ...core.person import GARMENTS
 from ...core.settings import METHODS, PRESETS, RecoverySettings
+from ...core.units import UNITS
 from ..order import GIVEN_AS
 from ..states import QUEUES
 
@@ -31,7 +32,7 @@ MOST_JOBS = 1000
 
 
 ALLOWED = {
-    "method": METHODS, "preset": PRESETS, "units": ("m", "cm", "mm", "inch", "foot"), "up": ("y", "z", "-y", "-z"),
+    "method": METHODS, "preset": PRESETS, "units": tuple(UNITS), "up": ("y", "z", "-y", "-z"),
     "free": ("symmetry",),
 }  # fmt: skip
 """Closed sets among the settings, as the document tells them; `RecoverySettings` refuses others, by its code."""

@@ -25,7 +25,7 @@ class DressRequest:
         body: A body's file, the description of a built-in body, or None: the wearer.
         pose: One of `body.POSES` that the body takes, or None: its own.
         fabric: Name of a shipped fabric, a fabric itself where it was imported, or None: the result's own cloth.
-        units: `m`, `cm` or `mm` of the body's file, or None to find it.
+        units: A name of `UNITS`, of the body's file, or None to find it.
         up: Its axis that points up, or None to find it.
     """
 

@@ -11,6 +11,7 @@ from fastapi import Depends, Query, Response
 from sqlalchemy import select
 
 from ...core.settings import METHODS
+from ...core.units import UNITS
 from ..api.access import Rooms, RoomsOf
 from ..families import find_below
 from ..materials import list_materials
@@ -134,7 +135,8 @@ def _draw_drop(rooms: Rooms, visitor: Visitor) -> Html:
     fabrics = join(html('<option value="{}">{}</option>', one.name, one.title or one.name)
                    for one in list_materials(rooms.database))  # fmt: skip
     methods = join(html("<option>{}</option>", name) for name in METHODS)
-    return html(DROP, fabrics=fabrics, methods=methods)
+    units = join((html("<option>{}</option>", name) for name in UNITS), "")
+    return html(DROP, fabrics=fabrics, methods=methods, units=units)
 
 
 VERDICTS = ["pass", "doubtful", "fail"]
@@ -159,7 +161,7 @@ FILTER = """<details class="card filters"{open}><summary>Find jobs</summary><for
 
 DROP = """<form id="submit" class="card"><h2>New job</h2>
 <div id="drop" class="drop"><label for="scan">Drop a scan here, or choose a file</label>
-<input id="scan" name="scan" type="file" accept=".ply,.obj,.stl,.off,.glb,.pcd,.xyz" required>
+<input id="scan" name="scan" type="file" accept=".ply,.obj,.stl,.off,.glb,.gltf,.pcd,.xyz" required>
 <p id="told" class="soft" role="status">A person as the scanner gave it, or a garment: PLY, OBJ, STL, OFF, GLB, PCD,
 XYZ.</p>
 </div>
@@ -168,12 +170,11 @@ XYZ.</p>
 <label>Tags <input name="tags" placeholder="spring, fitting"></label>
 <label>The scan is <select name="as"><option value="">found out</option><option value="person">a person</option>
 <option value="garment">a garment</option></select></label>
-<label>Unit <select name="units"><option value="">found out</option><option>m</option><option>cm</option>
-<option>mm</option><option>inch</option><option>foot</option></select></label>
+<label>Unit <select name="units"><option value="">found out</option>{units}</select></label>
 <label>Up axis <select name="up"><option value="">found out</option><option>y</option><option>z</option>
 <option>-y</option><option>-z</option><option>x</option><option>-x</option></select></label>
 <label>Body <input name="body" placeholder="builtin:female,height=1.70"></label>
-<label>Body's file <input name="body_file" type="file" accept=".ply,.obj,.stl,.off,.glb,.npz"></label>
+<label>Body's file <input name="body_file" type="file" accept=".ply,.obj,.stl,.off,.glb,.gltf,.npz"></label>
 <label>Labels <input name="labels" type="file" accept=".npz,.npy,.json,.txt"></label>
 <label>Wearing <input name="wearing" placeholder="upper,lower"></label>
 <label>Template <input name="template" placeholder="chosen from the scan"></label>

@@ -128,7 +128,7 @@ def test_pair_in_inches_is_refused(tmp_path):
     wearer = write(tmp_path / "b.ply", BODY.vertices, BODY.faces)
     with pytest.raises(BadInput) as caught:
         load_pair(garment, wearer)
-    assert caught.value.code == "scan.units_unknown" and "inches" in str(caught.value)
+    assert caught.value.code == "scan.units_unknown" and "--units inch" in str(caught.value)
 
 
 @pytest.mark.parametrize("unit,scale", [("m", 1.0), ("cm", 100.0), ("mm", 1000.0)])
