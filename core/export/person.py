@@ -34,8 +34,9 @@ def write_person(raw: RawScan, separation: Separation, folder: Path) -> list[Pat
     """Write `labels.npz`, `segmented.ply`, `scan.ply`, `body.ply` and `picture.png` into a folder that is there.
 
     `labels.npz` has a label for each point of the given file, in its order, in `place` the point of the cleaned scan
-    that stands for it (-1: none), and in `origin` for each of those the file's point; `segmented.ply` holds the cleaned scan in metres, y up, each point coloured by
-    its part and with its `label` and `confidence`; `scan.ply` the same in the scan's own colours, thinned for a view.
+    that stands for it (-1: none), and in `origin` for each of those the file's point; `segmented.ply` holds the cleaned
+    scan in metres, y up, each point coloured by its part and with its `label` and `confidence`; `scan.ply` the same in
+    the scan's own colours, thinned for a view.
 
     Returns:
         The files.
