@@ -14,11 +14,14 @@ from ..wear.worn import ResultOld
 from .sewn_mesh import SewnMesh
 
 MESHES = ("graded", "detail", "simulation", "redrape")
-"""Names of a recovery's meshes; of a garment that is worn again there is `dressed` alone."""
+"""Names of a recovery's meshes."""
+
+AGAIN = ("dressed", "edited")
+"""Names of the only mesh of a garment that is worn again, and of one that is sewn by an edited pattern."""
 
 
 def stored_meshes(folder: Path, worn: Worn, names: tuple[str, ...] = MESHES) -> list[SewnMesh]:
-    """Return those of the meshes of a stored result that there are, `dressed` for one that is worn again.
+    """Return those of the meshes of a stored result that there are, those of `AGAIN` among them.
 
     Args:
         folder: The result's files.
@@ -29,7 +32,7 @@ def stored_meshes(folder: Path, worn: Worn, names: tuple[str, ...] = MESHES) -> 
         ResultOld: where a mesh is not that garment's.
     """
     found = []
-    for name in (*names, "dressed"):
+    for name in (*names, *AGAIN):
         path = folder / f"{name}.ply"
         if path.is_file():
             nodes = read_nodes(path)

@@ -16,14 +16,14 @@ from ..simulate import Fabric
 from ..wear import Worn, load_worn
 from ..wear.worn import WORN
 from .sewn_mesh import SewnMesh
-from .stored import MESHES, garment_stem, stored_meshes
+from .stored import AGAIN, MESHES, garment_stem, stored_meshes
 
 if TYPE_CHECKING:
     from .result_picture import Picture
 
 METRICS, MANIFEST, PATTERN = "metrics.json", "manifest.json", "pattern.json"
 
-FILES = (WORN, METRICS, MANIFEST, PATTERN, *(f"{name}.ply" for name in (*MESHES, "dressed")))
+FILES = (WORN, METRICS, MANIFEST, PATTERN, *(f"{name}.ply" for name in (*MESHES, *AGAIN)))
 """Names of the files that are read of a result, where it has them."""
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Callable, Collection
 
 from fastapi import Request, Response
 
@@ -14,7 +14,7 @@ from ..results import ResultMissing, list_files
 from .page_route import make_router
 from .session import VisitorOf
 from .shell import Visitor
-from .shown_meshes import MESHES, SCANS, WORN
+from .shown_meshes import SCANS, WORN, list_shown
 from .stored_files import MOST_REPORT, REPORT, find_file, list_pictures, make_thumbnail, pack_files
 
 router = make_router()
@@ -53,19 +53,26 @@ def show_picture(job: str, number: int, rooms: RoomsOf, visitor: VisitorOf) -> R
 @router.get("/results/{job}/view.bin")
 def show_view(job: str, request: Request, rooms: RoomsOf, visitor: VisitorOf) -> Response:
     """Return meshes and flat pattern of a result as `pack_shown` packs them; scans are asked for one by one."""
-    return _send_packed(job, [f"{name}.ply" for name in MESHES if name not in SCANS] + [WORN], request, rooms, visitor)
+    return _send_packed(job, _list_packed, request, rooms, visitor)
 
 
 @router.get("/results/{job}/scan.bin")
 def show_scan(job: str, request: Request, rooms: RoomsOf, visitor: VisitorOf) -> Response:
     """Return the scan of a result as `pack_shown` packs it."""
-    return _send_packed(job, ["scan.ply"], request, rooms, visitor)
+    return _send_packed(job, lambda there: ["scan.ply"], request, rooms, visitor)
 
 
-def _send_packed(job: str, names: Sequence[str], request: Request, rooms: Rooms, visitor: Visitor) -> Response:
+def _list_packed(there: Collection[str]) -> list[str]:
+    return [f"{name}.ply" for name in list_shown(there) if name not in SCANS] + [WORN]
+
+
+def _send_packed(
+    job: str, choose: Callable[[Collection[str]], list[str]], request: Request, rooms: Rooms, visitor: Visitor
+) -> Response:
+    """Return those that are chosen of a result's files, packed."""
     row = find_own(rooms, visitor.caller, job)
     there = {row.name: Artifact.from_row(row) for row in list_files(rooms.database, row.id)}
-    files = [(name, there[name].sha256) for name in names if name in there and there[name].size <= MOST_SHOWN]
+    files = [(name, there[name].sha256) for name in choose(there) if name in there and there[name].size <= MOST_SHOWN]
     if not files:
         raise ResultMissing("the job has no such mesh, or one that is too large to be shown; download its files.")
     etag = f'"{hashlib.sha256(repr(files).encode()).hexdigest()[:32]}"'

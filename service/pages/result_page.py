@@ -20,7 +20,7 @@ from .markup import Html, html, join
 from .page_route import make_router
 from .session import VisitorOf
 from .shell import Visitor, draw_shell
-from .shown_meshes import MESHES, SCANS, TOGETHER, WORN
+from .shown_meshes import BODY, SCANS, TOGETHER, WORN, is_beside, list_shown
 from .stored_files import REPORT, find_file, list_pictures, read_json
 from .words import draw_family, draw_gates, draw_verdict
 
@@ -78,14 +78,9 @@ def _draw_head(job: JobReport, names: set[str], visitor: Visitor) -> Html:
     return html(head, job.name, draw_verdict(job.verdict), what, join(links, " "))
 
 
-def _list_shown(names: set[str]) -> set[str]:
-    """Return the meshes that a result of some files has for the 3D view."""
-    return {name for name in MESHES if f"{name}.ply" in names}
-
-
 def _has_view(names: set[str]) -> bool:
     """Return whether there is anything that `view.bin` holds."""
-    return bool(_list_shown(names) - set(SCANS)) or WORN in names
+    return bool(set(list_shown(names)) - set(SCANS)) or WORN in names
 
 
 def _find_person(rooms: Rooms, job: JobReport, visitor: Visitor) -> str:
@@ -98,13 +93,14 @@ def _find_person(rooms: Rooms, job: JobReport, visitor: Visitor) -> str:
 
 
 def _draw_views(rooms: Rooms, job: JobReport, names: set[str], person: str) -> Html:
-    there = [name for name in MESHES if name in _list_shown(names)]
-    cloth = [name for name in there if name not in ("body", *SCANS)]
-    titles = [(name, MESHES[name]) for name in there] + ([("person", "The person's scan")] if person else [])
-    shown = {*cloth[:1], *TOGETHER, "body"} if cloth else {"scan"} if "scan" in there else {"body"}
+    there = list_shown(names)
+    cloth = [name for name in there if not is_beside(name)]
+    titles = there | ({PERSON_SCAN: "The person's scan"} if person else {})
+    shown = {*cloth[:1], *TOGETHER, *_find_wearer(cloth)} if cloth else {"scan"} if "scan" in there else {BODY}
     boxes = join(
-        html('<label><input type="checkbox" data-mesh="{}"{}> {}</label>', name,
-             Html(" checked" if name in shown else ""), title) for name, title in titles
+        html('<label><input type="checkbox" data-mesh="{}"{}{}> {}</label>', name,
+             Html("" if name in cloth else " data-beside"), Html(" checked" if name in shown else ""), title)
+        for name, title in titles.items()
     )  # fmt: skip
     styles = join(html('<option value="{}">{}</option>', name, title) for name, title in STYLES.items())
     pictures = join(
@@ -120,6 +116,15 @@ def _draw_views(rooms: Rooms, job: JobReport, names: set[str], person: str) -> H
         player=Html() if "garment.pc2" in names else Html(" hidden"),
         solid=Html() if there else Html(" hidden"), hidden=Html(" hidden" if cloth else ""),
     )  # fmt: skip
+
+
+def _find_wearer(cloth: Sequence[str]) -> tuple[str, ...]:
+    """Return the names that the wearer of what is shown first may have: of a size, or the only one."""
+    return BODY, f"{BODY}_{cloth[0].partition('_')[2]}"
+
+
+PERSON_SCAN = "person"
+"""What the page calls the scan of the person that a garment was taken from."""
 
 
 def _tell_uncoloured(job: JobReport) -> str:

@@ -10,7 +10,7 @@ import io
 import json
 import re
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,8 @@ MESHES = {
     "redrape": "Dressed anew",
     "graded": "Graded",
     "dressed": "Dressed",
+    "edited": "Edited",
+    "under": "Worn below",
     "lower/dressed": "Lower",
     "one-piece/dressed": "One-piece",
     "upper/dressed": "Upper",
@@ -31,13 +33,23 @@ MESHES = {
     "body": "Body",
     "scan": "Scan",
 }
-"""What is shown in 3D where the result has it as NAME.ply; the first of them is shown at first, and the body."""
+"""Titles of what is shown in 3D where the result has it as NAME.ply, in their order; what has none here comes after
+them, called as its file. The first is shown at first, and the body."""
 
-TOGETHER = tuple(name for name in MESHES if "/" in name)
-"""Those of one outfit, which are all shown at first."""
+UNDER = "under"
+"""What the garment is worn over, which has a pattern of its own."""
+
+TOGETHER = (UNDER, *(name for name in MESHES if "/" in name))
+"""Those that are worn together, which are all shown at first."""
+
+BODY = "body"
+"""Name of a wearer's mesh, and the beginning of the names of several: `body_SIZE` wears `draped_SIZE`."""
 
 SCANS = ("scan",)
 """Those that are large, and sent only when they are asked for."""
+
+UNSHOWN = ("segmented",)
+"""The scan once more, for the page of its labels."""
 
 WORN = "worn.npz"
 """The file that the flat pattern is read of."""
@@ -52,6 +64,18 @@ _FLAT = re.compile(
     r"|pattern\.panels\.\d+\.(name|edges\.\d+\.(label|contour))$)"
 )
 """Arrays of `worn.npz` that the flat pattern is drawn of."""
+
+
+def list_shown(files: Collection[str]) -> dict[str, str]:
+    """Return the titles of the meshes that a result of some files has for the 3D view, by name, in their order."""
+    there = sorted(name.removesuffix(".ply") for name in files if name.endswith(".ply"))
+    further = {name: name.replace("_", " ").capitalize() for name in there if name not in (*MESHES, *UNSHOWN)}
+    return {name: title for name, title in (MESHES | further).items() if name in there}
+
+
+def is_beside(name: str) -> bool:
+    """Return whether a mesh is no cloth of the result's pattern: a wearer, a scan, or the garment below."""
+    return name in (*SCANS, UNDER) or name.startswith(BODY)
 
 
 class Packer:

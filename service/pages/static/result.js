@@ -7,8 +7,7 @@ import { readFrames } from './ply.js';
 import { readShown } from './shown.js';
 import { Viewer, colourOf, linearOf, paint } from './viewer.js';
 
-const COLOURS = { detail: 0x6694bd, simulation: 0x7aa894, redrape: 0xb89e75, graded: 0x9a8fc0, dressed: 0x6694bd, 'upper/dressed': 0x7aa894, 'outer/dressed': 0xb89e75, garment: 0x6694bd, body: 0xe6d9cc, scan: 0x9ea8b3, person: 0x9ea8b3 };
-const BARE = new Set(['body', 'scan', 'person']);
+const COLOURS = { detail: 0x6694bd, simulation: 0x7aa894, redrape: 0xb89e75, graded: 0x9a8fc0, dressed: 0x6694bd, under: 0xb89e75, 'upper/dressed': 0x7aa894, 'outer/dressed': 0xb89e75, garment: 0x6694bd, body: 0xe6d9cc, scan: 0x9ea8b3, person: 0x9ea8b3 };
 
 /** Ends of the colours where the values themselves do not tell: the report's least range [m], 10 % of stretch, 3 kPa. */
 const LEAST = { distance: 0.005, strain: 0.1, pressure: 3000 };
@@ -18,6 +17,8 @@ const place = find('#result');
 const job = place.getAttribute('data-job');
 const files = new Set(place.getAttribute('data-files').split(' '));
 const boxes = [...document.querySelectorAll('input[data-mesh]')];
+/** Names of what is no cloth of this pattern: wearers, scans, a garment below. */
+const BESIDE = new Set(boxes.filter((box) => 'beside' in box.dataset).map((box) => box.dataset.mesh));
 /** @type {Map<string, import('./shown.js').ShownMesh>} */ const meshes = new Map();
 /** @type {Viewer|null} */ let viewer = null;
 /** @type {PatternView|null} */ let pattern = null;
@@ -32,7 +33,7 @@ const SCANS = { scan: `/results/${job}/scan.bin`, person: `/results/${place.getA
 
 /** @returns {string|null} the cloth that is pointed at and measured: the first that is shown */
 function shownCloth() {
-  return boxes.find((box) => box.checked && !BARE.has(box.dataset.mesh) && meshes.has(box.dataset.mesh))?.dataset.mesh ?? null;
+  return boxes.find((box) => box.checked && !BESIDE.has(box.dataset.mesh) && meshes.has(box.dataset.mesh))?.dataset.mesh ?? null;
 }
 
 /** Give a mesh to the view when it is first shown. @param {string} name @returns {Promise<void>} */
@@ -40,8 +41,8 @@ async function showMesh(name) {
   if (!meshes.has(name) && SCANS[name]) meshes.set(name, readShown(await getBytes(SCANS[name])).meshes.get('scan'));
   const mesh = meshes.get(name);
   if (!mesh || viewer.meshes.has(name)) return;
-  const isCloth = !BARE.has(name);
-  viewer.add(name, mesh.positions, mesh.faces, { colour: COLOURS[name], isCloth, colours: isCloth ? null : mesh.colours });
+  const isCloth = !BESIDE.has(name);
+  viewer.add(name, mesh.positions, mesh.faces, { colour: COLOURS[name.split('_')[0]], isCloth, colours: isCloth ? null : mesh.colours });
 }
 
 /** Show the stored pictures where there is no WebGL. */
@@ -74,7 +75,7 @@ const texture = () => meshes.get('detail')?.colours ?? null;
 /** @param {string} style @returns {boolean} whether the result has what colours its cloth so */
 function isColouredBy(style) {
   if (style === 'texture') return Boolean(texture());
-  return !(style in LEAST) || [...meshes.keys()].some((name) => !BARE.has(name) && (style === 'strain' && garment ? true : valuesOf(style, name)));
+  return !(style in LEAST) || [...meshes.keys()].some((name) => !BESIDE.has(name) && (style === 'strain' && garment ? true : valuesOf(style, name)));
 }
 
 /** Colour the cloth as chosen, with what the colours mean. */
@@ -119,7 +120,7 @@ function startTools() {
         return;
       }
       viewer.show(name, box.checked);
-      if (!BARE.has(name)) colourCloth();
+      if (!BESIDE.has(name)) colourCloth();
       tellMeasured();
     });
   }
