@@ -17,7 +17,7 @@ LAYERS = ("core", "service", "workers", "cli")
 """From the lowest to the highest."""
 ROOMS = (
     "lazy", "errors", "text", "hooks", "clock", "checkpoints", "limited", "verdict", "record_file",
-    "npy", "ply", "mesh", "body", "motion", "scan",
+    "npy", "ply", "units", "mesh", "body", "motion", "scan",
     "segment", "pattern", "pieces", "simulate", "settings", "drape", "grade", "deform", "meshes", "reading", "recovery",
     "inputs", "person", "wearer", "case", "fit", "wear", "animate", "measure", "edit", "texture", "formats", "export",
     "pipeline", "person_pipeline",
