@@ -124,7 +124,7 @@ def test_limits_come_from_the_environment(cli, monkeypatch):
     read = read_limits({"GARMENTQ_API_BURST": "7", "GARMENTQ_API_REQUESTS_PER_SECOND": "0.5", "GARMENTQ_API_KEY": "x"})
     assert read == replace(ApiLimits(), burst=7, requests_per_second=0.5)
     chosen = []
-    monkeypatch.setattr("garmentq.service.api.server.serve", lambda *given: chosen.append(given[3]))
+    monkeypatch.setattr("garmentq.service.api.server.serve", lambda *given, **more: chosen.append(given[3]))
     assert cli("serve", GARMENTQ_API_BURST="7", GARMENTQ_API_UPLOAD_BYTES="9").returncode == 0
     assert cli("serve", "--max-upload-mb", "3", GARMENTQ_API_UPLOAD_BYTES="9").returncode == 0
     assert chosen == [replace(ApiLimits(), burst=7, upload_bytes=9), replace(ApiLimits(), upload_bytes=3 << 20)]
