@@ -143,7 +143,7 @@ def _find_person(
     """
     points, faces = file.arrays["vertices"], file.arrays["faces"]
     mended = mend_mesh(points, faces) if len(faces) else merge_points(points, finite)
-    if len(faces) and len(mended.points) < LEAST:
+    if len(faces) and (len(mended.faces) == 0 or len(mended.points) < LEAST):
         mended = _leave_faces(points, finite)
     if len(mended.points) >= LEAST:
         cleaned = clean_person(mended.points, mended.faces, profiles, axes)

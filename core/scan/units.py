@@ -71,7 +71,7 @@ def find_units(vertices: np.ndarray, kind: str = "garment", *, faces: np.ndarray
         raise UnitsAmbiguous(f"The {kind} measures {size}, which fits {' and '.join(found)}; say which with --units.")
     if not found:
         others = [name for name in UNITS if name not in METRIC and _fits(extent, area, UNITS[name], kind)]
-        advice = f"but {others[0]}; say --units {others[0]}" if others else "convert the file, or say its unit"
+        advice = f"but {others[0]}; say --units {others[0]}" if others else "convert it, or say its unit with --units"
         raise UnitsUnknown(f"The {kind} measures {size}, which fits neither m, cm nor mm, {advice}.")
     return found[0]
 
