@@ -15,6 +15,10 @@ from .registry import DIALECTS, FORMATS
 MOST_SIZES = 40
 """Most sizes of one export."""
 
+LONGEST_SIZE_NAME = 40
+"""Most letters of a size's name as a table has it; a block of a DXF file has 31 with the piece's name, and no stored
+file's hash, which has 64, can be a name."""
+
 
 @dataclass(frozen=True)
 class SizeLine:
@@ -78,6 +82,8 @@ class ExportOptions:
             raise SizesBad(f"steps from {self.first} to {self.last} do not hold 0, or are over {MOST_SIZES}.")
         if len(self.sizes) > MOST_SIZES or len({line.name for line in self.sizes}) < len(self.sizes):
             raise SizesBad(f"a table holds at most {MOST_SIZES} sizes, each of another name.")
+        if any(len(line.name) > LONGEST_SIZE_NAME for line in self.sizes):
+            raise SizesBad(f"a size's name has at most {LONGEST_SIZE_NAME} letters; name sizes as S, M, L or 38, 40.")
         girths = [value for line in self.sizes for value in (line.bust, line.waist, line.hip) if value is not None]
         heights = [line.height for line in self.sizes if line.height is not None]
         if not all(math.isfinite(value) and 20.0 <= value <= 300.0 for value in (*girths, *heights)):

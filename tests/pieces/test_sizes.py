@@ -150,3 +150,10 @@ def test_sizes_of_one_name_are_refused(names):
     with pytest.raises(SizesBad):
         lines = tuple(SizeLine(name, bust=80.0 + n) for n, name in enumerate(names))
         grade_sizes(load_template("skirt"), "skirt", BASE, 1.70, ExportOptions("sizes", sizes=lines))
+
+
+@pytest.mark.parametrize("name", ["9f86" + 60 * "0", 41 * "x"])
+def test_a_size_is_not_named_as_a_stored_file(name):
+    """Broken where a name in an order is as long as a file's hash, and a file that it names is kept for ever."""
+    with pytest.raises(SizesBad, match="letters"):
+        ExportOptions("sizes", sizes=(SizeLine(name),))
