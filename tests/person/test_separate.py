@@ -79,7 +79,7 @@ def test_garments_and_their_hidden_ends(run):
 def test_files_are_read_by_others(run):
     """Broken where labels are not in the file's order, the coloured scan has other vertices, or a picture is empty."""
     with np.load(run.out / "labels.npz", allow_pickle=False) as kept:
-        assert set(kept.files) == {"label", "confidence", "names", "place"}
+        assert set(kept.files) == {"label", "confidence", "names", "origin", "place"}
         assert np.array_equal(kept["place"], np.arange(len(run.label)))
         assert kept["label"].dtype == np.uint8 and kept["label"].shape == kept["confidence"].shape == run.label.shape
         assert kept["names"][Part.ONE_PIECE] == "one-piece"

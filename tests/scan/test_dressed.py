@@ -289,7 +289,7 @@ def test_hole_through_the_neckline_is_bridged(pieces: Pieces, found: Body) -> No
     gone = ((offset @ along) / 0.045) ** 2 + (np.linalg.norm(across, axis=1) / 0.025) ** 2 < 1
     kept = faces[~gone[faces].any(axis=1)]
     used, index = np.unique(kept, return_inverse=True)
-    holed = cut_garment(Scan(vertices[used], index.reshape(-1, 3)), pieces.cloth[used]).body
+    holed = cut_garment(Scan(vertices[used], index.reshape(-1, 3)), pieces.cloth[used])
     target = segment_garment(holed, found)
     neck = target.contour("neck")
     assert neck is not None and neck.trusted
