@@ -2,7 +2,7 @@
 
 Nothing of `core.simulate` runs.
 
-    python benchmarks/foreign_drapes.py DRAFTS BODY.ply OUT --blender PYTHON [--only NAME]...
+    python benchmarks/foreign_drapes.py DRAFTS BODY.ply OUT --blender PYTHON [--only NAME]... [--vertices 4000]
 
 PYTHON is one that has the module `bpy` (development only). A body is dressed in the panels by position-based dynamics,
 since Blender's threads lose a shirt's shoulders on the way, and cloth is brought to its lengths (`foreign_start.py`);
@@ -151,12 +151,12 @@ def describe(pattern: Pattern) -> dict[str, object]:
     return {"unit": "m", "panels": outlines}
 
 
-def make_pack(drafts: Path, wearer: WearerGeometry, out: Path, python: str) -> dict[str, object]:
+def make_pack(drafts: Path, wearer: WearerGeometry, out: Path, python: str, vertices: int) -> dict[str, object]:
     """Drape one draft, write its pack, and return what is told of it."""
     design = json.loads((drafts / "design.json").read_text())
     pattern = load_pattern(drafts / "specification.json")
     body = trimesh.Trimesh(wearer.body.vertices, wearer.body.faces, process=False)
-    garment = remesh(drape_template(pattern, wearer), VERTICES)
+    garment = remesh(drape_template(pattern, wearer), vertices)
     contours, _ = name_contours(garment.nodes, garment.faces, wearer.body)
     waists = [contour.vertices for contour in contours if contour.name == "waist"]
     held = np.concatenate([np.zeros(0, np.int64), *waists])
@@ -194,12 +194,13 @@ def main() -> None:
     parser.add_argument("out", type=Path)
     parser.add_argument("--blender", required=True)
     parser.add_argument("--only", action="append", help="a draft's name; may be repeated")
+    parser.add_argument("--vertices", type=int, default=VERTICES, help="of a drape")
     given = parser.parse_args()
     mesh = trimesh.load(given.body, process=False)
     wearer = WearerGeometry(register_body(np.asarray(mesh.vertices), np.asarray(mesh.faces), name="body"))
     for folder in sorted(path.parent for path in given.drafts.glob("*/design.json")):
         if given.only is None or folder.name in given.only:
-            print(json.dumps(make_pack(folder, wearer, given.out, given.blender)), flush=True)
+            print(json.dumps(make_pack(folder, wearer, given.out, given.blender, given.vertices)), flush=True)
 
 
 if __name__ == "__main__":
