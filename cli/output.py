@@ -44,7 +44,7 @@ def keep_private(context: click.Context, _: click.Parameter, home: Path | None) 
 
 @contextmanager
 def keep_mask() -> Iterator[None]:
-    """Give the process back the mask that it had before the block."""
+    """Return to the mask that it had before the block."""
     before = os.umask(MASK)
     os.umask(before)
     try:

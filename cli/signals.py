@@ -4,28 +4,20 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 
-TOLD = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-"""Signals that tell a command to stop: Ctrl-C, a supervisor, a terminal that closes."""
+from ..service.signals import STOP_SIGNALS, handling
 
 
 def stop_as_told() -> None:
     """Turn SIGTERM and SIGHUP into KeyboardInterrupt, as Python does with SIGINT; what is ignored stays so (nohup)."""
     if threading.current_thread() is not threading.main_thread():
         return
-    for number in TOLD:
+    for number in STOP_SIGNALS:
         if signal.getsignal(number) is signal.SIG_DFL:
             signal.signal(number, signal.default_int_handler)
 
 
-@contextmanager
-def undisturbed() -> Iterator[None]:
-    """Let no further signal cut short what is undone in the block; each part of it ends by itself."""
-    before = {number: signal.signal(number, signal.SIG_IGN) for number in TOLD}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+def undisturbed() -> AbstractContextManager[None]:
+    """Return a block in which no further signal cuts short what is undone; each part of it ends by itself."""
+    return handling(STOP_SIGNALS, signal.SIG_IGN)

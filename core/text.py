@@ -20,7 +20,7 @@ class TextBad(BadInput):
 
 
 class JsonTextBad(ValueError):
-    """Say that JSON holds a text that nothing can keep; whoever reads the file has a code for what is wrong with it."""
+    """Raised where JSON holds a text that nothing can keep; who reads the file has a code for what is wrong with it."""
 
 
 def read_json(source: str | bytes, **options: Any) -> Any:

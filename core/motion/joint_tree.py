@@ -15,7 +15,7 @@ LIKE = 0.6
 """Ratio of the lengths of a limb's two bones at least: of thigh and shin, and of upper arm and forearm, it is 0.8 to 1.
 A twist bone ends halfway."""
 
-ALIKE = 0.9
+MIRROR_LIKENESS = 0.9
 """One minus the share of a joint's distance from a fork within which its mirror image is the other chain's: rest poses
 of persons who were measured are alike on both sides to 5 %."""
 
@@ -157,6 +157,6 @@ class JointTree:
             a, b = self.places[one] - self.places[fork], self.places[other] - self.places[fork]
             a = a - 2.0 * (a @ across) * across
             size = max(float(np.linalg.norm(a)), float(np.linalg.norm(b)))
-            if size > 0 and np.linalg.norm(a - b) > (1.0 - ALIKE) * size:
+            if size > 0 and np.linalg.norm(a - b) > (1.0 - MIRROR_LIKENESS) * size:
                 return False
         return True

@@ -1,4 +1,4 @@
-"""Tell which joints of a foreign skeleton were not used, and which of them matter."""
+"""Find which joints of a foreign skeleton were not used, and which of them matter."""
 
 from __future__ import annotations
 

@@ -14,15 +14,13 @@ from ..database import open_database
 from ..home import use_home
 from ..keys import list_keys
 from ..settings import ServiceSettings
+from ..signals import STOP_SIGNALS, handling
 from .connections import make_protocol
 from .guard import HEAD_BYTES, is_loopback
 from .limits import ApiLimits, read_limits
 
 if TYPE_CHECKING:
     import uvicorn
-
-TOLD = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-"""Signals that tell a server to stop."""
 
 IDLE_SECONDS = 30
 """How long a connection without a request is kept [s]; a client that follows a job asks more often."""
@@ -97,13 +95,9 @@ def make_server(config: uvicorn.Config) -> uvicorn.Server:
         @contextmanager
         def capture_signals(self) -> Iterator[None]:
             """Listen to what tells a server to stop, but to nothing that is ignored (nohup)."""
-            told = [number for number in TOLD if signal.getsignal(number) is not signal.SIG_IGN]
-            before = {number: signal.signal(number, self.handle_exit) for number in told}
-            try:
+            told = [number for number in STOP_SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
+            with handling(told, self.handle_exit):
                 yield
-            finally:
-                for number, handler in before.items():
-                    signal.signal(number, handler)
 
     return Server(config)
 

@@ -166,7 +166,8 @@ def test_an_export_of_another_key_is_not_handed_out(settings, database, store, t
             made = add_job(session, replace(wanted, key=find_owner(session, "theirs"), quota=9)).job
             row, (file,) = session.get(JobRow, made), list_files(database, job)[:1]
             row.state, row.finished = State.SUCCEEDED, row.created
-            session.add(ArtifactRow(job=made, kind=RESULT, name="pieces.pdf", sha256=file.sha256, size=file.size, created=1.0))
+            same = {"sha256": file.sha256, "size": file.size}
+            session.add(ArtifactRow(job=made, kind=RESULT, name="pieces.pdf", created=1.0, **same))
         path = f"/v1/jobs/{job}/exports/pieces.pdf"
         assert client.get(path, headers=theirs).status_code == 200
         assert client.get(path, headers=ours).status_code == 404

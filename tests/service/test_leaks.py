@@ -174,8 +174,8 @@ def test_names_of_an_inner_network_are_not_found_by_trial(settings, database, mo
         return real(host, port, *given, **more)
 
     monkeypatch.setattr(socket, "getaddrinfo", find)
-    api = serving(settings)
-    with carrying(settings), api as url, httpx.Client(base_url=url, headers=local_user(settings), timeout=60.0) as client:
+    api, us = serving(settings), local_user(settings)
+    with carrying(settings), api as url, httpx.Client(base_url=url, headers=us, timeout=60.0) as client:
         told = []
         for name in ("inner.example", "nosuch.example"):
             hook = client.post("/v1/webhooks", json={"url": f"https://{name}/"}).json()["webhook"]
