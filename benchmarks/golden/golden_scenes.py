@@ -1,0 +1,204 @@
+"""Ten small scenes that the gate runs: what each is given, what it runs, and what is measured of it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+import trimesh
+from garmentq.core.animate import AnimateSettings, move_worn
+from garmentq.core.body import builtin_body
+from garmentq.core.clock import Clock
+from garmentq.core.drape import measure_wearer
+from garmentq.core.edit import drape_edit
+from garmentq.core.formats.grading import grade_sizes
+from garmentq.core.formats.options import ExportOptions
+from garmentq.core.hooks import SILENT
+from garmentq.core.measure import measure_recovery as measure_beside_truth
+from garmentq.core.measure import read_packs
+from garmentq.core.mesh import vertex_normals
+from garmentq.core.motion import find_shipped, load_motion
+from garmentq.core.person.garments import cut_garment_of, find_surface
+from garmentq.core.person.hints import Hints
+from garmentq.core.person.separate import separate
+from garmentq.core.pieces import describe_pieces, make_pieces
+from garmentq.core.pipeline import recover
+from garmentq.core.recovery import Request
+from garmentq.core.scan.raw import RawScan
+from garmentq.core.settings import RecoverySettings
+from garmentq.core.simulate import get_fabric
+from garmentq.core.wear import Worn, dress_body, make_to_measure, wear_template
+from golden_numbers import (
+    Measured,
+    measure_all,
+    measure_contours,
+    measure_gates,
+    measure_pattern,
+    measure_recovery,
+    measure_separation,
+)
+
+SCENES_FOLDER = Path(__file__).parent / "scenes"
+
+VERTICES = 1400
+"""Of a recovered garment: edges of 2.5 cm, a third of the default's, at a quarter of the time."""
+
+SAMPLES = 20_000
+"""Of each surface whose distance is measured."""
+
+OTHER_BODY = "builtin:male,height=1.80,pose=A"
+"""Who is dressed in what was made for somebody else."""
+
+
+@dataclass(frozen=True)
+class Shift:
+    """Move the points of a scene's input at random, to see how its numbers scatter.
+
+    Attributes:
+        size: Standard deviation of each coordinate [m]; 0: nothing moves.
+        seed: Of the generator.
+    """
+
+    size: float = 0.0
+    seed: int = 0
+
+    def move(self, points: np.ndarray) -> np.ndarray:
+        """Return points [m], shape [n, 3], moved."""
+        if self.size == 0.0:
+            return points
+        return points + np.random.default_rng(self.seed).normal(0.0, self.size, points.shape)
+
+
+def recover_foreign(name: str, shift: Shift, *, own_base: bool) -> Measured:
+    """Recover a garment that others drafted and another simulator draped, on a body that is not the built-in one.
+
+    Args:
+        name: Of the scene's folder.
+        shift: How far the scan is moved.
+        own_base: Whether the maker's pattern is the base pattern; otherwise the library's are.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        pack = Path(folder) / name
+        pack.mkdir()
+        for path in (SCENES_FOLDER / name).glob("*.json"):
+            shutil.copy(path, pack)
+        for source, target in (((SCENES_FOLDER / name), "garment"), (SCENES_FOLDER, "body")):
+            with np.load(source / f"{target}.npz") as kept:
+                vertices, faces = kept["vertices"].astype(np.float64), kept["faces"].astype(np.int64)
+            moved = shift.move(vertices) if target == "garment" else vertices
+            trimesh.Trimesh(moved, faces, process=False).export(pack / f"{target}.ply", vertex_normal=False)
+        target = read_packs(pack)[0]
+        template = target.template if own_base else None
+        settings = RecoverySettings(vertex_count=VERTICES)
+        recovery = recover(Request(target.garment, target.body, template, settings))
+        metrics, _ = measure_beside_truth(recovery, target, own_base, samples=SAMPLES)
+    return measure_recovery(recovery, metrics)
+
+
+def take_person_apart(name: str, shift: Shift) -> Measured:
+    """Find wearer, parts and garments of a simulated raw scan, and recover its first garment to the detail mesh."""
+    with np.load(SCENES_FOLDER / f"{name}.npz") as kept:
+        points, faces = kept["points"].astype(np.float64), kept["faces"].astype(np.int64)
+        truth, true_body = kept["label"], kept["body_vertices"].astype(np.float64)
+    every = np.arange(len(points))
+    points = shift.move(points)
+    normals = vertex_normals(points, faces)
+    raw = RawScan(points, faces, normals, True, None, None, every, every, name)
+    separation = separate(raw, Hints(), SILENT)
+    found = measure_separation(separation, truth, true_body)
+    if separation.problem is not None:
+        return found
+    garment = separation.garments[0]
+    reading = cut_garment_of(find_surface(raw, separation.body), separation, garment.part)
+    settings = RecoverySettings(method="deform", vertex_count=VERTICES)
+    recovery = recover(Request(Path(name), settings=settings, reading=reading))
+    return found | measure_recovery(recovery, recovery.metrics)
+
+
+def wear(template: str, shift: Shift) -> Worn:
+    """Return a shipped drape, its nodes moved."""
+    worn = wear_template(template, get_fabric("cotton_poplin"))
+    assert worn is not None
+    return replace(worn, garment=worn.garment.at(shift.move(worn.garment.nodes)))
+
+
+def dress_another(shift: Shift) -> Measured:
+    """Dress a man in a woman's skirt, and make it to his measures."""
+    skirt, body = wear("skirt", shift), builtin_body(OTHER_BODY)
+    found = Measured({})
+    for word, wear_again in (("dressed", dress_body), ("refitted", make_to_measure)):
+        one = wear_again(skirt, body, None, Clock())
+        found |= name_under(word, measure_all(one.metrics) | measure_gates(one.gates))
+        found |= name_under(word, measure_contours(one.worn.garment) | measure_pattern(one.worn.pattern))
+    return found
+
+
+def edit_hem(shift: Shift) -> Measured:
+    """Lengthen a skirt by a tenth and drape it back."""
+    worn = wear("skirt", shift)
+    longer = worn.pattern.with_points(worn.pattern.points * np.array([1.0, 1.1]))
+    edited = drape_edit(worn, longer, worn.pattern, Clock())
+    return (
+        measure_all(edited.metrics)
+        | measure_pattern(edited.worn.pattern)
+        | measure_contours(edited.worn.garment)
+        | measure_gates(edited.gates)
+    )
+
+
+def animate_walk(shift: Shift) -> Measured:
+    """Move a skirt with its wearer through half a second of the shipped walk."""
+    path = find_shipped("walk")
+    assert path is not None
+    moved = move_worn(wear("skirt", shift), load_motion(path), "walk", AnimateSettings(fps=24.0, end=0.5), Clock())
+    last = moved.animation.worn.garment.at(moved.animation.nodes[-1])
+    return measure_all(moved.metrics) | name_under("last", measure_contours(last)) | measure_gates(moved.gates)
+
+
+def export_pieces(shift: Shift) -> Measured:
+    """Cut a T-shirt's pieces, and grade it to three sizes for the wearer's measures."""
+    worn = wear("tshirt", shift)
+    pieces, numbers = describe_pieces(make_pieces(worn.pattern))
+    found = measure_all(numbers)
+    for one in pieces:
+        found |= Measured({f"{one.name}.cloth_cm2": 1e4 * one.cloth, f"{one.name}.quantity": float(one.quantity)})
+    height = float(np.ptp(worn.body.rest_vertices[:, 1]))
+    options = ExportOptions(format="pdf", step=4.0, first=-1, last=1)
+    for size in grade_sizes(worn.pattern, worn.template, measure_wearer(worn.body), height, options):
+        found |= name_under(size.name, measure_pattern(size.pattern))
+    return found
+
+
+def name_under(word: str, measured: Measured) -> Measured:
+    """Return what was measured, each name below a word."""
+    numbers = {f"{word}.{name}": value for name, value in measured.numbers.items()}
+    return Measured(numbers, {f"{word}.{name}": value for name, value in measured.words.items()})
+
+
+SCENES: Mapping[str, Callable[[Shift], Measured]] = MappingProxyType(
+    {
+        "foreign_tshirt": lambda shift: recover_foreign("foreign_tshirt", shift, own_base=True),
+        "foreign_skirt": lambda shift: recover_foreign("foreign_skirt", shift, own_base=False),
+        "foreign_trousers": lambda shift: recover_foreign("foreign_trousers", shift, own_base=False),
+        "foreign_tank": lambda shift: recover_foreign("foreign_tank", shift, own_base=True),
+        "person_one": lambda shift: take_person_apart("person_one", shift),
+        "person_two": lambda shift: take_person_apart("person_two", shift),
+        "dress": dress_another,
+        "edit": edit_hem,
+        "animate": animate_walk,
+        "export": export_pieces,
+    }
+)
+"""Each scene's run by name."""
+
+
+def list_provenance() -> dict[str, dict[str, str]]:
+    """Return what the provenance file says of each file of the scenes."""
+    found: dict[str, dict[str, str]] = json.loads((SCENES_FOLDER / "provenance.json").read_text())
+    return found
