@@ -81,8 +81,14 @@ def test_an_upload_ends_with_its_key(settings, database, short):
     """Broken where a key that was taken back fills the store by a request that it began before."""
     key = make_key(database, "studio")
 
+    incoming = settings.home / "incoming"
+
     def send():
         yield b"ply\n"
+        for _ in range(6000):  # until the server took the key, and began to keep what comes
+            if incoming.exists() and list(incoming.iterdir()):
+                break
+            time.sleep(0.01)
         revoke(database)
         for _ in range(20):
             time.sleep(0.1)
@@ -94,7 +100,7 @@ def test_an_upload_ends_with_its_key(settings, database, short):
             assert (answer.status_code, answer.json()["code"]) == (401, "key.bad")
         except httpx.WriteError:
             pass  # the refusal came before the last byte
-    assert list((settings.home / "incoming").iterdir()) == []
+    assert list(incoming.iterdir()) == []
     with database.read() as session:
         assert session.scalars(select(UploadRow)).all() == []
 
