@@ -67,6 +67,7 @@ def test_the_wheel_equals_the_tree(wheel):
     assert strays == set(), "a kind of file that setup.py does not ship"
     assert "garmentq/migrations/versions/0001_initial.py" in shipped
     assert "garmentq/migrations/script.py.mako" in shipped
+    assert "garmentq/py.typed" in shipped, "or no type checker looks into the package"
 
 
 SCRIPT = """
@@ -90,7 +91,7 @@ TYPES = (
 """What is revealed in it, line by line."""
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_an_installed_package_has_types(wheel, tmp_path):
     """Broken where a user's type checker finds no types in the package, and takes all of it for `Any`."""
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", tmp_path / "venv"], check=True)

@@ -81,7 +81,7 @@ def measure(folder) -> int:
     return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) if folder.exists() else 0
 
 
-@pytest.mark.parametrize("form", ["file", "range", "archive"])
+@pytest.mark.parametrize("form", ["file", pytest.param("range", marks=pytest.mark.nightly), "archive"])
 def test_what_is_not_read_takes_no_room_and_ends(served, large, settings, tmp_path, form):
     """Broken where an unread download holds a copy on the disk, its memory, or its connection for ever."""
     job, _ = large
@@ -117,7 +117,7 @@ def test_a_slow_reader_goes_on(served, large, settings):
     assert b" 200 " in head and hashlib.sha256(content).hexdigest() == sha256
 
 
-@pytest.mark.parametrize("where", [0, SIZE // 2, SIZE - 1])
+@pytest.mark.parametrize("where", [SIZE - 1, *(pytest.param(n, marks=pytest.mark.nightly) for n in (0, SIZE // 2))])
 def test_a_damaged_file_never_comes_whole(served, large, settings, store, where):
     """Broken where a client can take a damaged file for the one that was kept, alone or in an archive."""
     job, sha256 = large

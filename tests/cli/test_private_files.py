@@ -92,7 +92,7 @@ def serve(settings, folder: Path) -> set[str]:
         return {path.name for path in settings.home.iterdir()}
 
 
-@pytest.mark.parametrize("mask", [0o022, 0o002, 0o077])
+@pytest.mark.parametrize("mask", [0o022, *(pytest.param(mask, marks=pytest.mark.nightly) for mask in (0o002, 0o077))])
 def test_what_was_asked_for_follows_the_users_mask(settings, filled, tmp_path, mask):
     """Broken where a file that a user asked for cannot be read by those who may read the user's other files."""
     out = tmp_path / "out"

@@ -17,6 +17,9 @@ from garmentq_home import make_environment, read_job, wait_for
 
 STOPS = (signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
 
+BY_DAY = (STOPS[0], *(pytest.param(number, marks=pytest.mark.nightly) for number in STOPS[1:]))
+"""Signals, of which the suite sends the one that supervisors send."""
+
 pytestmark = pytest.mark.slow
 
 
@@ -80,7 +83,7 @@ def gone(settings) -> bool:
     return not list_processes(settings)
 
 
-@pytest.mark.parametrize("number", STOPS, ids=lambda one: one.name)
+@pytest.mark.parametrize("number", BY_DAY, ids=lambda one: one.name)
 def test_what_up_serve_keeps_alive_stops_with_it(settings, start, queue_job, number):
     """Broken where a supervisor, a closed terminal or Ctrl-C leaves worker and broker behind, or costs a try."""
     process, address = serve_all(start)
@@ -144,7 +147,7 @@ def test_the_api_alone_stops(settings, start, number):
     assert process.wait() == 0 and gone(settings)
 
 
-@pytest.mark.parametrize("number", STOPS, ids=lambda one: one.name)
+@pytest.mark.parametrize("number", BY_DAY, ids=lambda one: one.name)
 def test_run_stops_waiting_and_the_job_goes_on(settings, start, database, tmp_path, number):
     """Broken where a signal to `run` ends its job, or says nothing of what becomes of it."""
     scan, body = tmp_path / "slow.ply", tmp_path / "body.ply"
