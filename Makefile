@@ -12,7 +12,7 @@ export NUMBA_NUM_THREADS ?= 1
 # Without bytecode every process of the suite would compile all sources and rewrite all tests anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test nightly fuzz lock sbom lint types bench persons train clean
+.PHONY: demo test accept nightly fuzz mutate unseen lock sbom lint types bench persons train clean
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV) || python3 -m venv $(VENV)
@@ -42,11 +42,31 @@ test: $(VENV)/.installed-test
 nightly: $(VENV)/.installed-test
 	$(PYTEST) -m nightly
 
+# The golden scenes' numbers of today are what is right from now on: make accept REASON="..." [SCENES="edit export"]
+REASON ?=
+SCENES ?=
+accept: $(VENV)/.installed-test
+	$(BIN)/python tests/golden/accept.py --reason "$(REASON)" $(SCENES:%=--scene %)
+
 # Mutated files of every kind through the readers; a failure names the seed: make fuzz FUZZ=1 SEED=1234
 FUZZ ?= 2000
 SEED ?= 1
 fuzz: $(VENV)/.installed-test
 	FUZZ=$(FUZZ) SEED=$(SEED) $(BIN)/python -m pytest -n 0 tests/scan/test_mutated_files.py
+
+# Drawn constants times 0.7 and 1.3; those that no test and no golden scene notices are listed: make mutate SEED=7
+mutate: $(VENV)/.installed-test
+	$(BIN)/python benchmarks/mutate.py --seed $(SEED)
+
+# Targets that a seed draws and other programs make (docs/unseen.md), recovered, and beside another commit:
+# make unseen SEED=12 COUNT=16 BLENDER=python [GARMENTCODE=checkout GARMENTCODE_PYTHON=python] [AGAINST=commit]
+COUNT ?= 16
+BLENDER ?= python3
+GARMENTCODE_PYTHON ?= python3
+unseen: $(VENV)/.installed-test
+	$(BIN)/python benchmarks/unseen.py --seed $(SEED) --count $(COUNT) --blender $(BLENDER) \
+	  $(if $(GARMENTCODE),--garmentcode $(GARMENTCODE) --garmentcode-python $(GARMENTCODE_PYTHON)) \
+	  $(if $(AGAINST),--against $(AGAINST))
 
 # Every production package with the hashes of its files, and the list of them as CycloneDX JSON. redis needs
 # async-timeout with Python before 3.11.3 (Debian 12 has 3.11.2): the lock has it for all.

@@ -17,6 +17,8 @@ import json
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -45,8 +47,9 @@ import sys
 import bpy
 import numpy as np
 
-FRAMES = 70
 given = np.load(sys.argv[1])
+bodies, hang, rest, fabric = given["bodies"], int(given["hang"]), int(given["rest"]), given["fabric"]
+FRAMES = hang + int(given["move"]) + rest if len(bodies) > 1 else hang + rest
 bpy.ops.wm.read_factory_settings(use_empty=True)
 scene = bpy.context.scene
 
@@ -60,7 +63,18 @@ def add(name, vertices, faces, edges=()):
     return made
 
 
-body = add("body", given["body"], given["body_faces"])
+body = add("body", bodies[0], given["body_faces"])
+if len(bodies) > 1:
+    body.shape_key_add(name="start", from_mix=False)
+    keys = [body.shape_key_add(name=f"pose {n}", from_mix=False) for n in range(1, len(bodies))]
+    for key, points in zip(keys, bodies[1:]):
+        key.data.foreach_set("co", points.ravel())
+    for frame in range(hang, hang + int(given["move"]) + 1):
+        # Between two poses the skin goes straight; a key is given at each frame, so no curve is drawn between them.
+        at = (frame - hang) / int(given["move"]) * len(keys)
+        for n, key in enumerate(keys, 1):
+            key.value = max(0.0, 1.0 - abs(at - n))
+            key.keyframe_insert("value", frame=frame)
 body.modifiers.new("Collision", "COLLISION")
 body.collision.thickness_outer = 0.002
 body.collision.cloth_friction = 0.5
@@ -80,10 +94,9 @@ settings, touching = modifier.settings, modifier.collision_settings
 settings.use_sewing_springs = True
 settings.use_dynamic_mesh = True
 settings.vertex_group_mass = "held"
-settings.mass = 0.3
-settings.tension_stiffness = settings.compression_stiffness = 160.0
-settings.shear_stiffness = 80.0
-settings.bending_stiffness = 0.5
+settings.mass, stiffness, settings.bending_stiffness = (float(value) for value in fabric)
+settings.tension_stiffness = settings.compression_stiffness = stiffness
+settings.shear_stiffness = 0.5 * stiffness
 settings.air_damping = 5.0
 settings.quality = 10
 touching.distance_min = 0.003
@@ -102,6 +115,25 @@ np.save(sys.argv[2], np.array(moved))
 """
 
 
+HANG, MOVE, REST = 25, 25, 45
+"""Frames in which cloth falls, is moved with its wearer into the pose, and comes to rest."""
+
+
+@dataclass(frozen=True)
+class Cloth:
+    """What Blender's cloth is made of, in its own units.
+
+    Attributes:
+        mass: Of a vertex [kg].
+        stiffness: Of springs along the edges.
+        bending: Of springs across them.
+    """
+
+    mass: float = 0.3
+    stiffness: float = 160.0
+    bending: float = 0.5
+
+
 def to_blender(points: np.ndarray) -> np.ndarray:
     """Turn y up into z up."""
     return points[:, [0, 2, 1]] * [1.0, -1.0, 1.0]
@@ -112,8 +144,18 @@ def from_blender(points: np.ndarray) -> np.ndarray:
     return points[:, [0, 2, 1]] * [1.0, 1.0, -1.0]
 
 
-def simulate(garment: Garment, held: np.ndarray, body: trimesh.Trimesh, python: str) -> np.ndarray:
-    """Return the cut panels' vertices ten frames before the end and at the end, shape [2, uv_count, 3]."""
+def simulate(
+    garment: Garment, held: np.ndarray, poses: Sequence[trimesh.Trimesh], python: str, cloth: Cloth | None = None
+) -> np.ndarray:
+    """Return the cut panels' vertices ten frames before the end and at the end, shape [2, uv_count, 3].
+
+    Args:
+        garment: As dressed, in the first pose.
+        held: Nodes that stay where they are.
+        poses: The wearer's skin on the way from the pose that the garment is dressed in to the one it is scanned in.
+        python: One that has Blender's module.
+        cloth: What it is made of.
+    """
     mesh = SewnMesh("drape", garment, garment.nodes, get_fabric("cotton_poplin"))
     flat = np.zeros((len(garment.uv), 3))
     for index, panel in enumerate(garment.pattern.panels):
@@ -124,12 +166,15 @@ def simulate(garment: Garment, held: np.ndarray, body: trimesh.Trimesh, python: 
     anchors = len(worn) + np.arange(len(waist))  # vertices that stay: what is pinned itself would follow the shape key
     threads = np.concatenate([threads, np.stack([waist, anchors], axis=1)])
     flat, worn = (np.concatenate([points, worn[waist]]) for points in (flat, worn))
+    skins = np.stack([to_blender(np.asarray(pose.vertices)) for pose in poses])
+    made_of = cloth or Cloth()
     with tempfile.TemporaryDirectory() as folder:
         given, found, script = (Path(folder) / name for name in ("given.npz", "found.npy", "simulate.py"))
         script.write_text(SIMULATE)
         np.savez(
-            given, body=to_blender(body.vertices), body_faces=body.faces, flat=to_blender(flat),
-            nodes=to_blender(worn), faces=garment.uv_faces, threads=threads, held=anchors,
+            given, bodies=skins, body_faces=poses[0].faces, flat=to_blender(flat), nodes=to_blender(worn),
+            faces=garment.uv_faces, threads=threads, held=anchors, hang=HANG, move=MOVE, rest=REST,
+            fabric=[made_of.mass, made_of.stiffness, made_of.bending],
         )  # fmt: skip
         subprocess.run([python, str(script), str(given), str(found)], check=True, stdout=subprocess.DEVNULL)
         return np.array([from_blender(points[: len(garment.uv)]) for points in np.load(found)])
@@ -161,7 +206,7 @@ def make_pack(drafts: Path, wearer: WearerGeometry, out: Path, python: str, vert
     waists = [contour.vertices for contour in contours if contour.name == "waist"]
     held = np.concatenate([np.zeros(0, np.int64), *waists])
     garment = settle(garment, held, wearer)
-    before, after = simulate(garment, held, body, python)
+    before, after = simulate(garment, held, [body], python)
     nodes = weld(garment, after)
     moved = np.linalg.norm(after - before, axis=1)
     gaps = np.linalg.norm(after - nodes[garment.uv_node], axis=1)

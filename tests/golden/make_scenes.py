@@ -1,6 +1,6 @@
 """Write the inputs of the golden scenes, `scenes`, from drapes of `foreign_drapes.py` and drawn persons.
 
-    python benchmarks/golden/make_scenes.py PACKS --foreign SCENE=PACK... --person SCENE=SEED...
+    python tests/golden/make_scenes.py PACKS --foreign SCENE=PACK... --person SCENE=SEED...
 
 A drape keeps its pattern and its maker's base pattern; the body of all drapes stands once. Coordinates are rounded to
 10 um, which is below what any scene may scatter by. A person is drawn by the seed as training persons are, in designs
@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 import shutil
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -60,7 +61,7 @@ def write_person(seed: int, name: str) -> dict[str, dict[str, str]]:
         points=scan.points.round(ROUNDED).astype(np.float32), faces=scan.faces.astype(np.uint16), label=scan.label,
         body_vertices=scan.body_vertices.round(ROUNDED).astype(np.float32), about=json.dumps(scan.about),
     )  # fmt: skip
-    print(name, len(scan.points), scan.about)
+    sys.stdout.write(f"{name}: {len(scan.points)} points, {scan.about}\n")
     return {f"{name}.npz": {"source": f"python -m garmentq.training.persons, seed {seed}", "licence": "Apache-2.0"}}
 
 

@@ -1,4 +1,4 @@
-"""Accept what the golden scenes measure now: `python benchmarks/golden/accept.py --reason "..." [--scene NAME]`.
+"""Accept what the golden scenes measure now: `python tests/golden/accept.py --reason "..." [--scene NAME]`.
 
 Each scene runs as it is, then with its input moved by 1e-12 m and by 0.1 mm, which says how far each number may be off
 from now on. Old values, new ones and the reason go into `golden.json`.

@@ -1,0 +1,122 @@
+"""A copy of the checkout in which one place is changed at a time, and what runs in it.
+
+Compiled kernels are copied with the sources, so that a change costs the compilation of what it touches alone.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+
+COMPILED = (".nbi", ".nbc")
+"""Ends of the names of numba's index and code files."""
+
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Describe a run of pytest.
+
+    Attributes:
+        is_caught: Whether a test failed.
+        is_cut_short: Whether it was stopped before its end.
+        told: The line of the first failure, or the last line.
+    """
+
+    is_caught: bool
+    is_cut_short: bool
+    told: str
+
+
+@dataclass(frozen=True)
+class ChangedTree:
+    """A copy of the checkout.
+
+    Attributes:
+        root: The package's folder, named `garmentq`.
+    """
+
+    root: Path
+
+    @classmethod
+    def copy(cls, folder: Path) -> ChangedTree:
+        """Copy the tracked and the new files of the checkout, with what was compiled of them, into a folder."""
+        shutil.rmtree(folder, ignore_errors=True)
+        asked = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
+        names = subprocess.run(asked, cwd=ROOT, check=True, capture_output=True, text=True).stdout.splitlines()
+        compiled = [path.relative_to(ROOT) for end in COMPILED for path in (ROOT / "core").rglob(f"*{end}")]
+        root = folder / "garmentq"
+        for name in [*map(Path, names), *compiled]:
+            if (ROOT / name).is_file():
+                (root / name).parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy2(ROOT / name, root / name)
+        return cls(root)
+
+    @contextmanager
+    def changed(self, name: str, text: str, words: Sequence[str] = ()) -> Iterator[None]:
+        """Have one file hold another text for a while.
+
+        Args:
+            name: Of the file, from the package's folder.
+            text: What it holds.
+            words: Names whose value changes: kernels of other files that use one are compiled anew.
+        """
+        path = self.root / name
+        before, stat = path.read_bytes(), path.stat()
+        users = [path, *self._list_users(words)] if words else [path]
+        kept = {each: each.read_bytes() for user in users for each in _list_compiled(user)}
+        for each in kept:
+            each.unlink()
+        path.write_text(text)
+        try:
+            yield
+        finally:
+            path.write_bytes(before)
+            os.utime(path, ns=(stat.st_atime_ns, stat.st_mtime_ns))
+            for user in users:
+                for each in _list_compiled(user):
+                    each.unlink()
+            for each, content in kept.items():
+                each.write_bytes(content)
+
+    def _list_users(self, words: Sequence[str]) -> list[Path]:
+        found = []
+        for path in (self.root / "core").rglob("*.py"):
+            text = path.read_text()
+            if "njit" in text and any(word in text for word in words):
+                found.append(path)
+        return found
+
+    def test(self, arguments: Sequence[str], seconds: float) -> Outcome:
+        """Run pytest in the copy up to its first failure.
+
+        Args:
+            arguments: Files and options.
+            seconds: It is stopped after these.
+        """
+        search = os.pathsep.join(filter(None, [str(self.root.parent), os.environ.get("PYTHONPATH")]))
+        environment = {**os.environ, **dict.fromkeys(THREADS, "1"), "PYTHONPATH": search}
+        line = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider", *arguments]
+        try:
+            ran = subprocess.run(
+                line, cwd=self.root, env=environment, capture_output=True, text=True, timeout=seconds, check=False
+            )
+        except subprocess.TimeoutExpired:
+            return Outcome(False, True, f"stopped after {seconds:.0f} s")
+        lines = ran.stdout.strip().splitlines() or [ran.stderr[-200:]]
+        failed = next((each for each in lines if each.startswith(("FAILED", "ERROR"))), lines[-1])
+        return Outcome(ran.returncode not in (0, 5), False, failed[:240])  # 5: no test was chosen
+
+
+def _list_compiled(path: Path) -> list[Path]:
+    folder = path.parent / "__pycache__"
+    return [each for end in COMPILED for each in folder.glob(f"{path.stem}.*{end}")]

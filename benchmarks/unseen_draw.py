@@ -1,0 +1,132 @@
+"""What a seed draws: who wears what, of which cloth, in which pose, and how he is scanned."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from foreign_drapes import Cloth
+
+REVISION = 1
+"""Counts up where the same seed gives other targets."""
+
+SINGLE = {
+    "tshirt": 0.2, "long_sleeve_tshirt": 0.15, "tank": 0.1, "dress": 0.2, "skirt": 0.15, "trousers": 0.12,
+    "shorts": 0.08,
+}  # fmt: skip
+"""Categories of garments scanned alone, and how often each is drawn."""
+
+UPPERS = {"tshirt": 0.45, "long_sleeve_tshirt": 0.4, "tank": 0.15}
+LOWERS = {"trousers": 0.55, "skirt": 0.25, "shorts": 0.2}
+ONE_PIECES = {"dress": 0.85, "jumpsuit": 0.15}
+
+ONE_PIECE, TUCKED = 0.25, 0.3
+"""Share of persons in one garment, and of the others who wear the upper one inside the lower."""
+
+POSES = {"A": 0.5, "arms-down": 0.3, "T": 0.1, "stride": 0.1}
+"""Poses that scanning protocols ask for."""
+
+MASSES, STIFFNESSES, BENDINGS = (0.15, 0.6), (80.0, 320.0), (0.1, 4.0)
+"""Between which a cloth is drawn, in Blender's units, by ratios: four times its default's either way for bending."""
+
+NOISES = (0.2e-3, 1.5e-3)
+"""Standard deviation of a scan's noise [m], by ratios: structured light to a telephone's depth camera."""
+
+HOLES, HOLE_RADII = 5, (0.01, 0.04)
+"""Most holes of a scan, less one, and their radii [m]: what hands, props and steep views leave open."""
+
+GARMENTCODE = 0.5
+"""Share of the drafts that are GarmentCode's where its programs are given."""
+
+
+@dataclass(frozen=True)
+class Draft:
+    """Describe a garment to draft.
+
+    Attributes:
+        category: What it is.
+        program: `own` parts or `garmentcode`.
+        seed: Of its design.
+        role: As raw packs call it: `upper`, `lower`, `onepiece`.
+    """
+
+    category: str
+    program: str
+    seed: int
+    role: str
+
+
+@dataclass(frozen=True)
+class Target:
+    """Describe a target.
+
+    Attributes:
+        name: Of its folder.
+        is_person: Whether all of the person is scanned, without labels; otherwise one garment, its wearer known.
+        seed: Of the wearer, and of what is drawn while it is made.
+        drafts: What is worn, the innermost first.
+        pose: Of the scan.
+        cloth: What each draft is made of.
+        solver: Who drapes it: `blender` or `newton`.
+        noise: Standard deviation of the scan's points [m].
+        holes: Radii [m].
+    """
+
+    name: str
+    is_person: bool
+    seed: int
+    drafts: tuple[Draft, ...]
+    pose: str
+    cloth: tuple[Cloth, ...]
+    solver: str
+    noise: float
+    holes: tuple[float, ...]
+
+
+def draw_targets(seed: int, count: int, programs: tuple[str, ...], solvers: tuple[str, ...]) -> tuple[Target, ...]:
+    """Return the targets of a seed, a garment and a person in turn; the first ones are the same for every count.
+
+    Args:
+        seed: Any number.
+        count: Of targets.
+        programs: Who can draft: `own`, and `garmentcode` where it is there.
+        solvers: Who can drape: `blender`, `newton`.
+    """
+    return tuple(_draw_target(seed, index, programs, solvers) for index in range(count))
+
+
+def _draw_target(seed: int, index: int, programs: tuple[str, ...], solvers: tuple[str, ...]) -> Target:
+    rng = np.random.default_rng([REVISION, seed, index])
+    is_person = index % 2 == 1
+    wanted = _draw_outfit(rng) if is_person else (("onepiece", _choose(SINGLE, rng)),)
+    drafts = []
+    for role, category in wanted:
+        foreign = rng.random() < GARMENTCODE
+        program = "garmentcode" if foreign and "garmentcode" in programs else "own"
+        drafts.append(Draft(category, program, int(rng.integers(1, 2**20)), role))
+    pose = _choose(POSES, rng)
+    cloth = tuple(Cloth(*(_between(ends, rng) for ends in (MASSES, STIFFNESSES, BENDINGS))) for _ in drafts)
+    solver = str(rng.choice(["blender", "newton"]))
+    noise = _between(NOISES, rng)
+    holes = tuple(rng.uniform(*HOLE_RADII, int(rng.integers(HOLES))).tolist())
+    words = "_".join(draft.category for draft in drafts)
+    name = f"{'person' if is_person else 'garment'}_{seed}_{index:02d}_{words}"
+    solver = solver if solver in solvers else solvers[0]
+    return Target(name, is_person, 1000 * seed + index, tuple(drafts), pose, cloth, solver, noise, holes)
+
+
+def _draw_outfit(rng: np.random.Generator) -> tuple[tuple[str, str], ...]:
+    """Return role and category of what a person wears, the innermost first."""
+    if rng.random() < ONE_PIECE:
+        return (("onepiece", _choose(ONE_PIECES, rng)),)
+    pair = ("upper", _choose(UPPERS, rng)), ("lower", _choose(LOWERS, rng))
+    return pair if rng.random() < TUCKED else pair[::-1]
+
+
+def _choose(shares: dict[str, float], rng: np.random.Generator) -> str:
+    names, weights = zip(*shares.items(), strict=True)
+    return str(rng.choice(names, p=np.array(weights) / sum(weights)))
+
+
+def _between(ends: tuple[float, float], rng: np.random.Generator) -> float:
+    return float(np.exp(rng.uniform(*np.log(ends))))
