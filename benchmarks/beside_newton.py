@@ -20,6 +20,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from foreign_newton import take_flat
 
 NEAR = 0.15
 """Distance from the cloth's start within which Newton is given the skin [m]."""
@@ -86,7 +87,7 @@ def solve(out: Path, substeps: int, iterations: int) -> None:
         )  # fmt: skip
     builder.color(include_bending=True)
     model = builder.finalize()
-    _take_flat(model, given["rest"])
+    take_flat(model, given["rest"])
     carried = np.concatenate([given["held"].astype(int), len(nodes) + np.arange(len(used))])
     flags = model.particle_flags.numpy()
     flags[carried] &= ~int(newton.ParticleFlags.ACTIVE)
@@ -119,19 +120,6 @@ def solve(out: Path, substeps: int, iterations: int) -> None:
     line |= {"skin_particles": len(used), "seconds_per_frame": round(float(np.mean(spent[1:])), 3)}
     np.savez(out / "newton.npz", frames=np.array(frames)[-last:], line=json.dumps(line))
     print(json.dumps(line))
-
-
-def _take_flat(model: object, rest: np.ndarray) -> None:
-    """Compute the rest shape of Newton's cloth from the flat pattern, with flat hinges, and set it in the model."""
-    import warp as wp
-
-    frame = np.stack([rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0]], axis=2)
-    poses, areas = model.tri_poses.numpy(), model.tri_areas.numpy()  # type: ignore[attr-defined]
-    poses[: len(rest)] = np.linalg.inv(frame)
-    areas[: len(rest)] = 0.5 * np.abs(np.linalg.det(frame))
-    model.tri_poses = wp.array(poses, dtype=wp.mat22)  # type: ignore[attr-defined]
-    model.tri_areas = wp.array(areas, dtype=float)  # type: ignore[attr-defined]
-    model.edge_rest_angle.zero_()  # type: ignore[attr-defined]
 
 
 def compare(out: Path) -> None:

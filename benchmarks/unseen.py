@@ -12,45 +12,72 @@ from __future__ import annotations
 
 import argparse
 import json
+import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from bench_runs import MODES, ROOT, Job, find_version, run_jobs
 from compare import add_options, compare_versions
 from garmentq.core.errors import GarmentqError
-from unseen_draw import Target, draw_targets
+from unseen_draw import draw_target
 from unseen_packs import Tools, Unusable, make_pack
 from unseen_table import describe_targets, format_set
 from unseen_wearer import name_source
 
+ATTEMPTS = 4
+"""Targets that are drawn in place of one that crumples or that its program does not draft."""
+
 LAB = ROOT / "docs" / "lab"
 
 
-def make_packs(targets: tuple[Target, ...], out: Path, tools: Tools, processes: int) -> list[Path]:
-    """Make the packs that are not there yet and return the folders of those that could be made."""
-    (out / "packs").mkdir(parents=True, exist_ok=True)
-    open_targets = [one for one in targets if not _is_done(one, out)]
-    with ProcessPoolExecutor(processes) as pool:
-        for target, problem in zip(
-            open_targets, pool.map(_make, [(one, out, tools) for one in open_targets]), strict=True
-        ):
-            print(f"{target.name}: {problem or 'made'}", file=sys.stderr, flush=True)
-    return [out / "packs" / one.name for one in targets if (out / "packs" / one.name).is_dir()]
+@dataclass(frozen=True)
+class Draw:
+    """Say what is drawn, and by whom it is made.
 
+    Attributes:
+        seed: Of all targets.
+        out: Where they are kept.
+        tools: Who drafts and drapes.
+    """
 
-def _is_done(target: Target, out: Path) -> bool:
-    return (out / "packs" / target.name).is_dir() or (out / f"{target.name}.unusable").exists()
+    seed: int
+    out: Path
+    tools: Tools
 
+    @property
+    def programs(self) -> tuple[str, ...]:
+        """Return who drafts."""
+        return ("own", "garmentcode") if self.tools.garmentcode else ("own",)
 
-def _make(given: tuple[Target, Path, Tools]) -> str:
-    target, out, tools = given
-    try:
-        make_pack(target, out / "packs", tools)
-    except (Unusable, GarmentqError) as error:
-        (out / f"{target.name}.unusable").write_text(str(error))
-        return str(error)
-    return ""
+    @property
+    def solvers(self) -> tuple[str, ...]:
+        """Return who drapes."""
+        return ("blender", "newton") if self.tools.newton else ("blender",)
+
+    def make(self, index: int) -> dict[str, Any]:
+        """Make one target unless it is there, another one where that cannot be made, and return what became of it."""
+        record = self.out / "drawn" / f"{index:02d}.json"
+        if record.exists():
+            found: dict[str, Any] = json.loads(record.read_text())
+            return found
+        told: dict[str, Any] = {"name": None, "not_made": []}
+        for attempt in range(ATTEMPTS):
+            target = draw_target(self.seed, index, self.programs, self.solvers, attempt)
+            try:
+                if not (self.out / "packs" / target.name).is_dir():
+                    make_pack(target, self.out / "packs", self.tools)
+            except (Unusable, GarmentqError, subprocess.CalledProcessError) as error:
+                told["not_made"].append(f"{target.name}: {error}")
+                continue
+            told["name"] = target.name
+            break
+        record.parent.mkdir(parents=True, exist_ok=True)
+        record.write_text(json.dumps(told, indent=1))
+        print(f"{index}: {told}", file=sys.stderr, flush=True)
+        return told
 
 
 def main() -> None:
@@ -60,6 +87,7 @@ def main() -> None:
     parser.add_argument("--count", type=int, required=True)
     parser.add_argument("--against", help="a commit that runs on the same targets")
     parser.add_argument("--blender", required=True, help="Python that has the module bpy")
+    parser.add_argument("--newton", help="Python that has Newton, which then drapes half of the targets")
     parser.add_argument("--garmentcode", type=Path, help="a checkout of GarmentCode")
     parser.add_argument(
         "--garmentcode-python", default=sys.executable, help="Python that has what GarmentCode asks for"
@@ -69,10 +97,12 @@ def main() -> None:
     add_options(parser)
     given = parser.parse_args()
     given.out = (ROOT / "out" / "unseen" / str(given.seed)).resolve()
-    programs = ("own", "garmentcode") if given.garmentcode else ("own",)
-    targets = draw_targets(given.seed, given.count, programs, ("blender",))
-    tools = Tools(given.blender, given.garmentcode and given.garmentcode.resolve(), given.garmentcode_python)
-    packs = make_packs(targets, given.out, tools, given.processes)
+    tools = Tools(
+        given.blender, given.newton, given.garmentcode and given.garmentcode.resolve(), given.garmentcode_python
+    )
+    with ProcessPoolExecutor(given.processes) as pool:
+        drawn = list(pool.map(Draw(given.seed, given.out, tools).make, range(given.count)))
+    packs = [given.out / "packs" / told["name"] for told in drawn if told["name"]]
     if given.packs_only:
         return
     version = find_version(None, given.out)
@@ -86,8 +116,7 @@ def main() -> None:
     for n, mode in enumerate(modes):
         own = lines[n * len(packs) : (n + 1) * len(packs)]
         told += ["", f"## {mode}", *format_set(jobs[mode], own, given.out)]
-    unusable = sorted(given.out.glob("*.unusable"))
-    told += ["", *(f"Not made: {path.stem}: {path.read_text()}" for path in unusable)]
+    told += ["", *(f"- not made: {line}" for one in drawn for line in one["not_made"])]
     if given.against:
         before = find_version(given.against, given.out)
         told += ["", f"## {before.name} -> {version.name}"]

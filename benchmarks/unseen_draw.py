@@ -92,11 +92,20 @@ def draw_targets(seed: int, count: int, programs: tuple[str, ...], solvers: tupl
         programs: Who can draft: `own`, and `garmentcode` where it is there.
         solvers: Who can drape: `blender`, `newton`.
     """
-    return tuple(_draw_target(seed, index, programs, solvers) for index in range(count))
+    return tuple(draw_target(seed, index, programs, solvers) for index in range(count))
 
 
-def _draw_target(seed: int, index: int, programs: tuple[str, ...], solvers: tuple[str, ...]) -> Target:
-    rng = np.random.default_rng([REVISION, seed, index])
+def draw_target(seed: int, index: int, programs: tuple[str, ...], solvers: tuple[str, ...], attempt: int = 0) -> Target:
+    """Return one target of a seed, as `draw_targets`; the next attempt is another one of the same kind.
+
+    Args:
+        seed: Any number.
+        index: Of the target; odd ones are persons.
+        programs: Who can draft.
+        solvers: Who can drape.
+        attempt: How many before could not be made.
+    """
+    rng = np.random.default_rng([REVISION, seed, index, attempt])
     is_person = index % 2 == 1
     wanted = _draw_outfit(rng) if is_person else (("onepiece", _choose(SINGLE, rng)),)
     drafts = []
@@ -112,7 +121,9 @@ def _draw_target(seed: int, index: int, programs: tuple[str, ...], solvers: tupl
     words = "_".join(draft.category for draft in drafts)
     name = f"{'person' if is_person else 'garment'}_{seed}_{index:02d}_{words}"
     solver = solver if solver in solvers else solvers[0]
-    return Target(name, is_person, 1000 * seed + index, tuple(drafts), pose, cloth, solver, noise, holes)
+    return Target(
+        name, is_person, 10_000 * seed + 100 * attempt + index, tuple(drafts), pose, cloth, solver, noise, holes
+    )
 
 
 def _draw_outfit(rng: np.random.Generator) -> tuple[tuple[str, str], ...]:

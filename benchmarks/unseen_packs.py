@@ -6,9 +6,11 @@ import json
 import shutil
 import subprocess
 import sys
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
+import foreign_newton
 import numpy as np
 import trimesh
 from foreign_body import measure_for_garmentcode
@@ -57,13 +59,39 @@ class Tools:
 
     Attributes:
         blender: Python that has the module `bpy`.
+        newton: Python that has Newton, or None.
         garmentcode: Checkout of GarmentCode, or None.
         garmentcode_python: Python that has what GarmentCode asks for.
     """
 
     blender: str
+    newton: str | None = None
     garmentcode: Path | None = None
     garmentcode_python: str = sys.executable
+
+
+@dataclass(frozen=True)
+class Drape:
+    """Choose who drapes a garment.
+
+    Attributes:
+        solver: `blender` or `newton`.
+        cloth: What it is made of.
+        tools: Where the solvers are.
+    """
+
+    solver: str
+    cloth: Cloth
+    tools: Tools
+
+    def run(self, garment: Garment, held: np.ndarray, skins: Sequence[trimesh.Trimesh]) -> np.ndarray:
+        """Return a dressed garment's nodes at rest on the last of some skins [m]."""
+        if self.solver == "blender":
+            return weld(garment, simulate(garment, held, skins, self.tools.blender, self.cloth)[1])
+        own, usual = self.cloth, Cloth()
+        ratios = (own.mass / usual.mass, own.stiffness / usual.stiffness, own.bending / usual.bending)
+        assert self.tools.newton is not None
+        return foreign_newton.drape(garment, held, skins, self.tools.newton, ratios)
 
 
 @dataclass(frozen=True)
@@ -100,7 +128,7 @@ def make_pack(target: Target, out: Path, tools: Tools) -> dict[str, object]:
     hung: list[Hung] = []
     for draft, cloth in zip(target.drafts, target.cloth, strict=True):
         folder = draft_garment(draft, rest, work, tools)
-        hung.append(hang(draft, folder, raise_over(poses, hung), cloth, tools))
+        hung.append(hang(draft, folder, raise_over(poses, hung), Drape(target.solver, cloth, tools)))
     told = {
         "name": target.name, "pose": target.pose, "simulator": target.solver, "units": "m", "up": "y",
         "licence": "CC0-1.0; drafts of GarmentCode MIT", "drawn": asdict(target),
@@ -110,7 +138,7 @@ def make_pack(target: Target, out: Path, tools: Tools) -> dict[str, object]:
     building = out / f".{target.name}"
     shutil.rmtree(building, ignore_errors=True)
     building.mkdir(parents=True)
-    (_write_person if target.is_person else _write_garment)(target, poses[-1], hung, building, told)
+    (write_person if target.is_person else write_garment)(target, poses[-1], hung, building, told)
     building.rename(folder)
     return told
 
@@ -165,7 +193,7 @@ def raise_over(poses: tuple[Body, ...], worn: list[Hung]) -> tuple[Body, ...]:
     return tuple(pose.raised(heights) for pose in poses) if worn else poses
 
 
-def hang(draft: Draft, folder: Path, poses: tuple[Body, ...], cloth: Cloth, tools: Tools) -> Hung:
+def hang(draft: Draft, folder: Path, poses: tuple[Body, ...], drape: Drape) -> Hung:
     """Drape a draft on a wearer in T-pose and move both into the pose.
 
     Raises:
@@ -173,8 +201,7 @@ def hang(draft: Draft, folder: Path, poses: tuple[Body, ...], cloth: Cloth, tool
     """
     garment, held = dress(load_pattern(folder / "specification.json"), WearerGeometry(poses[0]))
     skins = [trimesh.Trimesh(pose.vertices, pose.faces, process=False) for pose in poses]
-    _, after = simulate(garment, held, skins, tools.blender, cloth)
-    nodes = weld(garment, after)
+    nodes = drape.run(garment, held, skins)
     crossing = len(self_intersections(nodes, garment.faces))
     if not np.isfinite(nodes).all() or crossing > MOST_CROSSING * len(garment.faces):
         raise Unusable(f"{folder.name} crumples: {crossing} of {len(garment.faces)} faces cross others")
@@ -190,7 +217,7 @@ def dress(pattern: Pattern, wearer: WearerGeometry) -> tuple[Garment, np.ndarray
     return settle(garment, held, wearer), held
 
 
-def _write_garment(target: Target, body: Body, hung: list[Hung], folder: Path, told: dict[str, object]) -> None:
+def write_garment(target: Target, body: Body, hung: list[Hung], folder: Path, told: dict[str, object]) -> None:
     """Write a garment's scan with noise and holes, its wearer, and the drape as it hangs."""
     one, rng = hung[0], np.random.default_rng([target.seed, 1])
     points, faces = one.garment.nodes, one.garment.faces
@@ -217,7 +244,7 @@ def _write_pattern(one: Hung, outlines: Path, base: Path) -> None:
     )
 
 
-def _write_person(target: Target, body: Body, hung: list[Hung], folder: Path, told: dict[str, object]) -> None:
+def write_person(target: Target, body: Body, hung: list[Hung], folder: Path, told: dict[str, object]) -> None:
     """Write a person's scan without labels, and the truth beside it."""
     rng = np.random.default_rng([target.seed, 2])
     meshes = {one.draft.role: (one.garment.nodes, one.garment.faces) for one in hung}

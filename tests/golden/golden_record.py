@@ -13,9 +13,9 @@ from golden_numbers import Measured
 
 RECORD = Path(__file__).parent / "golden.json"
 
-SPREADS = 3.0
-"""Largest deviations of the scatter's runs that a number may be off: of five runs a normal one's stays within in 99.9
-of 100 cases."""
+SPREADS = 5.0
+"""Largest deviations of the scatter's runs that a number may be off: where a number scatters normally, one run in a
+thousand is farther off than five times the largest of four."""
 
 LEAST_SHARE = 0.002
 """Of a value that it may be off however little it scattered: sums in another order, on another processor."""

@@ -80,14 +80,14 @@ class Shift:
         return points + np.random.default_rng(self.seed).normal(0.0, self.size, points.shape)
 
 
-def recover_foreign(name: str, shift: Shift, *, own_base: bool) -> Measured:
+def recover_foreign(name: str, shift: Shift, *, own_base: bool, method: str = "deform") -> Measured:
     """Recover a garment that others drafted and another simulator draped, on a body that is not the built-in one.
 
     Args:
         name: Of the scene's folder.
         shift: How far the scan is moved.
-        own_base: Whether the maker's pattern is the base pattern, and fitted through the simulator; otherwise the
-            library's are chosen from, and graded.
+        own_base: Whether the maker's pattern is the base pattern; otherwise the library's are chosen from.
+        method: Of the recovery; `hybrid` fits pattern and fabric through the simulator, too.
     """
     with tempfile.TemporaryDirectory() as folder:
         pack = Path(folder) / name
@@ -101,7 +101,7 @@ def recover_foreign(name: str, shift: Shift, *, own_base: bool) -> Measured:
             _write_mesh(moved, faces, pack / f"{target}.ply")
         target = read_packs(pack)[0]
         template = target.template if own_base else None
-        settings = RecoverySettings(method="hybrid" if own_base else "deform", vertex_count=VERTICES)
+        settings = RecoverySettings(method=method, vertex_count=VERTICES)
         recovery = recover(Request(target.garment, target.body, template, settings))
         metrics, _ = measure_beside_truth(recovery, target, own_base, samples=SAMPLES)
     return measure_recovery(recovery, metrics)
@@ -115,8 +115,8 @@ def _write_mesh(vertices: np.ndarray, faces: np.ndarray, path: Path) -> None:
     open3d.io.write_triangle_mesh(str(path), mesh)
 
 
-def take_person_apart(name: str, shift: Shift) -> Measured:
-    """Find wearer, parts and garments of a simulated raw scan, and recover its first garment to the detail mesh."""
+def take_person_apart(name: str, shift: Shift, *, recovered: bool) -> Measured:
+    """Find wearer, parts and garments of a simulated raw scan; recover the first garment where that is asked for."""
     with np.load(SCENES_FOLDER / f"{name}.npz") as kept:
         points, faces = kept["points"].astype(np.float64), kept["faces"].astype(np.int64)
         truth, true_body = kept["label"], kept["body_vertices"].astype(np.float64)
@@ -126,7 +126,7 @@ def take_person_apart(name: str, shift: Shift) -> Measured:
     raw = RawScan(points, faces, normals, True, None, None, every, every, name)
     separation = separate(raw, Hints(), SILENT)
     found = measure_separation(separation, truth, true_body)
-    if separation.problem is not None:
+    if separation.problem is not None or not recovered:
         return found
     garment = separation.garments[0]
     reading = cut_garment_of(find_surface(raw, separation.body), separation, garment.part)
@@ -206,9 +206,9 @@ SCENES: Mapping[str, Callable[[Shift], Measured]] = MappingProxyType(
         "foreign_tshirt": lambda shift: recover_foreign("foreign_tshirt", shift, own_base=True),
         "foreign_skirt": lambda shift: recover_foreign("foreign_skirt", shift, own_base=False),
         "foreign_trousers": lambda shift: recover_foreign("foreign_trousers", shift, own_base=False),
-        "foreign_tank": lambda shift: recover_foreign("foreign_tank", shift, own_base=True),
-        "person_one": lambda shift: take_person_apart("person_one", shift),
-        "person_two": lambda shift: take_person_apart("person_two", shift),
+        "foreign_tank": lambda shift: recover_foreign("foreign_tank", shift, own_base=True, method="hybrid"),
+        "person_one": lambda shift: take_person_apart("person_one", shift, recovered=False),
+        "person_two": lambda shift: take_person_apart("person_two", shift, recovered=True),
         "dress": dress_another,
         "edit": edit_hem,
         "animate": animate_walk,

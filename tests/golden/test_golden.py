@@ -60,11 +60,11 @@ def test_what_scatters_may_be_off_by_that_and_a_word_that_does_is_not_held():
     entry = json.loads(json.dumps(describe_scatter(runs)))
     assert entry["words"] == {"cut": "a"} and "rare" not in entry["numbers"]
     at = {name: kept["tolerance"] for name, kept in entry["numbers"].items()}
-    assert at == {"girth_cm": pytest.approx(1.5), "steady.area_cm2": pytest.approx(2.0)}
-    found = Measured({"girth_cm": 81.4, "steady.area_cm2": 1001.0}, {"cut": "a", "gate": "fail"})
+    assert at == {"girth_cm": pytest.approx(2.5), "steady.area_cm2": pytest.approx(2.0)}
+    found = Measured({"girth_cm": 82.4, "steady.area_cm2": 1001.0}, {"cut": "a", "gate": "fail"})
     assert compare("x", entry, found) == []
     for numbers, words in (
-        ({"girth_cm": 81.6, "steady.area_cm2": 1000.0}, {"cut": "a"}),
+        ({"girth_cm": 82.6, "steady.area_cm2": 1000.0}, {"cut": "a"}),
         ({"girth_cm": 80.0, "steady.area_cm2": 1003.0}, {"cut": "a"}),
         ({"girth_cm": float("nan"), "steady.area_cm2": 1000.0}, {"cut": "a"}),
         ({"girth_cm": 80.0}, {"cut": "a"}),
