@@ -5,19 +5,27 @@ Compiled kernels are copied with the sources, so that a change costs the compila
 
 from __future__ import annotations
 
+import json
 import os
+import queue
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 
 COMPILED = (".nbi", ".nbc")
 """Ends of the names of numba's index and code files."""
+
+COLUMNS = "500"
+"""Width in which pytest may tell of a failure [letters]: in the usual 80 the test's name has no room for the number."""
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
@@ -104,7 +112,7 @@ class ChangedTree:
             seconds: It is stopped after these.
         """
         search = os.pathsep.join(filter(None, [str(self.root.parent), os.environ.get("PYTHONPATH")]))
-        environment = {**os.environ, **dict.fromkeys(THREADS, "1"), "PYTHONPATH": search}
+        environment = {**os.environ, **dict.fromkeys(THREADS, "1"), "PYTHONPATH": search, "COLUMNS": COLUMNS}
         line = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider", *arguments]
         try:
             ran = subprocess.run(
@@ -115,6 +123,48 @@ class ChangedTree:
         lines = ran.stdout.strip().splitlines() or [ran.stderr[-200:]]
         failed = next((each for each in lines if each.startswith(("FAILED", "ERROR"))), lines[-1])
         return Outcome(ran.returncode not in (0, 5), False, failed[:240])  # 5: no test was chosen
+
+
+def try_all(
+    folder: Path,
+    names: Sequence[str],
+    attempt: Callable[[ChangedTree, str], dict[str, Any]],
+    minutes: float,
+    processes: int,
+) -> dict[str, dict[str, Any]]:
+    """Return what each attempt told, by its name; those that were not begun in time are missing.
+
+    Args:
+        folder: What was told is kept here in a file of the attempt's name, and not asked again; copies lie beside it.
+        names: Of the attempts.
+        attempt: Tells of one in a copy of the checkout, as JSON can hold it.
+        minutes: No attempt is begun later.
+        processes: Attempts at a time, each in a copy of its own.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    files = {name: folder / f"{name}.json" for name in names}
+    end = time.monotonic() + 60.0 * minutes
+    trees: queue.Queue[ChangedTree] = queue.Queue()
+    for n in range(0 if all(file.exists() for file in files.values()) else processes):
+        trees.put(ChangedTree.copy(folder / f"tree{n}"))
+
+    def work(name: str) -> dict[str, Any] | None:
+        if files[name].exists():
+            told: dict[str, Any] = json.loads(files[name].read_text())
+            return told
+        if time.monotonic() > end:
+            return None
+        tree = trees.get()
+        try:
+            told = attempt(tree, name)
+        finally:
+            trees.put(tree)
+        files[name].write_text(json.dumps(told))
+        return told
+
+    with ThreadPoolExecutor(processes) as pool:
+        found = dict(zip(names, pool.map(work, names), strict=True))
+    return {name: told for name, told in found.items() if told is not None}
 
 
 def _list_compiled(path: Path) -> list[Path]:

@@ -11,17 +11,15 @@ from __future__ import annotations
 
 import argparse
 import ast
-import json
-import queue
 import sys
 import time
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from changed_tree import ROOT, ChangedTree
+from changed_tree import ROOT, ChangedTree, try_all
 
 FACTORS = (0.7, 1.3)
 
@@ -171,35 +169,18 @@ def try_mutant(tree: ChangedTree, constant: Constant, factor: float) -> Mutant:
 
 def run(seed: int, count: int, minutes: float, processes: int) -> list[Mutant]:
     """Return the mutants of a seed; those that were run before from their files."""
-    out = ROOT / "out" / "mutate" / str(seed)
-    out.mkdir(parents=True, exist_ok=True)
     constants = list_constants(ROOT)
     drawn = np.random.default_rng(seed).choice(len(constants), count, replace=False)
-    trees: queue.Queue[ChangedTree] = queue.Queue()
-    for n in range(processes):
-        trees.put(ChangedTree.copy(out / f"tree{n}"))
-    end = time.monotonic() + 60.0 * minutes
+    asked = {f"{n}_{factor}": (constants[n], factor) for n in drawn for factor in FACTORS}
 
-    def work(given: tuple[int, float]) -> Mutant | None:
-        constant, factor = constants[given[0]], given[1]
-        file = out / f"{given[0]}_{factor}.json"
-        if file.exists():
-            told = json.loads(file.read_text())
-            return Mutant(Constant(**told.pop("constant")), **told)
-        if time.monotonic() > end:
-            return None
-        tree = trees.get()
-        try:
-            mutant = try_mutant(tree, constant, factor)
-        finally:
-            trees.put(tree)
-        file.write_text(json.dumps(asdict(mutant)))
-        print(f"{constant.path} {constant.name} x {factor}: {mutant.caught_by or 'survives'}", file=sys.stderr)
-        return mutant
+    def attempt(tree: ChangedTree, name: str) -> dict[str, Any]:
+        mutant = try_mutant(tree, *asked[name])
+        place = f"{mutant.constant.path} {mutant.constant.name} x {mutant.factor}"
+        print(f"{place}: {mutant.caught_by or 'survives'}", file=sys.stderr)
+        return asdict(mutant)
 
-    with ThreadPoolExecutor(processes) as pool:
-        found = list(pool.map(work, [(int(n), factor) for n in drawn for factor in FACTORS]))
-    return [mutant for mutant in found if mutant is not None]
+    found = try_all(ROOT / "out" / "mutate" / str(seed), list(asked), attempt, minutes, processes)
+    return [Mutant(Constant(**told.pop("constant")), **told) for told in found.values()]
 
 
 def main() -> None:
