@@ -12,7 +12,7 @@ export NUMBA_NUM_THREADS ?= 1
 # Without bytecode every process of the suite would compile all sources and rewrite all tests anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test accept nightly fuzz mutate unseen lock sbom lint types bench persons train clean
+.PHONY: demo test accept nightly fuzz mutate plant unseen lock sbom lint types bench persons train clean
 
 $(BIN)/python:
 	$(PYTHON) -m venv $(VENV) || python3 -m venv $(VENV)
@@ -57,6 +57,10 @@ fuzz: $(VENV)/.installed-test
 # Drawn constants times 0.7 and 1.3; those that no test and no golden scene notices are listed: make mutate SEED=7
 mutate: $(VENV)/.installed-test
 	$(BIN)/python benchmarks/mutate.py --seed $(SEED)
+
+# Errors drawn from forty that programmers make (benchmarks/planted_errors.py); which the scenes notice: make plant SEED=7
+plant: $(VENV)/.installed-test
+	$(BIN)/python benchmarks/plant.py --seed $(SEED)
 
 # Targets that a seed draws and other programs make (docs/unseen.md), recovered, and beside another commit:
 # make unseen SEED=12 COUNT=16 BLENDER=python [NEWTON=python] [GARMENTCODE=checkout GARMENTCODE_PYTHON=python] [AGAINST=commit]
