@@ -18,7 +18,7 @@ CM = 100.0
 
 FIT = (
     "surface_rms_mm.s2t", "surface_rms_mm.t2s", "graded.surface_rms_mm.s2t", "sim.surface_rms_mm.s2t",
-    "sim.surface_rms_mm.t2s", "redrape.surface_rms_mm.s2t", "normal_error", "stretch_p001", "stretch_p999",
+    "sim.surface_rms_mm.t2s", "redrape.surface_rms_mm.s2t", "normal_cosine", "stretch_p001", "stretch_p999",
     "body_penetration_mm", "panel_area_error", "panel_area_error_all", "panel_outline_mm", "gather_ratio_error",
 )  # fmt: skip
 """Metrics of a recovery beside its truth that a scene holds; those that it lacks are left out."""
