@@ -5,12 +5,13 @@ ENV PIP_NO_CACHE_DIR=1 PIP_DISABLE_PIP_VERSION_CHECK=1
 RUN python -m venv /venv
 ENV PATH=/venv/bin:$PATH
 WORKDIR /src
-COPY constraints.txt requirements.lock deploy/prune.py ./
+COPY constraints.txt requirements.lock ./
+COPY deploy/prune.py deploy/
 # torch's CPU build; https://pypi.org/simple has the CUDA build (several GB), which needs its nvidia packages, too.
 ARG TORCH_INDEX=https://download.pytorch.org/whl/cpu
 RUN pip install --no-deps -c constraints.txt --index-url "$TORCH_INDEX" torch
 # Parts of wheels that may not be passed on go in the same layer.
-RUN pip install --require-hashes --no-deps -r requirements.lock && python prune.py
+RUN pip install --require-hashes --no-deps -r requirements.lock && python deploy/prune.py
 COPY . .
 RUN pip install --no-deps .
 

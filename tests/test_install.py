@@ -35,7 +35,8 @@ def environment() -> Iterator[tuple[Path, dict[str, str]]]:
             shutil.copytree(ROOT / name, place / "src" / name, ignore=shutil.ignore_patterns("__pycache__", "*.nb[ic]"))
         for path in (path for path in ROOT.iterdir() if path.is_file()):
             shutil.copy(path, place / "src")
-        shutil.copy(ROOT / "deploy" / "prune.py", place / "src")
+        (place / "src" / "deploy").mkdir()
+        shutil.copy(ROOT / "deploy" / "prune.py", place / "src" / "deploy")
         subprocess.run([sys.executable, "-m", "venv", place / "venv"], check=True)
         found = place / "venv" / "bin"
         index = re.search(r"^ARG TORCH_INDEX=(\S+)$", text, re.MULTILINE)[1]

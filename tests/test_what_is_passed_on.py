@@ -80,7 +80,7 @@ def test_the_image_removes_what_may_not_be_passed_on(packages):
     used = subprocess.run([sys.executable, "-c", work], capture_output=True, text=True, check=False)
     assert used.returncode == 0 and used.stdout.strip() == str(packages / "igl" / "__init__.py"), used.stderr
     docker = (ROOT / "Dockerfile").read_text(encoding="utf-8")
-    assert re.search(r"^RUN pip install --require-hashes .* && python prune\.py$", docker, re.MULTILINE)
+    assert re.search(r"^RUN pip install --require-hashes .* && python deploy/prune\.py$", docker, re.MULTILINE)
 
 
 @pytest.mark.parametrize("change", ["gone", "moved", "new"])
