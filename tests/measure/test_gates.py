@@ -55,41 +55,57 @@ def test_a_good_result_passes_every_gate() -> None:
     assert set(found.values()) == {"pass"}
 
 
-@pytest.mark.parametrize(
-    ("metric", "gate", "warns", "fails"),
-    [
-        ("surface_rms_mm__s2t", "surface_fit_s2t", 3.0, 12.0),
-        ("surface_rms_mm__t2s", "surface_fit_t2s", 6.0, 20.0),
-        ("seam_mismatch_mm", "seams", 1.0, 5.0),
-        ("pattern__corner_deg", "fairness", 12.0, 40.0),
-        ("pattern__pointed_corner_deg", "pointed", 70.0, 85.0),
-        ("shape__neck_corner_deg", "neckline", 45.0, 115.0),
-        ("shape__edge_corner_deg", "edge_corners", 42.0, 90.0),
-        ("shape__hem_mm", "contour_shape", 60.0, 150.0),
-        ("pattern__beyond_human", "plausible", 1.2, 10.0),
-        ("body_penetration_mm", "penetration", 2.0, 8.0),
-        ("pinched_mm", "pinched", 8.0, 30.0),
-        ("flipped_faces", "flips", 100.0, 400.0),
-        ("self_intersecting_faces", "self_intersections", 100.0, 400.0),
-        ("body__undeclared_mm", "undeclared", 17.0, 60.0),
-        ("drape__residual", "drape_residual", 15.0, 500.0),
-        ("redrape__surface_rms_mm__s2t", "redrape_fit", 25.0, 50.0),
-        ("redrape__stretch_p999", "redrape_stretch", 1.5, 8.1),
-        ("redrape__self_intersecting_faces", "redrape_intersections", 100.0, 400.0),
-        ("sim__surface_rms_mm__s2t", "simulation_fit", 20.0, 40.0),
-        ("sim__surface_rms_mm__t2s", "simulation_fit", 20.0, 40.0),
-    ],
+LIMITS = (
+    ("surface_fit_s2t", "surface_rms_mm.s2t", 2.5, 10.0),
+    ("surface_fit_t2s", "surface_rms_mm.t2s", 4.0, 15.0),
+    ("hidden", "hidden_percent", 10.0, 50.0),
+    ("seams", "seam_mismatch_mm", 0.5, 3.0),
+    ("fairness", "pattern.corner_deg", 5.0, 30.0),
+    ("pointed", "pattern.pointed_corner_deg", 60.0, 80.0),
+    ("neckline", "shape.neck_corner_deg", 30.0, 60.0),
+    ("edge_corners", "shape.edge_corner_deg", 25.0, 60.0),
+    ("contour_shape", "shape.hem_mm", 40.0, 100.0),
+    ("plausible", "pattern.beyond_human", 1.0, 1.5),
+    ("penetration", "body_penetration_mm", 1.0, 5.0),
+    ("undeclared", "body.undeclared_mm", 9.0, 50.0),
+    ("pinched", "pinched_mm", 5.0, 25.0),
+    ("flips", "flipped_faces", 40.0, 240.0),
+    ("self_intersections", "self_intersecting_faces", 50.0, 250.0),
+    ("simulation_fit", "sim.surface_rms_mm.s2t", 15.0, 30.0),
+    ("simulation_fit", "sim.surface_rms_mm.t2s", 15.0, 30.0),
+    ("rest", "wear.rest_gap_mm", 25.0, 50.0),
+    ("layers", "wear.layers", 1.3, 1.6),
+    ("upright", "wear.waist_by_hem", 1.0, 1.25),
+    ("redrape_fit", "redrape.surface_rms_mm.s2t", 20.0, 40.0),
+    ("redrape_fit", "redrape.surface_rms_mm.t2s", 20.0, 40.0),
+    ("redrape_stretch", "redrape.stretch_p999", 1.3, 2.0),
+    ("redrape_intersections", "redrape.self_intersecting_faces", 40.0, 240.0),
+    ("drape_residual", "drape.residual", 1.0, 100.0),
 )
-def test_each_gate_warns_then_fails(metric: str, gate: str, warns: float, fails: float) -> None:
-    """Fails if a gate read another metric, or warned where it should fail."""
-    assert verdicts(**{metric: warns}) == verdicts() | {gate: "doubtful"}
-    assert verdicts(**{metric: fails}) == verdicts() | {gate: "fail"}
+"""Gate, metric, and the values of the metric from which on it is doubtful and fails; numbers of faces are of 8000, and
+the graded drape has 10 of those that intersect."""
+
+
+@pytest.mark.parametrize(("gate", "metric", "warns", "fails"), LIMITS)
+def test_each_gate_warns_then_fails(gate: str, metric: str, warns: float, fails: float) -> None:
+    """Fails if a gate read another metric, warned where it should fail, or a limit moved by 2 per cent."""
+    name = metric.replace(".", "__")
+    for value, verdict in ((0.98 * warns, "pass"), (1.02 * warns, "doubtful"), (0.98 * fails, "doubtful")):
+        assert verdicts(**{name: value}) == verdicts() | {gate: verdict}
+    assert verdicts(**{name: 1.02 * fails}) == verdicts() | {gate: "fail"}
+
+
+def test_every_gate_is_tried_at_its_limits() -> None:
+    """Fails if a gate were added whose limits nothing tries; drapes in unrest are counted, and tried below."""
+    assert {gate for gate, *_ in LIMITS} == {rule.name for rule in RULES} - {"at_rest"}
 
 
 def test_a_pattern_dressed_anew_may_be_as_stretched_as_the_scan() -> None:
     """Fails if cloth that the scan shows stretched counted against the pattern, or a torn mesh excused another one."""
-    assert verdicts(redrape__stretch_p999=1.34, stretch_p999=1.29)["redrape_stretch"] == "pass"
-    assert verdicts(redrape__stretch_p999=1.34, stretch_p999=1.20)["redrape_stretch"] == "doubtful"
+    assert verdicts(redrape__stretch_p999=1.34, stretch_p999=1.28)["redrape_stretch"] == "pass"
+    assert verdicts(redrape__stretch_p999=1.34, stretch_p999=1.27)["redrape_stretch"] == "doubtful"
+    assert verdicts(redrape__stretch_p999=1.57, stretch_p999=2.60)["redrape_stretch"] == "pass"
+    assert verdicts(redrape__stretch_p999=1.58, stretch_p999=2.60)["redrape_stretch"] == "doubtful"
     assert verdicts(redrape__stretch_p999=2.50, stretch_p999=2.60)["redrape_stretch"] == "fail"
 
 
