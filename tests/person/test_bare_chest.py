@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from garmentq.core.body import Body, builtin_body
 from garmentq.core.person import PARTS, Part
+from garmentq.core.person.bare_chest import bare_chest_probability
 from garmentq.core.person.colour import link_alike, use_colours
 from garmentq.core.person.diffusion import diffuse, link_points
-from garmentq.core.person.features import describe_points
+from garmentq.core.person.features import Features, describe_points
 from garmentq.core.person.outfit import above_waist, rank_outfits
 from garmentq.core.person.points import sample_person
 from garmentq.core.person.rules import predict_by_rules
@@ -72,3 +73,32 @@ def test_a_bare_chest_wears_no_top(thick, coloured, outfit):
     found, share = tell(thick, coloured)
     assert found == outfit
     assert share > 0.9 if Part.UPPER in outfit else share < 0.05
+
+
+@pytest.mark.parametrize(
+    ("height", "thin", "skin", "wanted"),
+    [
+        (0.0075, 0.85, 0.95, 0.98),
+        (0.0090, 0.85, 0.95, 0.735),
+        (0.0110, 0.85, 0.95, 0.245),
+        (0.0125, 0.85, 0.95, 0.0),
+        (0.0075, 0.75, 0.95, 0.0),
+        (0.0075, 0.85, 0.85, 0.817),
+        (0.0075, 0.85, 0.65, 0.163),
+        (0.0075, 0.85, 0.55, 0.0),
+    ],
+)
+def test_a_chest_is_bare_by_its_height_and_its_colour(height, thin, skin, wanted):
+    """Broken where a limit moves by 1 mm or by 5 % of the samples, or the folds of a top are not looked at.
+
+    Args:
+        height: Height over the body of a share `thin` of 200 samples, the others are 5 cm off [m].
+        skin: Share of them in the skin's colour.
+        wanted: Probability that the chest is bare.
+    """
+    share = (np.arange(200) + 0.5) / 200
+    offset = np.where(share < thin, height, 0.05) / 0.02
+    features = Features(offset[:, None], ("offset",), None)
+    tone, worn = np.where(share < skin, 1.0, -1.0), np.ones(200, dtype=bool)
+    assert bare_chest_probability(features, tone, worn) == pytest.approx(wanted, abs=0.01)
+    assert bare_chest_probability(features, tone, share < 0.25) == 0.0  # 50 samples show too little

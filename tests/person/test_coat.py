@@ -10,13 +10,13 @@ import pytest
 from garmentq.core.body import Body, builtin_body
 from garmentq.core.person import PARTS, Part
 from garmentq.core.person.cloths import overlap_of_cloths
-from garmentq.core.person.coat import OUTER, Coat, find_coat, open_evidence
+from garmentq.core.person.coat import Coat, find_coat, open_evidence
 from garmentq.core.person.colour import link_alike
 from garmentq.core.person.confidence import UNSURE_OUTFIT
 from garmentq.core.person.diffusion import link_points
 from garmentq.core.person.features import describe_points
 from garmentq.core.person.front import find_path
-from garmentq.core.person.looseness import LOOSE, SAYS, loose_evidence, measure_looseness
+from garmentq.core.person.looseness import loose_evidence, measure_looseness
 from garmentq.core.person.outfit import above_waist, rank_outfits, read_as
 from garmentq.core.person.points import sample_person
 from garmentq.core.person.rules import WaistShown, waist_evidence
@@ -86,15 +86,15 @@ def test_an_open_jacket_is_an_outer_layer(jacket):
     """Broken where the edges of the front are not found, the back is the top's, or the front the jacket's."""
     assert jacket.coat.odds > 1.0
     assert jacket.outfit == (Part.UPPER, Part.LOWER, Part.OUTER)
-    for part, least in ((Part.OUTER, 0.95), (Part.UPPER, 0.8)):
+    for part in (Part.OUTER, Part.UPPER):
         mine = jacket.part == part
-        assert (jacket.label[mine] == part).mean() > least
+        assert (jacket.label[mine] == part).mean() > 0.985
 
 
 def test_one_cloth_in_front_is_no_outer_layer():
     """Broken where a shirt's folds make an outer layer, or a front without edges says nothing."""
     shirt = wear(NAVY, GREY, NAVY, 0.0)
-    assert shirt.coat.odds < OUTER - 1.0
+    assert shirt.coat.odds == pytest.approx(-3.24, abs=0.2)  # one in ten, times a quarter, and a little for looseness
     assert shirt.outfit == (Part.UPPER, Part.LOWER)
 
 
@@ -105,9 +105,8 @@ def test_below_a_jacket_one_cloth_is_one_piece():
 
 def test_a_front_says_little_against_an_outer_layer_and_much_for_it():
     """Broken where a closed front rules a coat out, two edges make one certain, or a clear front says little."""
-    assert -2.0 < open_evidence(0.0) < -1.0
-    assert open_evidence(16.0) < -0.5 < 1.5 < open_evidence(25.0)
-    assert 4.0 < open_evidence(200.0) < 7.0
+    scores = np.array([0.0, 16.0, 20.0, 25.0, 200.0])
+    assert [open_evidence(score) for score in scores] == pytest.approx([-1.38, -1.04, 0.0, 2.21, 5.52], abs=0.1)
 
 
 @pytest.mark.parametrize("height", [0.004, 0.03])
@@ -120,18 +119,19 @@ def test_looseness_is_the_cloths_height_over_the_waist(height):
     points = sample_person(RawScan(raised, body.faces, None, False, None, None, every, every), fit)
     features = describe_points(points, fit)
     dressed = np.ones(len(points.positions), dtype=bool)
-    assert measure_looseness(features, dressed, body) == pytest.approx(height, abs=0.003)
+    assert measure_looseness(features, dressed, body) == pytest.approx(height, abs=0.0007)
     assert measure_looseness(features, ~dressed, body) is None
 
 
 def test_loose_cloth_speaks_for_an_outer_layer_and_close_cloth_against_it():
     """Broken where the sign is turned round, nothing seen says something, or looseness alone makes it unsure."""
-    close, even, loose, vast = (loose_evidence(offset) for offset in (0.004, LOOSE[0], 0.017, 0.5))
-    assert close == SAYS[0] < even - 1.0 < even + 1.0 < loose < vast == SAYS[1]
-    assert even == pytest.approx(0.0)
-    assert loose_evidence(0.0) == SAYS[0]
+    offsets = (0.0, 0.004, 0.010, 0.0125, 0.015, 0.017, 0.5)
+    found = [loose_evidence(offset) for offset in offsets]
+    assert found == pytest.approx([-2.8, -2.8, -0.76, 0.0, 0.62, 1.05, 1.2], abs=0.05)
     assert loose_evidence(None) == 0.0
-    assert OUTER + vast < -UNSURE_OUTFIT
+    prior, unsure = Coat().odds, UNSURE_OUTFIT
+    assert [prior, unsure] == pytest.approx([np.log(1 / 9), np.log(2)], abs=0.05)  # one person in ten, two to one
+    assert prior + found[-1] < -unsure
 
 
 def test_a_path_runs_along_what_gains():
@@ -147,7 +147,7 @@ def test_a_path_runs_along_what_gains():
     assert find_path(np.full((4, 3), -np.inf), 0.2)[1].tolist() == [-1] * 4
 
 
-@pytest.mark.parametrize(("legs", "low", "high"), [(NAVY, 0.7, 1.0), (CREAM, 0.0, 0.1)])
+@pytest.mark.parametrize(("legs", "low", "high"), [(NAVY, 0.93, 1.0), (CREAM, 0.0, 0.03)])
 def test_the_overlap_tells_one_cloth_from_two(legs, low, high):
     """Broken where sleeves, or what lies between chest and legs, are compared."""
     body = builtin_body("builtin:female,pose=A")
