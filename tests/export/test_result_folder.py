@@ -14,14 +14,17 @@ import numpy as np
 import pytest
 import trimesh
 from garmentq.core.body import JOINTS
-from garmentq.core.export import plain, report_html, write_recovery
+from garmentq.core.export import pattern_svg, plain, report_html, write_recovery
 from garmentq.core.measure import judge
+from garmentq.core.mesh import TriangleSurface
 from garmentq.core.pattern import load_pattern
 from garmentq.core.recovery import Recovery
 from garmentq.core.scan import Scan
 from garmentq.core.simulate import FabricEstimate
 from garmentq.core.verdict import Gate, Verdict
+from garmentq.core.wear import load_worn, worn_of
 from PIL import Image
+from scipy.spatial import cKDTree
 
 HOSTILE = "\"><script>alert(1)</script><img src=x onerror='a()'>"
 FILES = [
@@ -76,14 +79,43 @@ def test_every_file_is_written_and_listed(tube_recovery, tmp_path: Path) -> None
     written = write_recovery(recovery, tmp_path / "new" / "folder")
     assert [path.name for path in written] == FILES
     assert all(path.stat().st_size > 0 for path in written)
-    folder = written[0].parent
-    assert np.array_equal(trimesh.load(folder / "graded.ply", process=False).vertices, recovery.meshes.graded)
-    assert np.array_equal(trimesh.load(folder / "body.ply", process=False).faces, recovery.body.faces)
-    joints = json.loads((folder / "body_joints.json").read_text())["joints"]
+
+
+def test_every_file_holds_what_was_recovered(tube_recovery, tmp_path: Path) -> None:
+    """Fails if a mesh, the pattern or a number were another one's, or moved, or lost a part on its way to a file."""
+    recovery = tube_recovery()
+    write_recovery(recovery, tmp_path)
+    scan, body, faces = recovery.scan, recovery.body, recovery.garment.faces
+    meshes = {
+        "graded": (recovery.meshes.graded, faces), "detail": (recovery.meshes.detail, faces),
+        "scan": (scan.vertices, scan.faces), "body": (body.vertices, body.faces),
+    }  # fmt: skip
+    for name, (vertices, triangles) in meshes.items():
+        mesh = trimesh.load(tmp_path / f"{name}.ply", process=False)
+        assert np.array_equal(mesh.vertices, vertices) and np.array_equal(mesh.faces, triangles), name
+    off = trimesh.load(tmp_path / "detail.ply", process=False).metadata["_ply_raw"]["vertex"]["data"]["distance"]
+    assert np.ravel(off) == pytest.approx(TriangleSurface(scan.vertices, scan.faces).distance(recovery.meshes.detail))
+    for name in ("detail.obj", "detail.glb"):  # with texture coordinates: vertices on seams are there twice
+        mesh = trimesh.load(tmp_path / name, process=False, force="mesh")
+        way, nearest = cKDTree(recovery.meshes.detail).query(mesh.vertices)
+        assert way.max() < 1e-6 and set(nearest) == set(range(len(recovery.meshes.detail)))
+        assert mesh.area == pytest.approx(trimesh.Trimesh(recovery.meshes.detail, faces, process=False).area)
+    joints = json.loads((tmp_path / "body_joints.json").read_text())["joints"]
     assert tuple(joints) == JOINTS
     assert joints["left_hip"]["parent"] == "pelvis"
-    assert load_pattern(folder / "pattern.json").panel("front").points.max() == pytest.approx(np.pi * 0.15, abs=1e-6)
-    assert json.loads((folder / "metrics.json").read_text())["surface_rms_mm.s2t"] > 0.0
+    assert np.array_equal([joint["position"] for joint in joints.values()], body.joints)
+    again = load_pattern(tmp_path / "pattern.json")
+    assert [panel.name for panel in again.panels] == [panel.name for panel in recovery.pattern.panels]
+    assert again.seams == recovery.pattern.seams
+    np.testing.assert_allclose(again.points, recovery.pattern.points, atol=1e-9)
+    for name, value in (("metrics", recovery.metrics), ("manifest", recovery.manifest)):
+        assert json.loads((tmp_path / f"{name}.json").read_text()) == plain(value)
+    kept = load_worn(tmp_path)
+    np.testing.assert_array_equal(kept.garment.nodes, worn_of(recovery).garment.nodes)
+    np.testing.assert_array_equal(kept.body.vertices, body.vertices)
+    assert kept.fabric == recovery.fabric
+    assert (tmp_path / "report.html").read_text() == report_html(recovery)
+    assert (tmp_path / "pattern.svg").read_text() == pattern_svg(recovery.pattern)
 
 
 def test_a_simulation_mesh_is_written_where_there_is_one(tube_recovery, tmp_path: Path) -> None:

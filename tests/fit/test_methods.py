@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from garmentq.core.case import GradedDrape
 from garmentq.core.clock import Clock
+from garmentq.core.deform import DeformSettings
 from garmentq.core.fit import METHODS, methods, second_registration
 from garmentq.core.hooks import SILENT
 from garmentq.core.pattern import load_draped_template
@@ -23,23 +24,29 @@ def test_a_deformation_begins_on_the_scan_too(monkeypatch, preset: str, is_laid:
     """Broken where it begins in the drape's folds only, the further result is taken, or the thesis is not followed."""
     worn = load_draped_template("skirt")
     assert worn is not None
-    began = []
+    began, exposed = [], object()
 
-    def begin(garment, *rest, **settings):
+    def begin(garment, towards, skin, **options):
+        assert towards is target and skin is exposed
+        assert options["settings"] == DeformSettings.of_preset(preset)
         began.append(garment.nodes)
         off = 0.0 if len(began) == 1 + nearer else 0.01
         return SimpleNamespace(nodes=worn.nodes + [0.0, off, 0.0], warnings=(str(len(began)),))
 
     monkeypatch.setattr(methods, "deform", begin)
-    monkeypatch.setattr(methods, "_fair", lambda case, drape, garment, nodes: (garment, ()))
+    monkeypatch.setattr(methods, "_fair", lambda case, drape, garment, nodes: (garment.at(nodes), ()))
     target = Target(worn.nodes, worn.faces, np.zeros_like(worn.nodes), worn.contours, (), "skirt")
     settings = RecoverySettings(preset=preset)
-    case = SimpleNamespace(settings=settings, target=target, wearer=SimpleNamespace(exposed=None), fabric=None)
+    case = SimpleNamespace(settings=settings, target=target, wearer=SimpleNamespace(exposed=exposed), fabric=None)
     laid = worn.nodes + [0.1, 0.0, 0.0] if is_laid else None
     fit = METHODS["deform"].fit(case, GradedDrape(worn, None, laid=laid), Clock())
     assert len(began) == count
     assert np.array_equal(began[-1], worn.nodes)
     assert fit.warnings == (str(1 + nearer) if count == 2 else "1",)
+    off = 0.01 if count == 1 and nearer == 1 else 0.0
+    np.testing.assert_array_equal(fit.meshes.detail, worn.nodes + [0.0, off, 0.0])
+    np.testing.assert_array_equal(fit.garment.nodes, fit.meshes.detail)
+    np.testing.assert_array_equal(fit.meshes.graded, worn.nodes)
 
 
 @pytest.mark.parametrize(
@@ -55,10 +62,13 @@ def test_the_nearer_of_two_second_registrations_is_kept(
     case = SimpleNamespace(settings=RecoverySettings(), target=target)
     first, second, other = (worn.at(worn.nodes + [0.0, off, 0.0]) for off in (first_off, 0.01, other_off))
 
-    def begin(garment, *rest, **settings):
+    exposed = object()
+
+    def begin(garment, towards, skin, **options):
+        assert towards is target and skin is exposed
         np.testing.assert_allclose(garment.nodes, first.nodes, atol=1e-9)
         return SimpleNamespace(nodes=other.nodes)
 
     monkeypatch.setattr(second_registration, "deform", begin)
-    found = second_registration.find_nearer(first, second, case, SimpleNamespace(exposed=None), SILENT)
+    found = second_registration.find_nearer(first, second, case, SimpleNamespace(exposed=exposed), SILENT)
     assert np.array_equal(found.nodes, {"second": second, "other": other}[kept].nodes)
