@@ -64,10 +64,11 @@ def test_a_front_is_as_wide_as_the_hem_says(flared):
 def test_noise_hides_corners_but_makes_none(flared):
     """Breaks where a scanner's noise moves the seams: with 1 mm they are found or not, but not elsewhere."""
     rng = np.random.default_rng(0)
-    for size in (2e-4, 1e-3):
+    for size in (2e-4, 5e-4, 1e-3):
         noisy = as_target(flared.at(flared.nodes + size * rng.standard_normal(flared.nodes.shape), flared.contours))
         _, seen = share_by_hems(load_template("pencil_skirt"), noisy, BODY)
-        assert all(each.front == pytest.approx(0.54, abs=0.02) for each in seen)
+        assert [each.contour for each in seen] == ["hem"] or (size == 1e-3 and not seen)
+        assert all(each.front == pytest.approx(0.54, abs=0.005) for each in seen)
 
 
 @pytest.mark.parametrize("name", ["skirt", "trousers", "tshirt"])

@@ -101,9 +101,9 @@ def test_a_seam_slides_to_the_edge(body, target):
     """Broken where a step goes the wrong way, momentum runs away or the start holds too hard: 24 % to 13 % in area."""
     start = fold(TOP + 0.04, 400)
     true = areas(draw(TOP))
-    assert abs(areas(start.pattern) / true - 1.0).max() > 0.24
+    assert abs(areas(start.pattern) / true - 1.0).max() == pytest.approx(0.244, abs=0.001)
     found = slide_seams(start, target, body, start.pattern)
-    assert abs(areas(found.pattern) / true - 1.0).max() < 0.15
+    assert abs(areas(found.pattern) / true - 1.0).max() < 0.135
     assert seam_mismatch(found.pattern) < 1e-5
 
 
@@ -138,10 +138,10 @@ def test_crumpled_cloth_hides_no_folds():
 
 
 def test_what_is_isometric_stays(body, target):
-    """Broken where the pull of a term is not zero at the truth; the mesh cuts 3 % of the areas off at the corners."""
-    start = fold(TOP, 400)
+    """Broken where the pull of a term is not zero at the truth; the mesh cuts 0.3 % of the areas off at the corners."""
+    start = fold(TOP, 800)
     found = slide_seams(start, target, body, start.pattern)
-    np.testing.assert_allclose(areas(found.pattern), areas(start.pattern), rtol=0.04)
+    np.testing.assert_allclose(areas(found.pattern), areas(start.pattern), rtol=0.009)
 
 
 def test_the_same_input_gives_the_same_pattern(body, target):
