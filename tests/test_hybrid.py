@@ -64,14 +64,17 @@ def recovered(tmp_path_factory: pytest.TempPathFactory) -> Recovery:
 
 @pytest.mark.slow
 def test_a_strangers_pattern_is_the_base(recovered: Recovery, tmp_path: Path) -> None:
-    """Breaks if an imported pattern is replaced by a shipped one, or its panels come back under other names."""
+    """Breaks if an imported pattern is replaced by a shipped one, graded by half or too far, or its panels renamed."""
     assert recovered.template == "rock"
     assert set(recovered.stage_seconds) == set(STAGES)
     (tmp_path / "rock.json").write_text(json.dumps(draw_skirt()))
     base = load_pattern(tmp_path / "rock.json")
     for panel in recovered.pattern.panels:
-        grown = panel_area(panel) / panel_area(base.panel(panel.name))
-        assert grown == pytest.approx(WIDER * LONGER, rel=0.08)
+        drawn = base.panel(panel.name)
+        longer = np.ptp(panel.points[:, 1]) / np.ptp(drawn.points[:, 1])
+        wider = panel_area(panel) / panel_area(drawn) / longer
+        assert longer == pytest.approx(1.125, abs=0.02)  # and not LONGER, for worn cloth is longer than its pattern
+        assert wider == pytest.approx(WIDER, abs=0.025)
     assert seam_mismatch(recovered.pattern) < 1e-5
     write_recovery(recovered, tmp_path / "out")
     again = json.loads((tmp_path / "out" / "pattern.json").read_text())
@@ -87,7 +90,7 @@ def test_fit_and_new_drape_are_reported_beside_each_other(recovered: Recovery) -
     count = len(recovered.garment.nodes)
     assert [name for name, _ in recovered.meshes] == ["graded", "detail", "simulation", "redrape"]
     assert all(nodes.shape == (count, 3) for _, nodes in recovered.meshes)
-    for prefix, limit in (("", 1.4), ("sim.", 23.0), ("redrape.", 34.0)):  # at most 2.1 times what was measured
+    for prefix, limit in (("", 1.4), ("sim.", 13.0), ("redrape.", 20.0)):  # 0.7, 8.6 and 14.2 were measured
         for way in ("s2t", "t2s"):
             value = recovered.metrics[f"{prefix}surface_rms_mm.{way}"]
             assert value is not None and 0.0 < value < limit

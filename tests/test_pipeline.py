@@ -18,7 +18,7 @@ from garmentq.core.clock import Clock
 from garmentq.core.drape import DrapeSettings, drape_template
 from garmentq.core.fit import METHODS, Graded, Hybrid, Inverse, InverseSettings, ShapeSettings
 from garmentq.core.hooks import Arrays, Hooks
-from garmentq.core.pattern import load_template
+from garmentq.core.pattern import load_template, panel_area
 from garmentq.core.pipeline import drape_to_scan, make_case, recover
 from garmentq.core.recovery import STAGES, Recovery, Request
 from garmentq.core.settings import RecoverySettings
@@ -53,18 +53,23 @@ def straight(request_of_a_skirt: Request, kept: dict[str, Arrays]) -> Recovery:
 
 @pytest.mark.slow
 def test_pattern_and_detail_are_recovered(straight: Recovery) -> None:
-    """Breaks if a stage hands on the wrong mesh, or if grading goes the wrong way."""
+    """Breaks if a stage hands on the wrong mesh, or if grading goes the wrong way, half of it, or in one direction."""
     assert straight.target.category == "skirt"
     assert straight.template == "skirt"
     assert set(straight.stage_seconds) == set(STAGES) - {"fit", "redrape"}
     for way in ("s2t", "t2s"):
         detail, graded = (straight.metrics[f"{prefix}surface_rms_mm.{way}"] for prefix in ("", "graded."))
         assert detail is not None and graded is not None
-        assert detail < 2.0
-        assert detail < graded < 30.0
+        assert detail < 1.2
+        assert detail < graded < 26.0
     assert (straight.metrics["body_penetration_mm"] or 0.0) <= 1.0
-    height = np.ptp(straight.pattern.panels[0].points[:, 1])
-    assert height == pytest.approx(1.12 * np.ptp(load_template("skirt").panels[0].points[:, 1]), rel=0.06)
+    base = load_template("skirt")
+    for panel in straight.pattern.panels:
+        drawn = base.panel(panel.name)
+        longer = np.ptp(panel.points[:, 1]) / np.ptp(drawn.points[:, 1])
+        wider = panel_area(panel) / panel_area(drawn) / longer
+        assert 1.14 < longer < 1.21  # 1.17 and 1.18, for worn cloth is longer than its pattern
+        assert wider == pytest.approx(1.06, abs=0.02)
 
 
 KILLED = """
