@@ -66,7 +66,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
 
 
 def test_parts_are_told_apart(run):
-    """Broken where a sleeve or a leg is taken for skin, the shirt's hem is found elsewhere, or hair or a shoe is lost."""
+    """Broken where a sleeve or a leg is taken for skin, the shirt's hem lies elsewhere, or hair or shoes are lost."""
     label = np.load(run.out / "labels.npz")["label"]
     limits = {Part.SKIN: 0.975, Part.HAIR: 0.975, Part.SHOES: 0.985, Part.UPPER: 0.997, Part.LOWER: 0.975}
     assert set(np.unique(label)) == set(limits)
