@@ -17,8 +17,9 @@ import pytest
 from garmentq.service.jobs import find_job, read_events
 from garmentq.service.models import ArtifactRow
 from garmentq.workers.broker import is_broker_up, run_folder, start_broker
-from garmentq_home import SQLITE_BY_DAY, WAIT_SECONDS, wait_ended, wait_for
+from garmentq_home import SQLITE_BY_DAY, wait_ended, wait_for
 from garmentq_standin import STEPS, hold_gate
+from patience import WAIT_SECONDS
 from sqlalchemy import func, select
 
 LONG = {"lease_seconds": 600.0}

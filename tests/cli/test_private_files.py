@@ -10,15 +10,15 @@ import pytest
 from api_work import finish
 from garmentq.service.backup import make_backup
 from garmentq_home import make_environment, make_settings, put_file
+from patience import WAIT_SECONDS
 from served_process import serving_alone
 
 
 def run(settings, *words: object, mask: int = 0o022) -> subprocess.CompletedProcess[str]:
     """Run a command as a process of a user with a mask."""
     command = [sys.executable, "-m", "garmentq.cli.main", *map(str, words)]
-    done = subprocess.run(
-        command, env=make_environment(settings), capture_output=True, text=True, umask=mask, timeout=120, check=False
-    )
+    options = {"env": make_environment(settings), "umask": mask, "timeout": WAIT_SECONDS, "check": False}
+    done = subprocess.run(command, capture_output=True, text=True, **options)
     assert done.returncode == 0, done
     return done
 
@@ -116,5 +116,5 @@ def test_a_remote_export_follows_the_users_mask(settings, filled, tmp_path):
     with serving_alone(make_environment(settings), tmp_path / "serve.log") as served:
         command = [sys.executable, "-m", "garmentq.cli.main", "export", filled, "--out", str(tmp_path / "out")]
         environment = make_environment(settings) | {"GARMENTQ_URL": served.url}
-        subprocess.run(command, env=environment, umask=0o027, timeout=120, check=True)
+        subprocess.run(command, env=environment, umask=0o027, timeout=WAIT_SECONDS, check=True)
     assert {path.stat().st_mode & 0o777 for path in (tmp_path / "out").iterdir()} == {0o640}

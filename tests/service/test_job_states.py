@@ -31,6 +31,7 @@ from garmentq.service.records import Progress
 from garmentq.service.results import load_checkpoint, save_checkpoint, store_result
 from garmentq_home import make_environment
 from garmentq_standin import make_recovery
+from patience import WAIT_SECONDS
 from sqlalchemy import func, select, text, update
 
 
@@ -73,7 +74,7 @@ def test_each_job_is_claimed_once_by_many_processes(settings, database, queue_jo
         )
         for i in range(3)
     ]
-    got = [process.communicate(timeout=300)[0].split() for process in processes]
+    got = [process.communicate(timeout=WAIT_SECONDS)[0].split() for process in processes]
     assert [process.returncode for process in processes] == [0] * 3
     assert Counter(job for part in got for job in part) == Counter(jobs)
 

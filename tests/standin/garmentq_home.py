@@ -23,15 +23,13 @@ from garmentq.service.settings import ServiceSettings
 from garmentq.service.states import ENDED
 from garmentq.service.store import Store
 from garmentq.service.submission import Order, submit
+from patience import WAIT_SECONDS
 from postgres_server import PostgresServer
 from sqlalchemy import create_engine, text
 from sqlalchemy.engine import make_url
 from sqlalchemy.pool import NullPool
 
 STANDIN = Path(__file__).parent
-
-WAIT_SECONDS = 120.0
-"""A deadline that only a hang reaches, however loaded the machine is."""
 
 SERVER, BLANK = pytest.StashKey[PostgresServer](), pytest.StashKey[str]()
 
@@ -89,8 +87,9 @@ class Cli:
     def start(self, *arguments: object, **variables: str) -> subprocess.CompletedProcess[str]:
         """Run one command to its end in a process of its own."""
         command = [sys.executable, "-m", "garmentq.cli.main", *map(str, arguments)]
+        environment = {**self.environment, **variables}
         return subprocess.run(
-            command, env={**self.environment, **variables}, capture_output=True, text=True, timeout=120, check=False
+            command, env=environment, capture_output=True, text=True, timeout=WAIT_SECONDS, check=False
         )
 
 

@@ -9,6 +9,7 @@ import tempfile
 from pathlib import Path
 from unittest import mock
 
+from patience import WAIT_SECONDS
 from sqlalchemy import create_engine, text
 from sqlalchemy.engine import make_url
 from sqlalchemy.pool import NullPool
@@ -55,4 +56,4 @@ class PostgresServer:
         command = [str(self._programs / "pg_ctl"), "-D", str(self.data), "-w", *arguments]
         user = self.data.stat().st_uid if os.getuid() == 0 else None  # PostgreSQL refuses to run as root
         quiet = subprocess.DEVNULL
-        subprocess.run(command, check=True, timeout=120, user=user, stdout=quiet, stderr=quiet)
+        subprocess.run(command, check=True, timeout=WAIT_SECONDS, user=user, stdout=quiet, stderr=quiet)

@@ -15,6 +15,8 @@ import time
 import traceback
 from pathlib import Path
 
+from patience import WAIT_SECONDS
+
 PRELOADED = (
     "garmentq.cli.main", "garmentq.cli.worker", "garmentq.workers.worker", "garmentq.workers.embedded",
     "garmentq_standin", "celery.apps.worker", "celery.worker.components", "celery.worker.consumer",
@@ -63,7 +65,7 @@ class Worker:
             self.returncode = self._nursery.ask({"poll": self.pid})
         return self.returncode
 
-    def wait(self, timeout: float = 120.0) -> int:
+    def wait(self, timeout: float = WAIT_SECONDS) -> int:
         """Wait for its end."""
         deadline = time.monotonic() + timeout
         while self.poll() is None:

@@ -11,6 +11,7 @@ import pytest
 from garmentq.service.reaper import end_life, show_life
 from garmentq.workers.broker import find_server, is_broker_up, start_broker
 from garmentq_home import Cli, wait_for
+from patience import WAIT_SECONDS
 
 SECRET = "gehe1m"
 
@@ -28,7 +29,7 @@ def broker(settings, tmp_path):
     wait_for(lambda: is_broker_up(right))
     yield right
     server.terminate()
-    server.wait(timeout=10)
+    server.wait(timeout=WAIT_SECONDS)
 
 
 def ask_doctor(settings, address: str):

@@ -10,6 +10,7 @@ import redis
 from garmentq.workers.app import make_app
 from garmentq.workers.broker import BrokerRefused, BrokerUnreachable, check_broker, find_server
 from garmentq_home import wait_for
+from patience import WAIT_SECONDS
 
 SECRET = "gehe1m"
 
@@ -23,7 +24,7 @@ def place(tmp_path):
     wait_for(path.exists)
     yield path
     server.terminate()
-    server.wait(timeout=10)
+    server.wait(timeout=WAIT_SECONDS)
 
 
 @pytest.mark.parametrize(("beginning", "number"), [("redis+socket://", "virtual_host"), ("unix://", "db")])
@@ -36,7 +37,7 @@ def test_both_spellings_reach_it(settings, place, beginning, number):
         queue.put({"job": "3685ecfd4f81"})
         with redis.Redis(unix_socket_path=str(place), password=SECRET, db=3) as seen:
             assert seen.llen("somewhere") == 1
-        message = queue.get(timeout=10)
+        message = queue.get(timeout=WAIT_SECONDS)
         assert message.payload == {"job": "3685ecfd4f81"}
         message.ack()
         queue.close()

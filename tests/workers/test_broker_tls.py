@@ -12,6 +12,7 @@ import pytest
 from garmentq.workers.app import count_messages, make_app, publish
 from garmentq.workers.broker import find_server, is_broker_up
 from garmentq_home import make_settings, wait_for
+from patience import WAIT_SECONDS
 from self_signed import write_certificate
 
 
@@ -73,7 +74,7 @@ def broker(tmp_path):
         listener.shutdown(socket.SHUT_RDWR)
     listener.close()
     server.terminate()
-    server.wait(timeout=10)
+    server.wait(timeout=WAIT_SECONDS)
 
 
 def test_a_broker_behind_tls(broker, tmp_path):

@@ -16,7 +16,8 @@ from pathlib import Path
 import pytest
 from garmentq.service import webhook_trial
 from garmentq.service.webhooks import create_webhook, list_webhooks
-from garmentq_home import WAIT_SECONDS, Cli, make_environment, wait_ended, wait_for
+from garmentq_home import Cli, make_environment, wait_ended, wait_for
+from patience import WAIT_SECONDS
 
 pytestmark = pytest.mark.slow
 

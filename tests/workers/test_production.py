@@ -15,7 +15,16 @@ from pathlib import Path
 import pytest
 from garmentq.service.settings import read_settings
 from garmentq.workers.broker import find_server, is_broker_up
-from garmentq_home import drop_database, drop_tables, make_database, make_environment, make_settings, put_file, wait_for
+from garmentq_home import (
+    drop_database,
+    drop_tables,
+    make_database,
+    make_environment,
+    make_settings,
+    put_file,
+    wait_for,
+)
+from patience import WAIT_SECONDS
 
 ROOT = Path(__file__).parents[2]
 BLOCK = re.search(r"## Production\n.*?```\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)[1]
@@ -46,7 +55,7 @@ def valkey(tmp_path):
         server = subprocess.Popen([*command, "--dir", str(tmp_path)], stdout=log, stderr=log)
     yield f"redis://:pssst@127.0.0.1:{port}/0"
     server.terminate()
-    server.wait(timeout=10)
+    server.wait(timeout=WAIT_SECONDS)
 
 
 def test_it_has_ten_lines():
@@ -77,7 +86,7 @@ def test_following_the_section_gives_a_fleet(postgres, valkey, tmp_path):
         for name in ("host1", "host2"):
             workers.append(start_shell(exports + first, tmp_path / name, tmp_path))
         done = start_shell(exports + second, tmp_path / "desk", tmp_path)
-        out, _ = done.communicate(timeout=90)
+        out, _ = done.communicate(timeout=WAIT_SECONDS)
         assert done.returncode == 0, out
         rows = [json.loads(line) for line in out.splitlines() if line.startswith("{")]
         assert sorted(row["name"] for row in rows) == [f"skirt{index}" for index in range(6)]
@@ -87,7 +96,7 @@ def test_following_the_section_gives_a_fleet(postgres, valkey, tmp_path):
         for worker in workers:
             with suppress(ProcessLookupError):
                 os.killpg(worker.pid, signal.SIGTERM)
-        outputs = [worker.communicate(timeout=40)[0] for worker in workers]
+        outputs = [worker.communicate(timeout=WAIT_SECONDS)[0] for worker in workers]
         drop_database(database)
     assert all("pssst" not in output for output in outputs), "a secret in a log"
 

@@ -15,6 +15,7 @@ from garmentq.workers.broker import is_broker_up, run_folder, start_broker, stop
 from garmentq.workers.embedded import ensure_services, is_worker_up, stop_services, was_stopped
 from garmentq_home import make_environment, read_job, wait_ended, wait_for
 from garmentq_standin import STEPS, hold_gate
+from patience import WAIT_SECONDS
 
 
 @pytest.fixture
@@ -49,7 +50,7 @@ def test_twelve_jobs_and_two_workers(settings, database, queue_job, environment)
     finally:
         for worker in workers:
             worker.terminate()
-        codes = [worker.wait(timeout=120) for worker in workers]
+        codes = [worker.wait(timeout=WAIT_SECONDS) for worker in workers]
     assert [row.state for row in rows] == ["succeeded"] * 10 + ["failed"] * 2
     assert [row.error_code for row in rows[10:]] == ["scan.truncated", "job.crashed"]
     assert [row.bad_input for row in rows[10:]] == [True, False]

@@ -13,6 +13,7 @@ from garmentq.workers.broker import run_folder, start_broker, stop_broker
 from garmentq.workers.embedded import ensure_services, is_worker_up, stop_services
 from garmentq.workers.messages import MessageGuard
 from garmentq_home import make_environment, wait_ended, wait_for
+from patience import WAIT_SECONDS
 
 CHANNEL = CHANNELS["cpu"]
 
@@ -78,7 +79,7 @@ def test_a_message_that_cannot_be_acknowledged_leaves_its_place(settings):
         consumer.qos(prefetch_count=1)
         with consumer:
             publish(app, "job")
-            connection.drain_events(timeout=10)
+            connection.drain_events(timeout=WAIT_SECONDS)
             stop_broker(settings)
             assert not consumer.channel.qos.can_consume()
             taken[0].ack_log_error(logging.getLogger(__name__), connection.connection_errors)

@@ -14,6 +14,7 @@ from garmentq.service.local_token import read_local_token
 from garmentq.workers.broker import is_broker_up, run_folder
 from garmentq.workers.embedded import is_worker_up
 from garmentq_home import Cli, make_environment, wait_ended, wait_for
+from patience import WAIT_SECONDS
 
 
 def answers(address):
@@ -45,6 +46,6 @@ def test_what_dies_is_started_again_and_all_stops_together(settings, queue_job):
         assert busy.returncode == 4 and "backup.refused" in busy.stderr
     finally:
         process.send_signal(signal.SIGINT)
-        told = process.communicate(timeout=60)[1]
+        told = process.communicate(timeout=WAIT_SECONDS)[1]
     assert "started the broker and the worker" in told and "api.token" in told
     assert not is_worker_up(settings) and not is_broker_up(settings)
