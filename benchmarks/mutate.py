@@ -160,9 +160,8 @@ def try_mutant(tree: ChangedTree, constant: Constant, factor: float) -> Mutant:
         caught = "tests" if ran is not None and ran.is_caught else ""
         if not caught:
             scenes = SCENES.get(constant.path.split("/")[1], USUAL)
-            ran = tree.test(
-                ["tests/golden", "-k", " or ".join(f"accepted and {name}" for name in scenes)], SCENE_SECONDS
-            )
+            chosen = " or ".join(f"accepted and {name}" for name in scenes)
+            ran = tree.test(["tests/golden", "-m", "nightly or not nightly", "-k", chosen], SCENE_SECONDS)
             caught = "golden" if ran.is_caught else ""
     return Mutant(constant, factor, caught, ran.told if ran else "", time.monotonic() - begun)
 

@@ -24,7 +24,10 @@ FIT = (
 """Metrics of a recovery beside its truth that a scene holds; those that it lacks are left out."""
 
 
-WAY = ("iterations", "residual", "residual_weights", "seconds", "seconds_per_frame", "steps_per_frame", "peak_mb")
+WAY = (
+    "iterations", "residual", "residual_rms", "residual_weights", "seconds", "seconds_per_frame", "steps_per_frame",
+    "peak_mb",
+)  # fmt: skip
 """Last words of metrics that may differ between machines while the result is the same."""
 
 
