@@ -197,7 +197,7 @@ def hang(draft: Draft, folder: Path, poses: tuple[Body, ...], drape: Drape) -> H
     """Drape a draft on a wearer in T-pose and move both into the pose.
 
     Raises:
-        Unusable: where it crumples.
+        Unusable: where it crumples, or a limb slips out of it.
     """
     garment, held = dress(load_pattern(folder / "specification.json"), WearerGeometry(poses[0]))
     skins = [trimesh.Trimesh(pose.vertices, pose.faces, process=False) for pose in poses]
@@ -205,7 +205,24 @@ def hang(draft: Draft, folder: Path, poses: tuple[Body, ...], drape: Drape) -> H
     crossing = len(self_intersections(nodes, garment.faces))
     if not np.isfinite(nodes).all() or crossing > MOST_CROSSING * len(garment.faces):
         raise Unusable(f"{folder.name} crumples: {crossing} of {len(garment.faces)} faces cross others")
+    require_worn((garment.nodes, poses[0]), (nodes, poses[-1]), garment.faces)
     return Hung(draft, garment.at(nodes), folder, crossing)
+
+
+def require_worn(before: tuple[np.ndarray, Body], after: tuple[np.ndarray, Body], faces: np.ndarray) -> None:
+    """Check that a garment goes round the limbs that it was put on.
+
+    Args:
+        before: Nodes as dressed [m] and the wearer.
+        after: Nodes in the pose [m] and the wearer in it.
+        faces: Of the garment.
+
+    Raises:
+        Unusable: where an end of it goes round another part of the body, or none.
+    """
+    names = [sorted(one.name for one in name_contours(nodes, faces, body)[0]) for nodes, body in (before, after)]
+    if names[0] != names[1]:
+        raise Unusable(f"it was put on as {', '.join(names[0])} and hangs as {', '.join(names[1])}")
 
 
 def dress(pattern: Pattern, wearer: WearerGeometry) -> tuple[Garment, np.ndarray]:

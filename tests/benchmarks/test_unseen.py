@@ -18,7 +18,7 @@ from garmentq.core.pattern import save_pattern
 from garmentq.core.simulate import get_fabric
 from garmentq.core.wear import wear_template
 from unseen_draw import Draft, draw_targets
-from unseen_packs import Hung, Tools, make_pack, write_garment, write_person
+from unseen_packs import Hung, Tools, Unusable, make_pack, require_worn, write_garment, write_person
 from unseen_table import format_rows, measure_distances, measure_panels
 from unseen_wearer import pose_by_steps, pose_wearer
 
@@ -65,6 +65,19 @@ def hung(tmp_path) -> Hung:
     for name in ("specification.json", "base.json"):
         save_pattern(worn.pattern, tmp_path / name)
     return Hung(Draft("skirt", "own", 1, "lower"), worn.garment, tmp_path, 0)
+
+
+def test_an_arm_beside_its_sleeve_is_found():
+    """Broken where a garment that a limb slipped out of is kept as a target."""
+    worn = wear_template("tshirt", get_fabric("cotton_poplin"))
+    assert worn is not None
+    nodes, faces, dressed = worn.garment.nodes, worn.garment.faces, (worn.garment.nodes, worn.body)
+    require_worn(dressed, dressed, faces)
+    arm = worn.body.joint("left_shoulder")[0]
+    slipped = nodes.copy()
+    slipped[nodes[:, 0] > arm] -= [0.0, 0.3, 0.0]  # a sleeve that hangs below the arm
+    with pytest.raises(Unusable, match="cuff"):
+        require_worn(dressed, (slipped, worn.body), faces)
 
 
 @pytest.fixture
