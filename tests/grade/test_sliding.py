@@ -103,7 +103,7 @@ def test_a_seam_slides_to_the_edge(body, target):
     true = areas(draw(TOP))
     assert abs(areas(start.pattern) / true - 1.0).max() == pytest.approx(0.244, abs=0.001)
     found = slide_seams(start, target, body, start.pattern)
-    assert abs(areas(found.pattern) / true - 1.0).max() < 0.133
+    assert abs(areas(found.pattern) / true - 1.0).max() < 0.135
     assert seam_mismatch(found.pattern) < 1e-5
 
 
