@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import subprocess
 import sys
 from collections.abc import Iterable, Mapping
@@ -19,16 +18,13 @@ from typing import Any
 
 import numpy as np
 import open3d
-
-ROOT = Path(__file__).resolve().parents[1]
+from changed_tree import ROOT, make_environment
 
 MOVED = 1e-12
 """Standard deviation by which a scan is moved to see what rounding does to a recovery [m]."""
 
 MODES: Mapping[str, tuple[str, ...]] = {"base": (), "library": ("--library",)}
 """Options of the bench by which base pattern is given: the maker's, or none, so that the library's are taken."""
-
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 Line = dict[str, Any]
 
@@ -109,12 +105,9 @@ def run_job(job: Job, out: Path) -> Line:
     folder.mkdir(parents=True, exist_ok=True)
     pack = move_pack(job.pack, folder / "moved" / job.pack.name, job.shift) if job.shift else job.pack
     line = [sys.executable, "-m", "garmentq.cli.main", "bench", pack.parent, "--only", pack.name, *MODES[job.mode]]
-    search = [str(job.version.root.parent)] if job.version.root != ROOT else []
-    path_of = os.pathsep.join([*search, *filter(None, [os.environ.get("PYTHONPATH")])])
-    environment = {**os.environ, **dict.fromkeys(THREADS, "1"), "PYTHONPATH": path_of}
     ran = subprocess.run(
         [*map(str, line), "--json", "--out", str(folder / "result")],
-        env=environment, cwd=folder, capture_output=True, text=True, check=False,
+        env=make_environment(job.version.root), cwd=folder, capture_output=True, text=True, check=False,
     )  # fmt: skip
     (folder / "log.txt").write_text(ran.stderr)
     told = [json.loads(each) for each in ran.stdout.splitlines() if each.startswith("{")]

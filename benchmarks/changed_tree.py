@@ -30,6 +30,13 @@ COLUMNS = "500"
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
+def make_environment(root: Path) -> dict[str, str]:
+    """Return the variables of a process of one thread that imports the package from a folder named `garmentq`."""
+    search = [] if root == ROOT else [str(root.parent)]  # the checkout itself is installed under the package's name
+    path = os.pathsep.join([*search, *filter(None, [os.environ.get("PYTHONPATH")])])
+    return {**os.environ, **dict.fromkeys(THREADS, "1"), "PYTHONPATH": path}
+
+
 @dataclass(frozen=True)
 class Outcome:
     """Describe a run of pytest.
@@ -111,8 +118,7 @@ class ChangedTree:
             arguments: Files and options.
             seconds: It is stopped after these.
         """
-        search = os.pathsep.join(filter(None, [str(self.root.parent), os.environ.get("PYTHONPATH")]))
-        environment = {**os.environ, **dict.fromkeys(THREADS, "1"), "PYTHONPATH": search, "COLUMNS": COLUMNS}
+        environment = {**make_environment(self.root), "COLUMNS": COLUMNS}
         line = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider", *arguments]
         try:
             ran = subprocess.run(

@@ -19,7 +19,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from bench_runs import MODES, ROOT, Job, find_version, run_jobs
+from bench_runs import MODES, Job, find_version, run_jobs
+from changed_tree import ROOT
 from compare import add_options, compare_versions
 from garmentq.core.errors import GarmentqError
 from unseen_draw import draw_target
@@ -35,7 +36,7 @@ LAB = ROOT / "docs" / "lab"
 
 @dataclass(frozen=True)
 class Draw:
-    """Say what is drawn, and by whom it is made.
+    """Describe what is drawn, and by whom it is made.
 
     Attributes:
         seed: Of all targets.

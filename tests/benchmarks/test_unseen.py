@@ -86,10 +86,16 @@ def target():
     return replace(draw_targets(1, 2, ("own",), ("blender",))[1], noise=1e-3, holes=(0.03,), name="made")
 
 
-def test_a_garments_pack_is_read(hung, target, tmp_path):
+@pytest.fixture
+def folder(tmp_path) -> Path:
+    """Return the folder of a pack that is written."""
+    made = tmp_path / "packs" / "made"
+    made.mkdir(parents=True)
+    return made
+
+
+def test_a_garments_pack_is_read(hung, target, folder):
     """Broken where the scan has no noise or hole, the truth has, or the bench cannot read the pack."""
-    folder = tmp_path / "packs" / "made"
-    folder.mkdir(parents=True)
     body = builtin_body("builtin:female,height=1.70")
     write_garment(target, body, [hung], folder, {"name": "made"})
     (pack,) = read_packs(folder.parent)
@@ -102,10 +108,8 @@ def test_a_garments_pack_is_read(hung, target, tmp_path):
 
 
 @pytest.mark.nightly
-def test_a_persons_pack_is_read(hung, target, tmp_path):
+def test_a_persons_pack_is_read(hung, target, folder):
     """Broken where the truth of a raw pack does not belong to its scan, point by point."""
-    folder = tmp_path / "packs" / "made"
-    folder.mkdir(parents=True)
     body = builtin_body("builtin:female,height=1.70")
     write_person(target, body, [hung], folder, {"name": "made"})
     (pack,) = read_raw_packs(folder.parent)

@@ -33,7 +33,7 @@ WAY = (
 
 @dataclass(frozen=True)
 class Measured:
-    """Hold what was measured of a scene.
+    """Describe what was measured of a scene.
 
     Attributes:
         numbers: By name; a unit is the name's last word.
