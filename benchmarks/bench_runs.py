@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import open3d
 from changed_tree import ROOT, make_environment
+from garmentq.core.scan.open3d_library import load_open3d
 
 MOVED = 1e-12
 """Standard deviation by which a scan is moved to see what rounding does to a recovery [m]."""
@@ -130,6 +130,7 @@ def move_pack(pack: Path, out: Path, seed: int) -> Path:
     name = "scan.ply" if (pack / "scan.ply").exists() else "garment.ply"
     (out / name).unlink()
     rng = np.random.default_rng(seed)
+    open3d = load_open3d()
     mesh = open3d.io.read_triangle_mesh(str(pack / name))
     if len(mesh.triangles):
         points = np.asarray(mesh.vertices)

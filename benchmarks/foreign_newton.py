@@ -18,15 +18,12 @@ from typing import Any
 
 import numpy as np
 
-NEAR = 0.25
-"""Distance from the cloth's start within which Newton is given the skin [m]: farther than an arm takes it along."""
-
 MARGIN = 3e-3
 """Distance at which cloth begins to touch [m]: that of Blender's drapes."""
 
 FPS, SUBSTEPS, ITERATIONS = 30.0, 8, 8
 
-HANG, MOVE, REST = 20, 25, 40
+HANG, MOVE, REST = 15, 20, 30
 """Frames in which cloth falls, is moved with its wearer into the pose, and comes to rest."""
 
 CALMED = 0.9
@@ -74,49 +71,43 @@ def solve(path: Path, out: Path) -> None:
 
     wp.set_device("cpu")
     given = np.load(path)
-    nodes, faces = given["nodes"], given["faces"]
+    nodes, faces, skins = given["nodes"], given["faces"], list_skins(given["skins"])
     mass, stiffness, bending = (float(ratio) for ratio in given["ratios"])
-    near = np.min([np.linalg.norm(given["skins"][0] - node, axis=1) for node in nodes[::7]], axis=0) < NEAR
-    used, body_faces = np.unique(given["body_faces"][near[given["body_faces"]].all(axis=1)], return_inverse=True)
+    skin = newton.Mesh(skins[0], given["body_faces"].ravel(), compute_inertia=False)
     builder = newton.ModelBuilder(up_axis=newton.Axis.Y)
-    common = {"pos": wp.vec3(0.0), "rot": wp.quat_identity(), "scale": 1.0, "vel": wp.vec3(0.0), "tri_kd": 1e-4}
-    common |= {"tri_ke": STRETCH * stiffness, "tri_ka": STRETCH * stiffness, "edge_ke": BENDING * bending}
-    skins = list_skins(given["skins"])
-    for points, triangles, density in (
-        (nodes, faces, DENSITY * mass), (skins[0][used], body_faces.reshape(-1, 3), 1.0),
-    ):  # fmt: skip
-        builder.add_cloth_mesh(
-            vertices=[wp.vec3(*point) for point in points], indices=triangles.ravel().tolist(), density=density,
-            particle_radius=MARGIN, edge_kd=1e-3, **common,
-        )  # fmt: skip
+    builder.add_shape_mesh(-1, mesh=skin)
+    builder.add_cloth_mesh(
+        pos=wp.vec3(0.0), rot=wp.quat_identity(), scale=1.0, vel=wp.vec3(0.0), vertices=[wp.vec3(*at) for at in nodes],
+        indices=faces.ravel().tolist(), density=DENSITY * mass, tri_ke=STRETCH * stiffness, tri_ka=STRETCH * stiffness,
+        tri_kd=1e-4, edge_ke=BENDING * bending, edge_kd=1e-3, particle_radius=MARGIN,
+    )  # fmt: skip
     builder.color(include_bending=True)
     model = builder.finalize()
     take_flat(model, given["rest"])
     flags = model.particle_flags.numpy()
-    flags[np.concatenate([given["held"].astype(int), len(nodes) + np.arange(len(used))])] &= ~int(
-        newton.ParticleFlags.ACTIVE
-    )
+    flags[given["held"].astype(int)] &= ~int(newton.ParticleFlags.ACTIVE)
     model.particle_flags = wp.array(flags)
     model.soft_contact_ke, model.soft_contact_kd, model.soft_contact_mu = 1e3, 1e-2, 0.4
+    reach = np.concatenate(skins)
+    model.shape_collision_aabb_lower = wp.array(reach.min(axis=0, keepdims=True), dtype=wp.vec3)
+    model.shape_collision_aabb_upper = wp.array(reach.max(axis=0, keepdims=True), dtype=wp.vec3)
     solver = newton.solvers.SolverVBD(
         model, iterations=ITERATIONS, particle_enable_self_contact=True, particle_self_contact_margin=MARGIN,
         particle_self_contact_gap=MARGIN,
     )  # fmt: skip
-    states, control = [model.state(), model.state()], model.control()
-    contacts = newton.CollisionPipeline(model).contacts()
+    pipeline = newton.CollisionPipeline(model, soft_contact_gap=MARGIN)
+    states, control, contacts = [model.state(), model.state()], model.control(), pipeline.contacts()
     for before, after in itertools.pairwise([skins[0], *skins]):
+        skin.mesh.velocities.assign(FPS * (after - before))
         for n in range(1, SUBSTEPS + 1):
-            at = ((1.0 - n / SUBSTEPS) * before + n / SUBSTEPS * after)[used]
-            for state in states:
-                place = state.particle_q.numpy()
-                place[len(nodes) :] = at
-                state.particle_q.assign(place)
+            skin.mesh.points.assign((1.0 - n / SUBSTEPS) * before + n / SUBSTEPS * after)
+            skin.mesh.refit()
+            pipeline.collide(states[0], contacts)
             solver.step(states[0], states[1], control, contacts, 1.0 / FPS / SUBSTEPS)
             states.reverse()
-        solver.rebuild_bvh(states[0])
         if before is after:
             states[0].particle_qd.assign(CALMED * states[0].particle_qd.numpy())
-    np.save(out, states[0].particle_q.numpy()[: len(nodes)])
+    np.save(out, states[0].particle_q.numpy())
 
 
 def take_flat(model: Any, rest: np.ndarray) -> None:

@@ -23,6 +23,7 @@ from garmentq.core.drape import WearerGeometry, drape_template, measure_wearer, 
 from garmentq.core.mesh import self_intersections, vertex_normals
 from garmentq.core.pattern import Garment, Pattern, draft_template, find_cut, load_pattern, save_pattern
 from garmentq.core.person import Part
+from garmentq.core.scan.open3d_library import load_open3d
 from garmentq.core.segment import name_contours
 from garmentq.training.accessories import bare_skin, draw_accessories
 from garmentq.training.cloth import tuck_under, wave_field
@@ -303,8 +304,7 @@ def _write_scan(shard: Shard, path: Path) -> None:
     if len(shard.faces):
         trimesh.Trimesh(shard.points, shard.faces, vertex_colors=colours, process=False).export(path)
         return
-    import open3d
-
+    open3d = load_open3d()
     cloud = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(shard.points))
     cloud.normals = open3d.utility.Vector3dVector(shard.normals)
     if rgb is not None:

@@ -11,7 +11,6 @@ from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
-import open3d
 from garmentq.core.animate import AnimateSettings, move_worn
 from garmentq.core.body import builtin_body
 from garmentq.core.clock import Clock
@@ -26,10 +25,12 @@ from garmentq.core.mesh import vertex_normals
 from garmentq.core.motion import find_shipped, load_motion
 from garmentq.core.person.garments import cut_garment_of, find_surface
 from garmentq.core.person.hints import Hints
+from garmentq.core.person.part import Part
 from garmentq.core.person.separate import separate
 from garmentq.core.pieces import describe_pieces, make_pieces
 from garmentq.core.pipeline import recover
 from garmentq.core.recovery import Request
+from garmentq.core.scan.open3d_library import load_open3d
 from garmentq.core.scan.raw import RawScan
 from garmentq.core.settings import RecoverySettings
 from garmentq.core.simulate import get_fabric
@@ -109,14 +110,15 @@ def recover_foreign(name: str, shift: Shift, *, own_base: bool, method: str = "d
 
 def _write_mesh(vertices: np.ndarray, faces: np.ndarray, path: Path) -> None:
     """Write a mesh in double precision, in which a shift by rounding is kept."""
+    open3d = load_open3d()
     mesh = open3d.geometry.TriangleMesh(
         open3d.utility.Vector3dVector(vertices), open3d.utility.Vector3iVector(faces.astype(np.int32))
     )
     open3d.io.write_triangle_mesh(str(path), mesh)
 
 
-def take_person_apart(name: str, shift: Shift, *, recovered: bool) -> Measured:
-    """Find wearer, parts and garments of a simulated raw scan; recover the first garment where that is asked for."""
+def take_person_apart(name: str, shift: Shift, wearing: tuple[Part, ...] | None = None) -> Measured:
+    """Find wearer, parts and garments of a simulated raw scan; where it is said what is worn, recover the last one."""
     with np.load(SCENES_FOLDER / f"{name}.npz") as kept:
         points, faces = kept["points"].astype(np.float64), kept["faces"].astype(np.int64)
         truth, true_body = kept["label"], kept["body_vertices"].astype(np.float64)
@@ -124,11 +126,11 @@ def take_person_apart(name: str, shift: Shift, *, recovered: bool) -> Measured:
     points = shift.move(points)
     normals = vertex_normals(points, faces)
     raw = RawScan(points, faces, normals, True, None, None, every, every, name)
-    separation = separate(raw, Hints(), SILENT)
+    separation = separate(raw, Hints(wearing=wearing), SILENT)
     found = measure_separation(separation, truth, true_body)
-    if separation.problem is not None or not recovered:
+    if wearing is None:
         return found
-    garment = separation.garments[0]
+    garment = separation.garments[-1]
     reading = cut_garment_of(find_surface(raw, separation.body), separation, garment.part)
     settings = RecoverySettings(method="deform", vertex_count=VERTICES)
     recovery = recover(Request(Path(name), settings=settings, reading=reading))
@@ -207,8 +209,8 @@ SCENES: Mapping[str, Callable[[Shift], Measured]] = MappingProxyType(
         "foreign_skirt": lambda shift: recover_foreign("foreign_skirt", shift, own_base=False),
         "foreign_trousers": lambda shift: recover_foreign("foreign_trousers", shift, own_base=False),
         "foreign_tank": lambda shift: recover_foreign("foreign_tank", shift, own_base=True, method="hybrid"),
-        "person_one": lambda shift: take_person_apart("person_one", shift, recovered=False),
-        "person_two": lambda shift: take_person_apart("person_two", shift, recovered=True),
+        "person_one": lambda shift: take_person_apart("person_one", shift),
+        "person_two": lambda shift: take_person_apart("person_two", shift, (Part.UPPER, Part.LOWER)),
         "dress": dress_another,
         "edit": edit_hem,
         "animate": animate_walk,
