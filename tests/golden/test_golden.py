@@ -21,16 +21,7 @@ LEAST_NUMBERS = 20
 """Of each scene."""
 
 
-RECORDED = sorted(load_record()["scenes"])
-"""Scenes that were accepted; the others wait for their first `make accept`."""
-
-BY_DAY = ("export",)
-"""Scenes that the suite runs; the others at night."""
-
-
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name in BY_DAY else pytest.mark.nightly) for name in RECORDED]
-)
+@pytest.mark.parametrize("name", sorted(SCENES))
 def test_a_scene_measures_what_was_accepted(name):
     """Broken where a constant, a formula or a step drifts: of pattern, fabric, mesh, wearer, labels, gate or export."""
     wrong = compare(name, load_record()["scenes"][name], SCENES[name](Shift()))
@@ -40,7 +31,7 @@ def test_a_scene_measures_what_was_accepted(name):
 def test_what_is_recorded_has_a_reason():
     """Broken where a scene is gone, measures next to nothing, or a number came in unexplained."""
     record = load_record()
-    assert set(BY_DAY) <= set(record["scenes"]) <= set(SCENES)
+    assert set(record["scenes"]) == set(SCENES)
     for entry in record["scenes"].values():
         assert len(entry["numbers"]) >= LEAST_NUMBERS
         assert all(np.isfinite([kept["value"], kept["tolerance"]]).all() for kept in entry["numbers"].values())
