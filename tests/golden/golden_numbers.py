@@ -74,6 +74,20 @@ def measure_pattern(pattern: Pattern) -> Measured:
     return Measured({**numbers, "seams_cm": CM * float(np.sum(lengths))})
 
 
+def measure_draft(pattern: Pattern) -> Measured:
+    """Return the area of all panels, the length of all seams, and that of the edges of each contour."""
+    found = measure_pattern(pattern)
+    areas = [value for name, value in found.numbers.items() if name.endswith(".area_cm2")]
+    lengths: dict[str, float] = {}
+    for panel in pattern.panels:
+        for n, edge in enumerate(panel.edges):
+            if edge.contour:
+                points = edge_points(panel, n, 12)
+                length = CM * float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+                lengths[f"{edge.contour}_cm"] = lengths.get(f"{edge.contour}_cm", 0.0) + length
+    return Measured({"area_cm2": float(np.sum(areas)), "seams_cm": found.numbers["seams_cm"], **lengths})
+
+
 def measure_contours(garment: Garment) -> Measured:
     """Return the length of each named contour of a garment's mesh."""
     numbers = {}
@@ -109,8 +123,10 @@ def measure_fabric(fabric: Fabric) -> Measured:
 
 
 def measure_gates(gates: Iterable[Gate]) -> Measured:
-    """Return the verdict of each gate."""
-    return Measured({}, {f"gate.{gate.name}": str(gate.verdict) for gate in gates})
+    """Return the verdict of each gate, and where it fails."""
+    kept = list(gates)
+    limits = {f"gate.{gate.name}.limit": float(gate.limit) for gate in kept}
+    return Measured(limits, {f"gate.{gate.name}": str(gate.verdict) for gate in kept})
 
 
 def measure_recovery(recovery: Recovery, metrics: Mapping[str, float | None]) -> Measured:

@@ -12,17 +12,21 @@ from types import MappingProxyType
 
 import numpy as np
 from garmentq.core.animate import AnimateSettings, move_worn
-from garmentq.core.body import builtin_body
+from garmentq.core.body import ExposedSurface, builtin_body, penetration_depth
 from garmentq.core.clock import Clock
 from garmentq.core.drape import measure_wearer
 from garmentq.core.edit import drape_edit
 from garmentq.core.formats.grading import grade_sizes
 from garmentq.core.formats.options import ExportOptions
 from garmentq.core.hooks import SILENT
+from garmentq.core.measure import measure_pattern as measure_beside_true_pattern
 from garmentq.core.measure import measure_recovery as measure_beside_truth
-from garmentq.core.measure import read_packs
+from garmentq.core.measure import read_packs, read_true_pattern
+from garmentq.core.measure.patterns import PATTERN_METRICS
+from garmentq.core.measure.true_pattern import TruePattern
 from garmentq.core.mesh import vertex_normals
 from garmentq.core.motion import find_shipped, load_motion
+from garmentq.core.pattern import Pattern, draft_template, list_templates, load_pattern
 from garmentq.core.person.garments import cut_garment_of, find_surface
 from garmentq.core.person.hints import Hints
 from garmentq.core.person.part import Part
@@ -40,10 +44,12 @@ from golden_numbers import (
     Measured,
     measure_all,
     measure_contours,
+    measure_draft,
     measure_gates,
     measure_pattern,
     measure_recovery,
     measure_separation,
+    pick,
 )
 
 SCENES_FOLDER = Path(__file__).parent / "scenes"
@@ -105,7 +111,14 @@ def recover_foreign(name: str, shift: Shift, *, own_base: bool, method: str = "d
         settings = RecoverySettings(method=method, vertex_count=VERTICES)
         recovery = recover(Request(target.garment, target.body, template, settings))
         metrics, _ = measure_beside_truth(recovery, target, own_base, samples=SAMPLES)
-    return measure_recovery(recovery, metrics)
+        given = Measured({}) if template is None else _measure_base(load_pattern(template), read_true_pattern(target))
+    return given | measure_recovery(recovery, metrics)
+
+
+def _measure_base(base: Pattern, truth: TruePattern | None) -> Measured:
+    """Return how far the base pattern is from the truth before anything is recovered: what no fold decides."""
+    assert truth is not None
+    return name_under("base", pick(measure_beside_true_pattern(base, truth), PATTERN_METRICS))
 
 
 def _write_mesh(vertices: np.ndarray, faces: np.ndarray, path: Path) -> None:
@@ -145,9 +158,10 @@ def wear(template: str, shift: Shift) -> Worn:
 
 
 def dress_another(shift: Shift) -> Measured:
-    """Dress a man in a woman's skirt, and make it to his measures."""
+    """Dress a man in a woman's skirt, and make it to his measures; before, see how deep in him it would lie."""
     skirt, body = wear("skirt", shift), builtin_body(OTHER_BODY)
-    found = Measured({})
+    depth = penetration_depth(skirt.garment.nodes, skirt.garment.faces, ExposedSurface.of(body))
+    found = Measured({"before.depth_mm": 1e3 * depth})
     for word, wear_again in (("dressed", dress_body), ("refitted", make_to_measure)):
         one = wear_again(skirt, body, None, Clock())
         found |= name_under(word, measure_all(one.metrics) | measure_gates(one.gates))
@@ -184,16 +198,19 @@ def animate_walk(shift: Shift) -> Measured:
 
 
 def export_pieces(shift: Shift) -> Measured:
-    """Cut a T-shirt's pieces, and grade it to three sizes for the wearer's measures."""
+    """Cut a T-shirt's pieces, grade it to three sizes for the wearer's measures, and draft each template for these."""
     worn = wear("tshirt", shift)
+    measures = measure_wearer(worn.body)
     pieces, numbers = describe_pieces(make_pieces(worn.pattern))
     found = measure_all(numbers)
     for one in pieces:
         found |= Measured({f"{one.name}.cloth_cm2": 1e4 * one.cloth, f"{one.name}.quantity": float(one.quantity)})
     height = float(np.ptp(worn.body.rest_vertices[:, 1]))
     options = ExportOptions(format="pdf", step=4.0, first=-1, last=1)
-    for size in grade_sizes(worn.pattern, worn.template, measure_wearer(worn.body), height, options):
+    for size in grade_sizes(worn.pattern, worn.template, measures, height, options):
         found |= name_under(size.name, measure_pattern(size.pattern))
+    for info in list_templates():
+        found |= name_under(f"drafted.{info.name}", measure_draft(draft_template(info.name, measures)))
     return found
 
 
