@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 import numpy as np
 from garmentq.core.animate import AnimateSettings, move_worn
-from garmentq.core.body import ExposedSurface, builtin_body, penetration_depth
+from garmentq.core.body import ExposedSurface, builtin_body
 from garmentq.core.clock import Clock
 from garmentq.core.drape import measure_wearer
 from garmentq.core.edit import drape_edit
@@ -23,6 +23,7 @@ from garmentq.core.measure import measure_pattern as measure_beside_true_pattern
 from garmentq.core.measure import measure_recovery as measure_beside_truth
 from garmentq.core.measure import read_packs, read_true_pattern
 from garmentq.core.measure.patterns import PATTERN_METRICS
+from garmentq.core.measure.penetration import measure_penetration
 from garmentq.core.measure.true_pattern import TruePattern
 from garmentq.core.mesh import vertex_normals
 from garmentq.core.motion import find_shipped, load_motion
@@ -160,8 +161,8 @@ def wear(template: str, shift: Shift) -> Worn:
 def dress_another(shift: Shift) -> Measured:
     """Dress a man in a woman's skirt, and make it to his measures; before, see how deep in him it would lie."""
     skirt, body = wear("skirt", shift), builtin_body(OTHER_BODY)
-    depth = penetration_depth(skirt.garment.nodes, skirt.garment.faces, ExposedSurface.of(body))
-    found = Measured({"before.depth_mm": 1e3 * depth})
+    depths = measure_penetration(skirt.garment.nodes, skirt.garment.faces, ExposedSurface.of(body))
+    found = name_under("before", measure_all(depths))
     for word, wear_again in (("dressed", dress_body), ("refitted", make_to_measure)):
         one = wear_again(skirt, body, None, Clock())
         found |= name_under(word, measure_all(one.metrics) | measure_gates(one.gates))
