@@ -62,7 +62,7 @@ mutate: $(VENV)/.installed-test
 plant: $(VENV)/.installed-test
 	$(BIN)/python benchmarks/plant.py --seed $(SEED)
 
-# Targets that a seed draws and other programs make (docs/unseen.md), recovered, and beside another commit:
+# Targets that a seed draws and other programs make (docs/howto/judge-a-change.md), recovered, and beside another commit:
 # make unseen SEED=12 COUNT=16 BLENDER=python [NEWTON=python] [GARMENTCODE=checkout GARMENTCODE_PYTHON=python] [AGAINST=commit]
 COUNT ?= 16
 BLENDER ?= python3

@@ -1,7 +1,7 @@
 """Time the deformer and its parts on a smooth tube with folds: `python benchmarks/deform.py [--thesis]`.
 
 Prints CPU seconds of one thread at about 1K, 3K and 8K nodes, the figures to reach, and what was reached. No file
-is needed. Set OMP_NUM_THREADS=1 to compare with the table in docs/deform.md.
+is needed. Set OMP_NUM_THREADS=1 to compare with the table in docs/lab/deform.md.
 """
 
 from __future__ import annotations

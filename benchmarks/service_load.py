@@ -200,7 +200,7 @@ def show(what: str, ask: Callable[[], object], count: int) -> None:
 
 
 def measure_query(settings: ServiceSettings, count: int = 100_000) -> None:
-    """Ask the questions of docs/cli.md."""
+    """Ask the questions of docs/reference/cli.md."""
     database = open_database(settings)
     fill(database, count, "succeeded")
     if settings.database_url:  # PostgreSQL does so by itself within a minute, and results do not come all at once

@@ -13,7 +13,7 @@ from .derived import DerivedOptions, derived_options
 @click.command("animate")
 @click.argument("job")
 @click.option(
-    "--motion", required=True, help=f"A file (.bvh, .npz, .json; docs/animate.md), or one of {', '.join(SHIPPED)}."
+    "--motion", required=True, help=f"A .bvh, .npz or .json file (docs/howto/animate.md), or {', '.join(SHIPPED)}."
 )
 @click.option("--fps", type=click.FloatRange(1, 240), default=30.0, show_default=True, help="Frames a second.")
 @click.option("--from", "begin", type=click.FloatRange(0), default=0.0, show_default=True, help="First second of it.")

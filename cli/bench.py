@@ -86,7 +86,7 @@ def command(context: click.Context, directory: Path, options: BenchOptions, as_j
     """Recover every target pack in a folder and compare with the truth.
 
     A pack is a folder with meta.json, garment.ply, body.ply and perhaps template.json and pattern.json; or a raw pack:
-    scan.ply, the scan of a dressed person, and truth/ (docs/bench.md).
+    scan.ply, the scan of a dressed person, and truth/ (docs/reference/files.md).
     Each target runs in a process of its own. The exit status is 5 when any target failed, or a person's
     outfit was told wrongly without a warning. With --damage each target is
     recovered under noise, holes, outliers, turned faces, a cut hem, other units and axes, with both presets. With

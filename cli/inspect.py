@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 @click.command("inspect")
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option(
-    "--as", "given_as", type=click.Choice(GIVEN_AS), help="What the file is.  [default: found, see docs/cli.md]"
+    "--as", "given_as", type=click.Choice(GIVEN_AS), help="What the file is.  [default: found; docs/reference/cli.md]"
 )
 @click.option("--body", help="The wearer's mesh file, or builtin:female,height=1.70.")
 @label_options

@@ -140,7 +140,10 @@ def order_options(function: Decorator) -> Decorator:
     default = RecoverySettings()
     options = [
         click.option(
-            "--as", "given_as", type=click.Choice(GIVEN_AS), help="What the file is.  [default: found, see docs/cli.md]"
+            "--as",
+            "given_as",
+            type=click.Choice(GIVEN_AS),
+            help="What the file is (docs/reference/cli.md).  [default: found]",
         ),
         click.option("--wearing", metavar="PART[,PART]", help="Exactly what a person wears.  [default: found]"),
         click.option(
@@ -210,7 +213,7 @@ def order_options(function: Decorator) -> Decorator:
             show_default=True,
             help="Vertices of the garment mesh.",
         ),
-        click.option("--seed", type=int, default=default.seed, show_default=True, help="Seed of every random choice."),
+        click.option("--seed", type=int, default=default.seed, show_default=True, help="Seed of the surface samples that are measured."),
         click.option("--force", is_flag=True, help="Make a new job even where an equal one exists."),
         click.option("--name", default="", help="Name of the job and of all below it.  [default: the scan's]"),
         click.option("--tag", "tags", multiple=True, help="Tag that they are found by; may be given several times."),

@@ -34,7 +34,7 @@ def hint_options(function: Decorator) -> Decorator:
         click.option(
             "--mark", multiple=True, metavar="PART=X,Y,Z", help="What is at a place, in the file's coordinates."
         ),
-        click.option("--body", help="The wearer's mesh or SMPL file, in the scan's place.  [default: found]"),
+        click.option("--body", help="The wearer's mesh or SMPL file in the scan's place, or builtin:...  [default: found]"),
         click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the files.  [default: found]"),
         click.option("--up", type=click.Choice(["y", "z"]), help="Up axis of the files.  [default: found]"),
     ]
@@ -49,8 +49,8 @@ def hint_options(function: Decorator) -> Decorator:
 def command(scan: Path, out: Path, options: HintOptions, as_json: bool) -> None:
     """Separate skin, hair, shoes and garments of a person's scan, and find the body under the clothes.
 
-    Writes labels.npz, segmented.ply, body.ply and picture.png. Where it is too unsure to recover anything it writes
-    them too, and ends with status 4 and a code. Labels that were mended come back with --labels.
+    Writes labels.npz, segmented.ply, scan.ply, body.ply and picture.png. Where it is too unsure to recover anything it
+    writes them too, and ends with status 4 and a code. Corrected labels come back with --labels.
 
     \b
     Example:

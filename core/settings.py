@@ -38,7 +38,7 @@ class RecoverySettings:
         up: `y` or `z` of the file, or None to find it.
         vertex_count: Vertices of the garment mesh; 4000 gives edges of about 1.5 cm on a T-shirt, where the folds of a
             scan are still resolved and a Newton step takes about 0.2 s.
-        seed: Seeds every random choice, so that the same input gives the same output.
+        seed: Seeds the surface samples of the metrics; nothing else is random.
         keep: Labels of a dressed person's scan that are the garment, separated by commas (`upper,sleeve`), or None.
         labels_key: Name of the array with the labels in a label file of several, or None to find it.
         keep_colour: The garment's colour as `#rrggbb`, instead of labels, or None.

@@ -227,6 +227,6 @@ def _find_database(settings: ServiceSettings) -> Path:
     parsed = make_url(settings.database)
     if parsed.get_backend_name() != "sqlite" or not parsed.database:
         raise BackupRefused(
-            "the database is a server's; save it with pg_dump and the bucket with its own tools (docs/production.md)."
+            "the database is a server's; save it by pg_dump, the bucket by its own tools (docs/howto/run-a-fleet.md)."
         )
     return Path(parsed.database)

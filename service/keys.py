@@ -34,7 +34,7 @@ for hours."""
 
 
 class KeyMissing(GarmentqError):
-    """This service asks for a key; send `Authorization: Bearer TOKEN` (see docs/api.md), or set GARMENTQ_API_KEY."""
+    """The service needs a key; send `Authorization: Bearer TOKEN` (docs/reference/http.md), or set GARMENTQ_API_KEY."""
 
     code = "key.missing"
 

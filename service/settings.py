@@ -29,7 +29,7 @@ PERSON_CHECKER = "garmentq.service.checking:check_person"
 
 
 class ServiceSettingBad(BadInput):
-    """A GARMENTQ_ environment variable has a value that cannot be used; see docs/service.md."""
+    """A GARMENTQ_ environment variable has a value that cannot be used; see docs/reference/settings.md."""
 
     code = "service.setting_bad"
 

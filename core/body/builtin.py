@@ -38,7 +38,7 @@ class BodyMissing(BadInput):
 
 
 class BodySpecBad(BadInput):
-    """The built-in body is builtin:female|male[,height=1.70][,weight=62][,waist=0.72][,pose=A]; see docs/body.md."""
+    """Write builtin:female|male[,height=1.70][,weight=62][,waist=0.72][,pose=A]; see docs/concepts/wearer.md."""
 
     code = "body.spec_bad"
 

@@ -30,7 +30,7 @@ HEIGHTS = (0.8, 2.6)
 
 class SmplBad(BadInput):
     """The file is no body of SMPL's format; give an .npz of plain arrays: v_template, shapedirs, posedirs, J_regressor,
-    weights, kintree_table, f, and of the person betas, pose, trans (docs/body.md)."""
+    weights, kintree_table, f, and of the person betas, pose, trans (docs/reference/files.md)."""
 
     code = "body.smpl_bad"
 

@@ -56,7 +56,7 @@ def polish_nodes(
     Each step solves one sparse system for x that minimises
 
         sum_i w_i (|n_i.(x_i - p_i)|^2 + 0.2 |x_i - p_i|^2) + the same for the target's vertices on the garment
-        + 3 contours + a sum_f A_f |(G x)_f - R_f S_f|^2 + b |M^-1/2 L x|^2
+        + 10 contours + a sum_f A_f |(G x)_f - R_f S_f|^2 + b |M^-1/2 L x|^2
 
     with p_i the closest point, R_f the rotation nearest to (G x)_f S_f^-1 and S_f the rest stretch. The plane term is
     majorised by a point (the projection of x_i on the plane), so that x, y and z share one factor.

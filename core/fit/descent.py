@@ -44,7 +44,7 @@ class InverseSettings:
         plateau: Gain, as a share of the loss, that has to be made within `patience` steps.
         patience: Steps; fewer would take one jump of a fold for the end.
         keep_every: Steps from one checkpoint to the next.
-        simulate: The equilibrium in each step. It starts a millimetre of pattern away from the last, so 30
+        solve: The equilibrium in each step. It starts a millimetre of pattern away from the last, so 30
             factorisations suffice; a step that ends before it is at rest still has a direction of descent.
     """
 

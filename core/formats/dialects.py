@@ -75,4 +75,4 @@ BY_NAME: Mapping[str, Dialect] = MappingProxyType({
     )
 })  # fmt: skip
 """The dialects by name. `aama` is what most readers take; the others differ as their own files show or their users
-report: docs/pieces.md lists how."""
+report: docs/lab/pieces.md lists how."""

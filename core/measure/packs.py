@@ -29,7 +29,7 @@ class PackUnknown(NotFound):
 
 
 class PackBad(BadInput):
-    """A pack's file cannot be read; see the format of target packs in docs/bench.md."""
+    """A pack's file cannot be read; see the format of target packs in docs/reference/files.md."""
 
     code = "bench.pack_bad"
 
@@ -158,7 +158,7 @@ def read_pattern_file(path: Path) -> TruePattern:
         )
         seams = tuple(TrueSeam(_side(seam["a"]), _side(seam["b"])) for seam in data.get("stitches") or ())
     except (ValueError, KeyError, TypeError, AttributeError, OSError) as error:
-        raise PackBad(f"'{path}' is not a true pattern in metres; see docs/bench.md.") from error
+        raise PackBad(f"'{path}' is not a true pattern in metres; see docs/reference/files.md.") from error
     return TruePattern(panels, seams)
 
 
@@ -172,7 +172,7 @@ def _read_pack(folder: Path) -> Pack:
         category = str(meta.get("category", ""))
         fabric = {name: float(meta["fabric"][name]) for name in STIFFNESSES if name in (meta.get("fabric") or {})}
     except (ValueError, TypeError, AttributeError, OSError) as error:
-        raise PackBad(f"'{folder / 'meta.json'}' is no JSON object; see docs/bench.md.") from error
+        raise PackBad(f"'{folder / 'meta.json'}' is no JSON object; see docs/reference/files.md.") from error
 
     def find(name: str) -> Path | None:
         return folder / name if (folder / name).is_file() else None

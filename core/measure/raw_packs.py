@@ -102,7 +102,7 @@ def _read_array(path: Path, name: str) -> np.ndarray:
         with np.load(path, allow_pickle=False) as arrays:
             return np.asarray(arrays[name]).ravel()
     except (OSError, ValueError, KeyError) as error:
-        raise PackBad(f"'{path}' holds no array '{name}'; see docs/bench.md.") from error
+        raise PackBad(f"'{path}' holds no array '{name}'; see docs/reference/files.md.") from error
 
 
 def _read_pack(folder: Path) -> RawPack:
@@ -113,7 +113,7 @@ def _read_pack(folder: Path) -> RawPack:
         to_truth = np.asarray(meta["scan_to_truth"], dtype=np.float64).reshape(4, 4)
         garments = tuple(_name_garment(truth, each) for each in worn)
     except (ValueError, KeyError, TypeError, OSError) as error:
-        raise PackBad(f"'{folder}' is no raw pack: meta.json or truth/garments.json; see docs/bench.md.") from error
+        raise PackBad(f"'{folder}' is no raw pack: meta.json, truth/garments.json; docs/reference/files.md.") from error
     return RawPack(
         name=folder.name,
         folder=folder,

@@ -55,5 +55,5 @@ class Recording:
             return ()
         return (
             f"The motion's skeleton was not understood at {', '.join(missing)}, which will stay stiff; "
-            "name its joints as docs/animate.md says.",
+            "name its joints as docs/howto/animate.md says.",
         )

@@ -48,7 +48,7 @@ class PatternUnreadable(PatternFault):
 
 
 class PatternTooLarge(PatternFault):
-    """The pattern file is larger than a garment needs; see docs/pattern.md for the caps."""
+    """The pattern file is larger than a garment needs; see docs/reference/files.md for the caps."""
 
     code = "pattern.too_large"
 

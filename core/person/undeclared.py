@@ -26,8 +26,8 @@ MOSTLY = 0.5
 
 OFF_BODY = 9e-3
 """Distance from the fitted body, RMS, beyond which what was taken for skin is none [m]: bare bodies of other makes lie
-3.3 to 8.2 mm from it, skin beside clothes 1.9 to 7 mm (docs/body.md). Garments that were taken for skin lay 13 to 36 mm
-off."""
+3.3 to 8.2 mm from it, skin beside clothes 1.9 to 7 mm (docs/lab/body.md). Garments that were taken for skin
+lay 13 to 36 mm off."""
 
 
 @dataclass(frozen=True)

@@ -54,7 +54,7 @@ class Implicit:
     count as given, as they do in the last iterations of `equilibrium`.
 
     **Deviation**: the thesis differentiates 20 time steps, as `Unrolled` does. At rest both give the same gradient
-    (docs/simulate.md).
+    (docs/concepts/simulation.md).
 
     Attributes:
         tolerance: Largest force left on a node, relative to the mean weight of a node. What is left of force displaces

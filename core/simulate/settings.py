@@ -15,7 +15,7 @@ RESTING = 1.0
 The search asks for a thousandth of it (`SolveSettings.tolerance`), or that nothing moves by `SolveSettings.still` any
 more. Where friction and a crease of the body chase each other (`statics._CHASE`) the second comes first, and leaves
 forces below the cloth's own weight: a node that is pulled by more than it weighs would fall, or rise, if it could, and
-does not move because it is stuck. docs/simulate.md has what 45 searches left.
+does not move because it is stuck. docs/lab/simulate.md has what 45 searches left.
 """
 
 

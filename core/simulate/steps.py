@@ -24,7 +24,7 @@ class TimeSteps(ABC):
         dt: Length of a step [s]; the thesis has 0.05.
         damping: Share of velocity kept from one step to the next; the thesis has 1. `SolveSettings.damping` is for
             coming to rest, this for targets in motion. At rest 0.6 takes a sway of a second just critically out of 20
-            steps of 0.05 s, and the gradient is that of `Implicit`; undamped it still swings (docs/simulate.md).
+            steps of 0.05 s, and the gradient is that of `Implicit`; undamped it still swings (docs/lab/simulate.md).
     """
 
     steps: int = 20

@@ -59,4 +59,4 @@ def take_message(
     webhook_timestamp: Annotated[int, Header(description="When it is sent [s since 1970].")],
     webhook_signature: Annotated[str, Header(description="`v1,` and the HMAC-SHA256 of `ID.TIMESTAMP.BODY`, base64.")],
 ) -> None:
-    """Take a message, signed as Standard Webhooks 1.0.0 has it; docs/api.md tells the rules."""
+    """Take a message, signed as Standard Webhooks 1.0.0 has it; docs/reference/http.md tells the rules."""

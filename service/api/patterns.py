@@ -69,8 +69,8 @@ async def check_pattern(document: DocumentIn, request: Request, rooms: RoomsOf, 
 async def edit(wanted: PatternEditIn, request: Request, rooms: RoomsOf, caller: Reader) -> Any:
     """Apply operations to a document, one after the other, and examine the new one; nothing is kept.
 
-    An operation that cannot be done is refused with its number, and in `findings` with its place. docs/edit.md has
-    each operation with its fields.
+    An operation that cannot be done is refused with its number, and in `findings` with its place. Each operation and
+    its fields: docs/reference/http.md.
     """
     work = partial(edit_pattern, wanted.pattern.model_dump(), wanted.operations)
     return await rooms.limited.run(request, caller.key, work)

@@ -52,7 +52,7 @@ def _field(name: str, hint: Any) -> Any:
 _HINTS = get_type_hints(RecoverySettings)
 SettingsIn: Any = create_model(
     "Settings",
-    __doc__="Choose how a garment is recovered; what is left out is as `garmentq run` has it (docs/cli.md).",
+    __doc__="Choose how a garment is recovered; what is left out is as `garmentq run` has it (docs/reference/cli.md).",
     __config__=ConfigDict(extra="forbid"),
     **{f.name: (_field(f.name, _HINTS[f.name]), f.default) for f in fields(RecoverySettings) if f.name != "template"},  # type: ignore[call-overload]
 )
@@ -124,7 +124,7 @@ class DerivedIn(BaseModel):
     kind: Annotated[str, StringConstraints(pattern=r"^[a-z][a-z_]{0,31}$")] = Field(description="dress, for example.")
     result: JobId = Field(description="The job whose result it works on.")
     over: JobId | None = Field(None, description="dress: the job whose garment it is worn over; null: none.")
-    options: dict[FieldName, Any] = Field(default={}, max_length=50, description="What the kind is asked; docs/api.md.")
+    options: dict[FieldName, Any] = Field(default={}, max_length=50, description="Of the kind; docs/reference/http.md.")
     files: dict[FieldName, Sha256] = Field(default={}, max_length=10, description="Uploads by the request's fields.")
     priority: int = Field(0, ge=-100, le=100)
     queue: Literal[QUEUES] = QUEUES[0]  # type: ignore[valid-type]
@@ -164,7 +164,7 @@ class PanelsIn(BaseModel):
 
 
 class DocumentIn(BaseModel):
-    """Describe a GarmentCode or NeuralTailor pattern; docs/edit.md tells what is in it."""
+    """Describe a GarmentCode or NeuralTailor pattern; docs/reference/http.md tells what is in it."""
 
     model_config = ConfigDict(extra="allow", json_schema_extra={"example": SQUARE})
     pattern: PanelsIn

@@ -45,7 +45,7 @@ Name = Annotated[str, Query(max_length=255, description="The file's name; only i
 
 
 class FileRefused(BadInput):
-    """A file of this kind ends in one of the extensions of its page; see docs/api.md."""
+    """A file of this kind ends in one of the extensions of its page; see docs/reference/http.md."""
 
     code = "upload.extension"
 

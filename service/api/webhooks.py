@@ -35,7 +35,7 @@ def create(wanted: WebhookIn, rooms: RoomsOf, caller: Submitter) -> Any:
     """Send an address a message about the caller's own jobs that end from now on.
 
     The secret that signs the messages is in this answer and never again. The address is https and a public one, unless
-    the operator allows others; docs/api.md describes the messages.
+    the operator allows others; docs/reference/http.md describes the messages.
     """
     states = [State(state) for state in wanted.states]
     webhook, secret = create_webhook(rooms.database, wanted.url, states, rooms.settings.webhook_networks, caller.key)

@@ -35,7 +35,7 @@ WALKED = list(walk(group))
 
 @pytest.mark.parametrize(("path", "command"), WALKED, ids=[" ".join(path) for path, _ in WALKED])
 def test_every_command_is_explained(path, command):
-    """Broken where a command has no help, no example, an option without help, or no line in docs/cli.md."""
+    """Broken where a command has no help, no example, an option without help, or no line in docs/reference/cli.md."""
     answer = CliRunner().invoke(group, [*path[1:], "--help"])
     assert answer.exit_code == 0
     assert "Example:" in answer.output and f"  {' '.join(path)}" in answer.output
@@ -43,7 +43,8 @@ def test_every_command_is_explained(path, command):
         if isinstance(parameter, click.Option):
             assert parameter.help, f"{parameter.name} has no help"
     line = f"`{' '.join(path)}"
-    assert line in (ROOT / "docs" / "cli.md").read_text(encoding="utf-8"), f"docs/cli.md lacks {line}"
+    page = ROOT / "docs" / "reference" / "cli.md"
+    assert line in page.read_text(encoding="utf-8"), f"{page} lacks {line}"
 
 
 def test_the_list_of_commands_tells_what_they_tell():

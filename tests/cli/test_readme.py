@@ -56,6 +56,9 @@ ELSEWHERE = (
     "result",
     "export",
     "sizes",
+    "dress",
+    "refit",
+    "animate",
     "doctor",
 )
 """Commands that other tests run: they take long, never end, or need a job's id."""

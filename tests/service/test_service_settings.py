@@ -97,5 +97,6 @@ NAMES = {f"GARMENTQ_{field.name.upper()}" for field in fields(ServiceSettings)}
 
 
 def test_the_page_names_every_setting():
-    """Broken where a setting is added or renamed and docs/service.md is forgotten."""
-    assert set(re.findall(r"GARMENTQ_[A-Z0-9_]+", (ROOT / "docs" / "service.md").read_text(encoding="utf-8"))) == NAMES
+    """Broken where a setting is added or renamed and docs/reference/settings.md is forgotten."""
+    page = ROOT / "docs" / "reference" / "settings.md"
+    assert set(re.findall(r"GARMENTQ_[A-Z0-9_]+", page.read_text(encoding="utf-8"))) == NAMES

@@ -6,6 +6,6 @@ from ..errors import PatternFault
 
 
 class EditBad(PatternFault):
-    """The operation cannot be done on this pattern; see docs/edit.md for what each one takes."""
+    """The operation cannot be done on this pattern; see docs/reference/http.md for what each one takes."""
 
     code = "pattern.edit_bad"

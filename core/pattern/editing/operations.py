@@ -37,7 +37,7 @@ Given = Mapping[str, Any]
 
 
 def apply_operations(pattern: Pattern, operations: list[Any]) -> Pattern:
-    """Return a pattern after operations, one after the other; see docs/edit.md for what each takes.
+    """Return a pattern after operations, one after the other; see docs/reference/http.md for what each takes.
 
     Args:
         pattern: The pattern.
