@@ -213,7 +213,7 @@ def order_options(function: Decorator) -> Decorator:
             show_default=True,
             help="Vertices of the garment mesh.",
         ),
-        click.option("--seed", type=int, default=default.seed, show_default=True, help="Seed of the surface samples that are measured."),
+        click.option("--seed", type=int, default=default.seed, show_default=True, help="Seed of measured samples."),
         click.option("--force", is_flag=True, help="Make a new job even where an equal one exists."),
         click.option("--name", default="", help="Name of the job and of all below it.  [default: the scan's]"),
         click.option("--tag", "tags", multiple=True, help="Tag that they are found by; may be given several times."),

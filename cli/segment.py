@@ -34,7 +34,7 @@ def hint_options(function: Decorator) -> Decorator:
         click.option(
             "--mark", multiple=True, metavar="PART=X,Y,Z", help="What is at a place, in the file's coordinates."
         ),
-        click.option("--body", help="The wearer's mesh or SMPL file in the scan's place, or builtin:...  [default: found]"),
+        click.option("--body", help="The wearer's file in the scan's place, or builtin:...  [default: found]"),
         click.option("--units", type=click.Choice(tuple(UNITS)), help="Unit of the files.  [default: found]"),
         click.option("--up", type=click.Choice(["y", "z"]), help="Up axis of the files.  [default: found]"),
     ]
