@@ -16,6 +16,7 @@ import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from datetime import date
 from pathlib import Path
 from typing import Any
 
@@ -112,7 +113,8 @@ def main() -> None:
     lines = run_jobs([job for mode in modes for job in jobs[mode]], given.out, given.processes)
     told = [
         f"# Seed {given.seed}, {len(packs)} of {given.count} targets, {version.name}", "",
-        f"Wearers: {name_source()}. Distances in mm to the truth; `s2t` from ours to it.", "", *describe_targets(packs),
+        f"Measured: {date.today()}. Wearers: {name_source()}. Distances in mm to the truth; `s2t` from ours to it, "
+        "hidden cloth of persons included.", "", *describe_targets(packs),
     ]  # fmt: skip
     for n, mode in enumerate(modes):
         own = lines[n * len(packs) : (n + 1) * len(packs)]
