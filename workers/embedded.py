@@ -16,7 +16,7 @@ from ..core.errors import GarmentqError
 from ..service.lock import hold_lock, is_locked, take_lock
 from ..service.settings import ServiceSettings
 from .broker import run_folder, start_broker, stop_broker
-from .detached import has_ended, kill_group, killing_unless_up, launch
+from .detached import has_ended, kill_group, launching
 from .threads import VARIABLES, count_cores
 
 log = logging.getLogger(__name__)
@@ -133,9 +133,8 @@ def _launch(settings: ServiceSettings, folder: Path, workers: int) -> None:
     """Start a worker process and wait until it holds its lock."""
     environment = {**os.environ, **settings.as_environment(), **dict.fromkeys(VARIABLES, str(settings.threads))}
     command = [sys.executable, "-m", "garmentq.cli.main", "worker", "--embedded", "--workers", str(workers)]
-    process = launch(command, settings.home / "worker.log", environment)
     deadline = time.monotonic() + START_SECONDS
-    with killing_unless_up(process):
+    with launching(command, settings.home / "worker.log", environment) as process:
         while time.monotonic() < deadline and not has_ended(process):
             if is_locked(folder / "worker.lock"):
                 return
