@@ -134,7 +134,7 @@ def test_a_worker_gives_its_job_back(settings, start, queue_job, number):
     os.killpg(process.pid, number)
     assert process.wait() == 0
     row = read_job(settings, job)
-    assert (row.state, row.attempts) == ("queued", 0)
+    assert (row.state, row.attempts, row.error_message) == ("queued", 0, None)
 
 
 @pytest.mark.parametrize("number", STOPS, ids=lambda one: one.name)
