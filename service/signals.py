@@ -32,7 +32,9 @@ def deferring_stops() -> Iterator[None]:
     came: list[int] = []
     is_main = threading.current_thread() is threading.main_thread()
     heard = [number for number in STOP_SIGNALS if is_main and signal.getsignal(number) is not signal.SIG_IGN]
-    with handling(heard, lambda number, _: came.append(number)):
-        yield
-    for number in came:
-        signal.raise_signal(number)
+    try:
+        with handling(heard, lambda number, _: came.append(number)):
+            yield
+    finally:  # also where the block failed: a signal is never lost
+        for number in came:
+            signal.raise_signal(number)

@@ -22,6 +22,7 @@ from ..service.database import Database, open_database
 from ..service.home import use_home
 from ..service.logs import set_up_logs
 from ..service.settings import ServiceSettings, read_settings
+from ..service.signals import STOP_SIGNALS, handling
 from ..service.webhook_delivery import send
 from ..service.webhooks import note_receipt, take_due
 from .detached import launch
@@ -57,14 +58,10 @@ class CourierAway(Unavailable):
 def _listening() -> Iterator[Event]:
     """Give what is set when this process is told to stop: what is on its way then arrives, and is noted."""
     told = Event()
-    before = {number: signal.signal(number, lambda *_: told.set()) for number in (signal.SIGINT, signal.SIGTERM)}
-    if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:  # nohup
-        before[signal.SIGHUP] = signal.signal(signal.SIGHUP, lambda *_: told.set())
-    try:
+    is_kept = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN  # nohup
+    heard = [number for number in STOP_SIGNALS if not (is_kept and number is signal.SIGHUP)]
+    with handling(heard, lambda *_: told.set()):
         yield told
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 async def deliver(
