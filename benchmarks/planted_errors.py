@@ -1,7 +1,7 @@
 """Forty errors of `core` as a programmer makes them by accident: what a gate should notice (`plant.py` draws of them).
 
 A width, a seam, a metric or a body's scale is 5 % off, a stiffness or a weight 15 %; a threshold is moved until about
-one in fifty of what it decides changes: by how much was read off a simulated person, a drape or docs/lab/README.md.
+one in fifty of what it decides changes: by how much was read off a simulated person, a drape or docs/lab.
 They were chosen by reading `core`, in thirteen of its rooms, before any gate had run on one of them.
 """
 

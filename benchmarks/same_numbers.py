@@ -24,9 +24,8 @@ RUN = """
 import json, sys
 sys.path.insert(0, sys.argv[1])
 from golden_scenes import SCENES, Shift
-if __name__ == "__main__":
-    found = SCENES[sys.argv[2]](Shift())
-    print(json.dumps({**found.numbers, **found.words}))
+found = SCENES[sys.argv[2]](Shift())
+print(json.dumps({**found.numbers, **found.words}))
 """
 """Prints what a scene measures; a number's text tells all of its bits."""
 
@@ -50,17 +49,15 @@ def list_differences(before: dict[str, Any], now: dict[str, Any]) -> Iterable[st
 
 def main() -> None:
     """Run the scenes and print what differs."""
+    known = sorted(json.loads((ROOT / "tests" / "golden" / "golden.json").read_text())["scenes"])
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("commit", help="what this tree is compared with")
-    parser.add_argument("--scene", action="append", help="only this one; may be repeated")
+    parser.add_argument("--scene", action="append", choices=known, help="only this one; may be repeated")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "same", help="where the commit is checked out")
     given = parser.parse_args()
-    sys.path.insert(0, str(ROOT / "tests" / "golden"))
-    from golden_scenes import SCENES
-
     before, now = find_version(given.commit, given.out.resolve()), Version("now", ROOT)
-    scenes = given.scene or sorted(SCENES)
+    scenes = given.scene or known
     with ThreadPoolExecutor(given.processes) as pool:
         runs = {(v.name, s): pool.submit(measure, v, s) for s in scenes for v in (before, now)}
         differ = 0

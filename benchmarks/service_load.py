@@ -200,7 +200,7 @@ def show(what: str, ask: Callable[[], object], count: int) -> None:
 
 
 def measure_query(settings: ServiceSettings, count: int = 100_000) -> None:
-    """Ask the questions of docs/reference/cli.md."""
+    """Find jobs among many by the conditions of docs/reference/cli.md, and print how long each search takes."""
     database = open_database(settings)
     fill(database, count, "succeeded")
     if settings.database_url:  # PostgreSQL does so by itself within a minute, and results do not come all at once

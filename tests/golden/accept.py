@@ -12,6 +12,7 @@ import os
 import sys
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from unittest.mock import patch
 
 from golden_numbers import Measured
 from golden_record import accept, compare, describe_scatter, load_record, save_record
@@ -37,16 +38,11 @@ def run_all(names: Sequence[str], processes: int) -> dict[str, list[Measured]]:
     """Return what each scene measures in all runs, that of the scene as it is first."""
     found: dict[str, list[Measured]] = {name: [] for name in names}
     for variables, shifts in (({}, SHIFTS), *((each, SHIFTS[:1]) for each in PROCESSORS)):
-        kept = {name: os.environ.get(name) for name in variables}
-        os.environ.update(variables)  # libraries read them once: each pool's processes start afresh
-        with ProcessPoolExecutor(processes, multiprocessing.get_context("spawn")) as pool:
+        afresh = multiprocessing.get_context("spawn")  # libraries read the variables once
+        with patch.dict(os.environ, variables), ProcessPoolExecutor(processes, afresh) as pool:
             futures = {name: [pool.submit(run, name, shift) for shift in shifts] for name in names}
             for name, own in futures.items():
                 found[name] += [future.result() for future in own]
-        for name, value in kept.items():
-            os.environ.pop(name)
-            if value is not None:
-                os.environ[name] = value
     return found
 
 
