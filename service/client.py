@@ -58,7 +58,7 @@ class Client(RemoteBackend):
         return self._ask_object("GET", f"/v1/scans/{quote(sha256, safe='')}/inspection", params=params)
 
     def check_pattern(self, document: Mapping[str, Any]) -> dict[str, Any]:
-        """Return what is wrong with a pattern's document, lengths, seams and symmetry; see docs/reference/http.md."""
+        """Return what is wrong with a pattern's document, lengths, seams and symmetry (docs/reference/http.md)."""
         return self._ask_object("POST", "/v1/patterns/check", json=dict(document))
 
     def edit_pattern(self, document: Mapping[str, Any], operations: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

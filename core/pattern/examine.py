@@ -116,8 +116,8 @@ def examine_file(source: str, vertex_count: int = VERTICES) -> dict[str, Any]:
         vertex_count: Nodes of the mesh that is tried.
 
     Returns:
-        `is_sound`, `findings`, `panels`, `seams` and `mirrors`; see docs/reference/http.md. Numbers of edges and
-            control points are the file's, points are in its unit.
+        `is_sound`, `findings`, `panels`, `seams` and `mirrors` (docs/reference/pattern-documents.md). Numbers of edges
+        and control points are the file's, points are in its unit.
 
     Raises:
         PatternFault: where the file is no JSON object.

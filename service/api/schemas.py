@@ -164,7 +164,7 @@ class PanelsIn(BaseModel):
 
 
 class DocumentIn(BaseModel):
-    """Describe a GarmentCode or NeuralTailor pattern; docs/reference/http.md tells what is in it."""
+    """Describe a GarmentCode or NeuralTailor pattern; docs/reference/pattern-documents.md."""
 
     model_config = ConfigDict(extra="allow", json_schema_extra={"example": SQUARE})
     pattern: PanelsIn
